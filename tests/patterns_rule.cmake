@@ -1,11 +1,10 @@
-# Every pattern that a room's CMakeLists.txt labels tests by names a test: else a renamed test would
-# lose its label unseen.
+# Fails if a pattern for a label matches no test, for example after a test was renamed.
 #   cmake -D PROGRAM=test_room -D PATTERNS=Suite.Name:Suite.* -P patterns_rule.cmake
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND "${PROGRAM}" --gtest_list_tests OUTPUT_VARIABLE listed
   COMMAND_ERROR_IS_FATAL ANY)
 
-# A suite's line ends with a dot, its tests' are indented, "# GetParam() = ..." may follow.
+# The line of a suite ends with a dot. Tests are indented. "# GetParam() = ..." can follow.
 set(tests)
 string(REGEX REPLACE "[][;]" "_" listed "${listed}")
 string(REPLACE "\n" ";" lines "${listed}")

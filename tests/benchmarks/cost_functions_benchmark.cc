@@ -1,5 +1,5 @@
 // One linearisation and one full solve of point-to-plane residuals: as one reduced block, as one
-// Ceres block per point, and by the hand-written sums of the closed form.
+// Ceres block per point, and in closed form.
 #include <benchmark/benchmark.h>
 
 #include "cost_functions/random_functors.h"
@@ -53,7 +53,7 @@ void LinearizeReduced(benchmark::State& state) {
 BENCHMARK_TEMPLATE(LinearizeReduced, float)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(LinearizeReduced, double)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
 
-// The hand-built closed form over the same pairs, moved to the pose.
+// Closed form over the same correspondences, moved to the pose.
 void LinearizeByHand(benchmark::State& state) {
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   const PairBuffer pairs = MovedPairs();
@@ -78,7 +78,7 @@ void Solve(const AddBlocks& add_blocks, ceres::LinearSolverType type) {
   benchmark::DoNotOptimize(pose);
 }
 
-// Building included.
+// Includes building the problem.
 void SolveReduced(benchmark::State& state) {
   for (auto _ : state) {
     Solve([](ceres::Problem* problem,

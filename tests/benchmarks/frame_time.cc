@@ -1,15 +1,16 @@
-// Measures the time of a frame, and how many times that is what the frame takes in any case.
+// Measures the frame time relative to a baseline: decoding and memory transfer.
 //
 //   frame_time sequence output [frames [max_multiple [solver]]]
 //
-// In any case a frame is decoded, here by OpenCV's imdecode (libpng and zlib, libjpeg-turbo), which
-// stays as it is whatever our decoders do, and the bytes it must touch go through memory once:
-// - depth and colour as decoded, 7 bytes a pixel;
-// - vertices and normals of all levels of the frame, and of the model view: 24 bytes each;
-// - the surfels that met a point or were added: 40 bytes each, read and written.
-// The first figure is of one thread, the second a copy of as many bytes by as many threads, both
-// after the run, so that the multiple says the same on a slower machine. Exits with 1 if it is
-// above max_multiple in six runs: other work only adds to it.
+// The baseline decodes the frame with imdecode() of OpenCV (libpng and zlib, libjpeg-turbo) on one
+// thread. It does not depend on the decoders of Surfit. Then it copies the bytes that a frame
+// touches, once, on all threads:
+// - decoded depth and colour, 7 bytes per pixel;
+// - vertices and normals of all levels of the frame and of the model view, 24 bytes each;
+// - surfels that were merged or added, 40 bytes each, read and written.
+// Both times are measured after the run, so that the multiple does not depend on the machine. The
+// exit code is 1 if the multiple of six runs is above max_multiple. Other load on the machine only
+// increases it.
 
 #include <algorithm>
 #include <atomic>
@@ -40,7 +41,7 @@ std::size_t BytesOfFrame(const SlamRunSummary& summary) {
   return static_cast<std::size_t>(pixels * (7 + 2 * 24 * kAllLevels) + 2 * 40 * surfels);
 }
 
-// The fastest of some copies: half of the bytes are read, half are written.
+// Shortest time of several copies. Half of the bytes are read, and half are written.
 double CopyMilliseconds(std::size_t bytes) {
   constexpr int kRepetitions = 20, kChunk = 1 << 18;
   std::vector<char> from(bytes / 2, 1), to(bytes / 2);
@@ -62,7 +63,7 @@ std::string BytesOf(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// The fastest of some rounds over some images, for one.
+// Shortest time per image of several rounds over the images.
 double DecodeMilliseconds(const std::vector<std::string>& paths) {
   constexpr std::size_t kMost = 20;
   constexpr int kRepetitions = 5;
@@ -85,7 +86,7 @@ double DecodeMilliseconds(const std::vector<std::string>& paths) {
   return fastest_ms;
 }
 
-// Of the depth and the colour of a frame of a folder of images.
+// Decoding time of depth and colour of a frame in a folder of images.
 double DecodeMilliseconds(const std::string& sequence) {
   std::vector<std::string> depth, color;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(sequence)) {
@@ -104,7 +105,6 @@ void Print(const std::string& name, const TimeStatistics& times) {
               times.median_ms, times.p95_ms);
 }
 
-// The multiple of one run.
 double Measure(const SlamRunOptions& options) {
   const SlamRunSummary summary = RunSlam(options, std::atomic<bool>(false), [](const auto&) {});
   const ThreadLimit threads(options.threads);
@@ -132,7 +132,7 @@ int Run(int argc, char** argv) {
   options.sequence.path = argv[1];
   options.output = argv[2];
   options.pictures = false;
-  options.final_map = false;  // takes no frame's time
+  options.final_map = false;  // not part of the frame time
   if (argc > 3) options.sequence.last = std::atoi(argv[3]) - 1;
   if (argc > 5) options.slam.icp.solver = argv[5];
   const double max_multiple = argc > 4 ? std::atof(argv[4]) : 1e9;

@@ -1,5 +1,5 @@
-// Every functor, differentiated automatically (with Jacobian) and evaluated (residuals only): as
-// one reduced batch of 280,000 points, and as a Ceres cost function of its own.
+// Evaluates all functors with autodiff (with Jacobians), and residuals only: as one reduced batch
+// of 280,000 points, and as separate Ceres cost functions.
 #include <benchmark/benchmark.h>
 #include <ceres/autodiff_cost_function.h>
 
@@ -17,7 +17,7 @@ constexpr int kPoints = 280000;
 
 Rigid3d Start() { return {QuaternionExp<double>({0.01, -0.02, 0.01}), {0.02, -0.01, 0.01}}; }
 
-// Evaluates a cost at the start, with Jacobians of each block or without.
+// Evaluates a cost at the initial pose, with or without Jacobians of each block.
 void Evaluate(const ceres::CostFunction& cost, bool with_jacobian, benchmark::State& state) {
   const PoseBlock pose = AsBlock(Start());
   const std::size_t blocks = cost.parameter_block_sizes().size();

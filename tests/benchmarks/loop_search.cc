@@ -11,7 +11,7 @@
 namespace surfit::testing {
 namespace {
 
-// Adds the CPU time of its life, of all threads, to a sum.
+// Adds the CPU time of all threads during its lifetime to a sum.
 class CpuTimer {
  public:
   explicit CpuTimer(double* sum_ms) : sum_ms_(*sum_ms), begin_(std::clock()) {}
@@ -24,10 +24,9 @@ class CpuTimer {
   std::clock_t begin_;
 };
 
-// What is kept of each frame to evaluate the loops.
 struct EvaluatedFrame {
   int index;
-  int keyframe;  // its position
+  int keyframe;  // index of the keyframe
   std::optional<Rigid3d> truth;
 };
 

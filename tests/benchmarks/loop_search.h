@@ -13,7 +13,6 @@
 
 namespace surfit::testing {
 
-// Input and options of a loop search.
 struct LoopSearchOptions {
   SequenceOptions sequence;
   std::string
@@ -23,9 +22,9 @@ struct LoopSearchOptions {
   PlaceViewOptions view;
   PlaceIndexOptions index;
   FindLoopsOptions loops;
-  std::size_t max_view_bytes = 200'000'000;  // of the views of all keyframes
+  std::size_t max_view_bytes = 200'000'000;  // limit of the memory of all views
   // A frame returns to a place if its true pose is near the true pose of an earlier frame.
-  int revisit_gap = 300;      // minimum number of frames between the two
+  int revisit_gap = 300;      // minimum number of frames between both frames
   double revisit_m = 0.3;     // maximum distance
   double revisit_rad = 0.26;  // maximum angle
   // An accepted loop with a larger error is wrong.
@@ -42,7 +41,6 @@ struct FoundLoop {
   bool disputed = false;  // wrong, but the surfaces fit better than at the true pose
 };
 
-// Comparison of the loops with the ground truth.
 struct LoopEvaluation {
   int revisiting = 0;  // frames that return to a place
   int linked = 0;      // revisiting frames with an accepted loop to a frame before `revisit_gap`
@@ -55,12 +53,12 @@ struct LoopEvaluation {
 
 // Loops of a sequence and the CPU time of the search.
 struct LoopSearchResult {
-  int frames = 0;    // with pose and depth
+  int frames = 0;    // frames with pose and depth
   int left_out = 0;  // frames without pose or depth
   std::vector<Keyframe> keyframes;
   std::vector<FoundLoop> loops;  // accepted and rejected
   int given_up = 0;              // keyframes without a view, because of `max_view_bytes`
-  std::size_t view_bytes = 0;    // of the other views
+  std::size_t view_bytes = 0;    // memory of the remaining views
   double view_ms = 0;            // CPU time to make a view, mean
   double query_ms = 0;           // CPU time to propose the loops of a keyframe, mean
   double verify_ms = 0;          // CPU time to verify a loop, mean

@@ -1,5 +1,4 @@
-// Searches the loops of a sequence: prints verdicts, CPU times and errors.
-//   loop_search_time SEQUENCE [TRAJECTORY]    default: the ground truth of the sequence
+// Searches loop closures in a sequence, and prints verification results, CPU times and errors.
 #include <cmath>
 #include <cstdio>
 #include <iostream>

@@ -1,10 +1,10 @@
-// Measures the time of a frame and the memory of the process while the map grows elsewhere.
+// Measures the frame time and the memory of the process for a growing map.
 //
 //   map_growth output [millions [max_bytes_per_surfel]]
 //
-// The camera sees the same room all the time, so that neither its work nor what it sees changes.
-// Writes output/map_growth.csv and .png, a row and a point for each million of surfels. Exits with
-// 1 if the memory from one million on grows by more bytes per surfel.
+// The camera views the same room all the time, and surfels are added behind it. Writes
+// output/map_growth.csv and .png with one row and one point per million surfels. The exit code is 1
+// if the memory above one million surfels grows by more than max_bytes_per_surfel.
 
 #include <algorithm>
 #include <chrono>
@@ -25,12 +25,11 @@
 namespace surfit::testing {
 namespace {
 
-// Runs of frames until each thread has taken the buffers that it keeps.
+// Number of frames until each thread has allocated its buffers.
 constexpr int kWarmUps = 5;
 constexpr const char* kCsv = "map_growth.csv";
 constexpr const char* kPicture = "map_growth.png";
 
-// Of a map of some size.
 struct Growth {
   std::vector<double> surfels, frame_ms, rss_bytes;
 };
@@ -45,7 +44,7 @@ double RssBytes() {
   return resident_pages * kPageBytes;
 }
 
-// Predicting a view of the map and fusing a frame: the median of some.
+// Median time of rendering a model view and fusing a frame.
 double FrameMilliseconds(const MappedRoom& room, SurfelMap* map) {
   constexpr int kFrames = 9;
   static ModelRenderer renderer({});

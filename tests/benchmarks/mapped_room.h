@@ -12,7 +12,7 @@
 
 namespace surfit::testing {
 
-// A map of about 500,000 surfels, made from frames of a simulated room, and the next frame.
+// Map of about 500,000 surfels from frames of a simulated room, and the next frame.
 struct MappedRoom {
   static constexpr int kFrames = 20;
   PinholeCamera camera{640, 480, 525, 525, 319.5, 239.5, {}};
@@ -36,7 +36,8 @@ struct MappedRoom {
     }
   }
 
-  // Adds surfels behind the camera, a wall of 5 mm spacing and 20 m wide, until there are so many.
+  // Adds surfels behind the camera until the map has `count` surfels: a wall of 20 m width with a
+  // spacing of 5 mm.
   void GrowElsewhere(std::size_t count, SurfelMap* grown) const {
     Surfel far = map[map.Ids().front()];
     far.confidence = FusionOptions().lasting_confidence;

@@ -28,7 +28,7 @@ void ModelRendererRender(benchmark::State& state) {
 }
 BENCHMARK(ModelRendererRender)->Apply(Threads);
 
-// The same frame into a copy of the map each time; copying is not counted.
+// Fuses the same frame into a copy of the map. Copying is not timed.
 void FusionFuse(benchmark::State& state) {
   const MappedRoom& room = Room();
   const ThreadLimit limit(static_cast<int>(state.range(0)));
@@ -43,8 +43,8 @@ void FusionFuse(benchmark::State& state) {
 }
 BENCHMARK(FusionFuse)->Apply(Threads);
 
-// The same view and frame where the map goes on elsewhere, to so many millions of surfels: the time
-// must not follow these.
+// Renders and fuses the same frame in maps with millions of additional surfels behind the camera.
+// The time must not depend on these surfels.
 void FrameInALargeMap(benchmark::State& state) {
   const MappedRoom& room = Room();
   SurfelMap map = room.map;

@@ -8,7 +8,6 @@
 namespace surfit::testing {
 namespace {
 
-// Sums as many floats as a 640 x 480 image has pixels, in blocks of 16 rows.
 void ParallelSumOfAnImage(benchmark::State& state) {
   constexpr int kPixels = 640 * 480;
   constexpr int kGrain = 640 * 16;

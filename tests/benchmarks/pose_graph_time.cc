@@ -1,11 +1,13 @@
-// Optimises a generated pose graph, or one of a file, by Surfit and by Ceres as its examples do it:
-// a residual block with automatic derivatives for each edge, position and quaternion as blocks of
-// their own. Prints costs and CPU time per iteration.
+// Optimises a generated pose graph, or the pose graph of a file, with Surfit and with Ceres.
+// Ceres is used as in its examples: one residual block with autodiff per edge, and separate blocks
+// for position and quaternion. Prints costs and CPU time per iteration.
+//
 //   pose_graph_time sphere|torus|grid SIZE [MAX_RATIO [ITERATIONS [REPEATS]]]
 //   pose_graph_time FILE.g2o
-// SIZE: poses of a turn and turns, or along each side of the grid. ITERATIONS: at most, of each; of
-// REPEATS, 3 if not given, the fastest counts. Fails if costs differ, or if Surfit takes more than
-// MAX_RATIO as long.
+//
+// SIZE: number of poses per turn and of turns, or poses along each side of the grid. ITERATIONS:
+// maximum of each solver. REPEATS: number of runs, of which the fastest is used; default 3. The
+// exit code is 1 if the costs differ, or if the time ratio of Surfit to Ceres is above MAX_RATIO.
 
 #include <ceres/ceres.h>
 
@@ -37,7 +39,7 @@ struct Outcome {
 
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-// The error of SquaredError() from positions and quaternions.
+// Error of SquaredError(), from positions and quaternions.
 struct PlainEdge {
   explicit PlainEdge(const PoseGraphEdge& edge)
       : b_from_a(edge.a_from_b.Inverse()), root(edge.information.llt().matrixU()) {}
@@ -103,7 +105,7 @@ void Print(const char* name, const Outcome& o) {
             << 1000 * o.PerIteration() << " ms each" << std::endl;
 }
 
-// Both begin from the same poses, which chordal initialisation gives.
+// Both solvers start from the poses of chordal initialisation.
 int Run(const PoseGraph& given, const Bounds& bounds) {
   PoseGraphOptions options;
   PoseGraph graph = given;
@@ -116,7 +118,8 @@ int Run(const PoseGraph& given, const Bounds& bounds) {
   options.initialization = "given";
   options.max_iterations = bounds.iterations;
   Outcome plain = SolvePlainly(graph, options), ours = SolveByUs(graph, options);
-  for (int repeat = 1; repeat < bounds.repeats; ++repeat) {  // in turns: others may use the machine
+  for (int repeat = 1; repeat < bounds.repeats;
+       ++repeat) {  // alternates the solvers, so that other load affects both
     plain.cpu_s = std::min(plain.cpu_s, SolvePlainly(graph, options).cpu_s);
     ours.cpu_s = std::min(ours.cpu_s, SolveByUs(graph, options).cpu_s);
   }

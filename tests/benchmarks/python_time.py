@@ -1,10 +1,10 @@
-"""The time of SLAM from Python beside that of the program surfit_slam, which takes turns with it:
+"""Compares the time of SLAM from Python with the time of surfit_slam, in alternating runs:
 
     python_time.py SEQUENCE [TURNS]
 
-with PYTHONPATH the folder of the module and SURFIT_TOOLS_DIR that of the programs. Both read ahead;
-counted is the time from the first frame's beginning to the last one's end. Fails where digests
-differ.
+PYTHONPATH is the folder of the module, and SURFIT_TOOLS_DIR the folder of the programs. Both read
+ahead. The time is from the begin of the first frame to the end of the last frame. The exit code is 1
+if the digests differ.
 """
 
 import json

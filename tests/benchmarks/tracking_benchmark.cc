@@ -13,7 +13,6 @@ namespace {
 
 PinholeCamera FullCamera() { return {640, 480, 525, 525, 319.5, 239.5, {}}; }
 
-// Depth of the default room at full resolution.
 const Image<float>& RoomDepth() {
   static const Image<float> depth_m = [] {
     const Scene scene = MakeScene("room");
@@ -47,7 +46,7 @@ ProjectiveAssociation Projective() {
   return {RoomLevel(), RoomLevel(), AssociationGates(), ErrorModel(), NeededNormals::kBoth};
 }
 
-// The finest level's pairs alone, nothing summed.
+// Correspondences of the finest level, without sums.
 void FindPairs(const Association& association, benchmark::State& state) {
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   for (auto _ : state) {
@@ -64,20 +63,21 @@ void FindPairs(const Association& association, benchmark::State& state) {
 
 void FindProjectivePairs(benchmark::State& state) { FindPairs(Projective(), state); }
 
-// Nearest neighbours, the trees made before, and the last matches known but for the first time.
+// Nearest neighbours with existing trees. All iterations except the first start from the last
+// matches.
 void FindNearestPairs(benchmark::State& state) {
   const SearchablePoints points(PointSetOf(RoomLevel(), ErrorModel()));
   FindPairs(KdTreeAssociation(points, points, {}), state);
 }
 
-// All pairs as a list, which solvers other than closed_form_ldlt and closed_form_lu take.
+// List of correspondences, for all solvers except closed_form_ldlt and closed_form_lu.
 void CollectProjectivePairs(benchmark::State& state) {
   const ProjectiveAssociation association = Projective();
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   for (auto _ : state) benchmark::DoNotOptimize(association.Collect(Motion()));
 }
 
-// Hand-built rows of given pairs, summed, with the tracker's robust kernel.
+// Sums the closed-form rows of known correspondences, with the robust kernel of tracking.
 void LinearizeRows(benchmark::State& state, ResidualType residual) {
   const PairBuffer pairs = Projective().Collect(Motion());
   const ThreadLimit limit(static_cast<int>(state.range(0)));
@@ -87,7 +87,7 @@ void LinearizeRows(benchmark::State& state, ResidualType residual) {
   state.counters["pairs"] = pairs.size;
 }
 
-// The same while the pairs are found.
+// Sums the rows and finds the correspondences in one pass.
 void LinearizeProjective(benchmark::State& state, ResidualType residual) {
   const ProjectiveAssociation association = Projective();
   const ThreadLimit limit(static_cast<int>(state.range(0)));

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
+
 #include "surfit/core/error.h"
 #include "testing/matchers.h"
 #include "testing/temp_folder.h"
@@ -16,7 +19,7 @@ std::size_t FileCount(const std::string& folder) {
   return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
 }
 
-TEST(WriteFileAtomically, WritesTheFileAndLeavesNothingElse) {
+TEST(WriteFileAtomically, ReplacesFileAndLeavesNoOtherFile) {
   const TempFolder dir;
   const std::string path = dir.Write("a.txt", "an older and longer file");
   WriteFileAtomically(path, [](std::ostream& out) { out << "new\n"; });
@@ -24,7 +27,7 @@ TEST(WriteFileAtomically, WritesTheFileAndLeavesNothingElse) {
   EXPECT_EQ(FileCount(dir.path()), 1u);
 }
 
-TEST(WriteFileAtomically, KeepsTheOldFileWhileTheNewOneIsIncomplete) {
+TEST(WriteFileAtomically, KeepsOldFileUntilNewFileIsComplete) {
   const TempFolder dir;
   const std::string path = dir.Write("a.txt", "old");
   WriteFileAtomically(path, [&](std::ostream& out) {
@@ -33,7 +36,7 @@ TEST(WriteFileAtomically, KeepsTheOldFileWhileTheNewOneIsIncomplete) {
   });
 }
 
-TEST(WriteFileAtomically, KeepsTheOldFileIfTheWriterThrows) {
+TEST(WriteFileAtomically, KeepsOldFileIfWriterThrows) {
   const TempFolder dir;
   const std::string path = dir.Write("a.txt", "old");
   const auto write = [&] {
@@ -47,35 +50,37 @@ TEST(WriteFileAtomically, KeepsTheOldFileIfTheWriterThrows) {
   EXPECT_EQ(FileCount(dir.path()), 1u);
 }
 
-TEST(WriteFileAtomically, NamesTheFileAndTheReason) {
+TEST(WriteFileAtomically, NamesFileAndSystemError) {
   const TempFolder dir;
   EXPECT_THAT(
       [&] { WriteFileAtomically(dir.path() + "/no/such/folder/a.txt", [](std::ostream&) {}); },
-      ThrowsMessage<InputError>(AllOf(HasSubstr("cannot write"), HasSubstr("such/folder/a.txt"),
-                                      HasSubstr("No such file or directory"))));
-  EXPECT_THAT([&] { WriteFileAtomically(dir.path(), [](std::ostream&) {}); },
-              ThrowsMessage<InputError>(HasSubstr("Is a directory")));
+      ThrowsMessage<InputError>(
+          AllOf(Names("no/such/folder/a.txt"), HasSubstr(std::strerror(ENOENT)))));
+  EXPECT_THAT(
+      [&] { WriteFileAtomically(dir.path(), [](std::ostream&) {}); },
+      ThrowsMessage<InputError>(AllOf(Names(dir.path()), HasSubstr(std::strerror(EISDIR)))));
 }
 
-TEST(WriteFileAtomically, ReportsAFullDisk) {
+TEST(WriteFileAtomically, RejectsFullDisk) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
-  EXPECT_THAT([] { WriteFileAtomically("/dev/full", [](std::ostream& out) { out << "x"; }); },
-              ThrowsMessage<InputError>(HasSubstr("No space left on device")));
+  EXPECT_THAT(
+      [] { WriteFileAtomically("/dev/full", [](std::ostream& out) { out << "x"; }); },
+      ThrowsMessage<InputError>(AllOf(Names("/dev/full"), HasSubstr(std::strerror(ENOSPC)))));
   EXPECT_TRUE(fs::is_character_file("/dev/full"));  // written to, not replaced
 }
 
-TEST(WriteFileAtomically, RefusesASymbolicLink) {
+TEST(WriteFileAtomically, RejectsSymbolicLink) {
   const TempFolder dir;
   const std::string target = dir.Write("target.txt", "old");
   fs::create_symlink(target, dir / "link.txt");
   ExpectInputError(
       [&] { WriteFileAtomically(dir / "link.txt", [](std::ostream& out) { out << "new"; }); },
-      HasSubstr("link.txt': it is a link"));
+      Names("link.txt"));
   EXPECT_EQ(ReadBytes(target), "old");
   EXPECT_TRUE(fs::is_symlink(dir / "link.txt"));
 }
 
-TEST(WriteFileAtomically, FollowsNoLinkOfTheNameOfAnUnfinishedFile) {
+TEST(WriteFileAtomically, IgnoresLinksWithNamesOfPartialFiles) {
   const TempFolder dir;
   const std::string target = dir.Write("target.txt", "old");
   for (int i = 0; i < 1000; ++i) {
@@ -87,7 +92,7 @@ TEST(WriteFileAtomically, FollowsNoLinkOfTheNameOfAnUnfinishedFile) {
   EXPECT_EQ(ReadBytes(dir / "a.txt"), "new");
 }
 
-TEST(WriteFileAtomically, GoesBackToWhatWasWritten) {
+TEST(WriteFileAtomically, SupportsSeekInStream) {
   const TempFolder dir;
   WriteFileAtomically(dir / "a.txt", [](std::ostream& out) {
     out << "0 of " << std::string(100000, 'x');

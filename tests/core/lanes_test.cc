@@ -17,7 +17,7 @@ TEST(Lanes, AreEightFloatsOrFourDoubles) {
   for (int k = 0; k < 8; ++k) EXPECT_EQ(y[k], 2 * x[k] + 1);
 }
 
-TEST(Lanes, LoadAndKeepUpToACount) {
+TEST(Lanes, LoadUpToCount) {
   const double x[4] = {1, 2, 3, 4};
   const Lanes<double> loaded = Lanes<double>::LoadUpTo(x, 2);
   const double expected[4] = {1, 2, 2, 2};
@@ -29,7 +29,7 @@ TEST(Lanes, LoadAndKeepUpToACount) {
   }
 }
 
-TEST(Lanes, StoreUpToACount) {
+TEST(Lanes, StoreUpToCount) {
   const float x[8] = {1, 2, 3, 4, 5, 6, 7, 8};
   for (int count = 1; count <= 9; ++count) {
     float stored[9] = {};
@@ -48,7 +48,7 @@ TEST(Lanes, StoreIntegersRoundedTowardsZero) {
   for (int k = 0; k < 4; ++k) EXPECT_EQ(integers[k], static_cast<std::int32_t>(y[k]));
 }
 
-TEST(Lanes, HaveMagnitudesAndTheGreaterAndLesserOfTwo) {
+TEST(Lanes, ComputeAbsMaxAndMin) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const float xs[8] = {-1.5f, 2, -0.f, 0, -kInfinity, kInfinity, 1e-40f, -1e-40f};
   const auto x = Lanes<float>::Load(xs);
@@ -62,7 +62,7 @@ TEST(Lanes, HaveMagnitudesAndTheGreaterAndLesserOfTwo) {
   }
 }
 
-TEST(Lanes, SelectWhereBothConditionsHold) {
+TEST(Lanes, SelectByCombinedConditions) {
   const double xs[4] = {1, 2, 3, 4};
   const auto x = Lanes<double>::Load(xs);
   const auto selected = Select((x > 1.) & (x < 4.), x, -1.);
@@ -81,7 +81,7 @@ void ExpectEveryOther() {
   }
 }
 
-TEST(Lanes, PartIntoEveryOther) {
+TEST(Lanes, SplitIntoEvenAndOddElements) {
   ExpectEveryOther<float>();
   ExpectEveryOther<double>();
 }

@@ -11,7 +11,6 @@ namespace surfit::testing {
 namespace {
 
 using ::testing::Pair;
-using ::testing::StrEq;
 using ::testing::UnorderedElementsAre;
 
 struct Wheel {
@@ -52,35 +51,34 @@ struct Car {
   }
 };
 
-void ExpectRefused(const std::function<void(Car*)>& change, const std::string& message) {
+template <typename... Parts>
+void ExpectRefused(const std::function<void(Car*)>& change, const Parts&... names) {
   Car car;
   change(&car);
-  ExpectInputError([&] { Validate(car); }, StrEq(message));
+  ExpectInputError([&] { Validate(car); }, Names(names...));
 }
 
 TEST(Options, NameFieldValueAndConstraint) {
   Validate(Car());
-  ExpectRefused([](Car* c) { c->name = ""; }, "name is missing, must be set");
-  ExpectRefused([](Car* c) { c->color = "pink"; }, "color is 'pink', must be one of: red, blue");
-  ExpectRefused([](Car* c) { c->doors = 6; }, "doors is 6, must be from 2 to 5");
-  ExpectRefused([](Car* c) { c->front.width_m = 0; }, "front.width_m is 0, must be positive");
-  ExpectRefused([](Car* c) { c->front.width_m = NAN; }, "front.width_m is nan, must be positive");
-  ExpectRefused([](Car* c) { c->rear.width_m = INFINITY; },
-                "rear.width_m is inf, must be positive");
-  ExpectRefused([](Car* c) { c->rear.angle_rad = -1; },
-                "rear.angle_rad is -1, must be zero (straight) or positive and below 1.5708");
+  ExpectRefused([](Car* c) { c->name = ""; }, "name");
+  ExpectRefused([](Car* c) { c->color = "pink"; }, "color", "pink", "red", "blue");
+  ExpectRefused([](Car* c) { c->doors = 6; }, "doors", 6, 2, 5);
+  ExpectRefused([](Car* c) { c->front.width_m = 0; }, "front.width_m", 0);
+  ExpectRefused([](Car* c) { c->front.width_m = NAN; }, "front.width_m", "nan");
+  ExpectRefused([](Car* c) { c->rear.width_m = INFINITY; }, "rear.width_m", "inf");
+  ExpectRefused([](Car* c) { c->rear.angle_rad = -1; }, "rear.angle_rad", -1, "straight", 1.5708);
 }
 
-TEST(Options, CheckWhatHoldsBetweenThem) {
+TEST(Options, CheckCombinationsOfFields) {
   ExpectRefused(
       [](Car* c) {
         c->sold = true;
         c->doors = 2;
       },
-      "sold is true, must be false with 2 doors");
+      "sold", "true", "doors", 2);
 }
 
-TEST(Options, TellFlagsInTheirOwnUnit) {
+TEST(Options, ConvertValuesToUnitOfFlag) {
   EXPECT_THAT(FlagValues(Car()),
               UnorderedElementsAre(Pair("name", "beetle"), Pair("color", "red"), Pair("doors", "4"),
                                    Pair("sold", "false"), Pair("number", "7"),
@@ -89,10 +87,10 @@ TEST(Options, TellFlagsInTheirOwnUnit) {
   const Option option = Option("angle_rad", "angle", Positive(), Below(2 * std::atan(1)), AsFlag());
   double angle_rad = -std::atan(1);
   ExpectInputError([&] { RequireOption("--angle_deg", option, &angle_rad, true); },
-                   StrEq("--angle_deg is -45, must be positive and below 90"));
+                   Names("--angle_deg", -45, 90));
 }
 
-TEST(Options, PartsSayWhichFlagsTheyHave) {
+TEST(Options, PartsSelectTheirFlags) {
   struct {
     Car first, second;
     void Visit(OptionVisitor& v) {
@@ -106,7 +104,7 @@ TEST(Options, PartsSayWhichFlagsTheyHave) {
   EXPECT_EQ(flags.count("name"), 0u);
 }
 
-TEST(Options, NothingIsRequiredOfAnOptionalPart) {
+TEST(Options, OptionalPartHasNoRequiredFields) {
   struct Garage {
     Car car;
     void Visit(OptionVisitor& v) { v.AddPart(car, "car", "car", OptionalPart()); }
@@ -114,27 +112,27 @@ TEST(Options, NothingIsRequiredOfAnOptionalPart) {
   garage.car.name = "";
   Validate(garage);
   garage.car.doors = 1;
-  ExpectInputError([&] { Validate(garage); }, HasSubstr("car.doors is 1"));
+  ExpectInputError([&] { Validate(garage); }, Names("car.doors", 1));
 }
 
-TEST(Options, AreReadFromText) {
+TEST(Options, ParseText) {
   std::optional<std::array<double, 2>> place;
   OptionFromText("1.5,-2", &place);
   EXPECT_EQ(OptionToText(place), "1.5,-2");
   OptionFromText("", &place);
   EXPECT_FALSE(place.has_value());
   std::vector<int> numbers;
-  ExpectInputError([&] { OptionFromText("1,2.5", &numbers); },
-                   StrEq("whole numbers with commas between them"));
-  ExpectInputError([&] { OptionFromText("1,2,3", &place); },
-                   StrEq("2 numbers with commas between them"));
+  EXPECT_THROW(OptionFromText("1,2.5", &numbers), InputError);
+  ExpectInputError([&] { OptionFromText("1,2,3", &place); }, Names(2));
 }
 
-TEST(Options, HelpTellsUnitChoicesAndZero) {
-  EXPECT_EQ(Option("color", "its colour", OneOf({"red", "blue", "white"})).Help(),
-            "its colour; one of red, blue or white");
-  EXPECT_EQ(Option("size", "its size", ZeroIs("any"), InUnit("m")).Help(), "its size, m; 0 = any");
-  EXPECT_EQ(Option("doors", "its doors", Between(2, 5)).Help(), "its doors, 2 to 5");
+TEST(Options, HelpContainsUnitChoicesAndMeaningOfZero) {
+  EXPECT_THAT(Option("color", "its colour", OneOf({"red", "blue", "white"})).Help(),
+              AllOf(StartsWith("its colour"), Names("red", "blue", "white")));
+  EXPECT_THAT(Option("size", "its size", ZeroIs("any"), InUnit("m")).Help(),
+              AllOf(StartsWith("its size"), Names("m", 0, "any")));
+  EXPECT_THAT(Option("doors", "its doors", Between(2, 5)).Help(),
+              AllOf(StartsWith("its doors"), Names(2, 5)));
 }
 
 }  // namespace

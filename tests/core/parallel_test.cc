@@ -24,7 +24,7 @@ std::vector<float> RandomNumbers(int count) {
   return numbers;
 }
 
-TEST(ParallelFor, CoversTheRangeOnceInBlocksOfTheGrain) {
+TEST(ParallelFor, CoversRangeOnceInBlocksOfGrainSize) {
   ThreadLimit limit(4);
   std::vector<int> visits(1003, 0);
   ParallelFor(3, 1003, 64, [&](int begin, int end) {
@@ -36,11 +36,11 @@ TEST(ParallelFor, CoversTheRangeOnceInBlocksOfTheGrain) {
   EXPECT_THAT(std::vector<int>(visits.begin() + 3, visits.end()), Each(1));
 }
 
-TEST(ParallelFor, OfNothingDoesNothing) {
+TEST(ParallelFor, SkipsEmptyRange) {
   ParallelFor(5, 5, 1, [](int, int) { FAIL(); });
 }
 
-TEST(ParallelSum, IsTheSameBitForBitAtAnyNumberOfThreads) {
+TEST(ParallelSum, IsBitwiseIdenticalAtAnyNumberOfThreads) {
   const std::vector<float> numbers = RandomNumbers(100003);
   const auto sums = AtThreads({1, 2, 4}, [&] {
     return ParallelSum(0, 100003, 100, 0.f, [&](int begin, int end) {
@@ -51,7 +51,7 @@ TEST(ParallelSum, IsTheSameBitForBitAtAnyNumberOfThreads) {
   EXPECT_EQ(sums[0], sums[2]);
 }
 
-TEST(ThreadLimit, BoundsTheThreadsOfALoop) {
+TEST(ThreadLimit, LimitsThreadsOfLoop) {
   ThreadLimit limit(2);
   EXPECT_EQ(ThreadCount(), 2);
   std::atomic<int> running = 0, most = 0;
@@ -66,7 +66,7 @@ TEST(ThreadLimit, BoundsTheThreadsOfALoop) {
   EXPECT_LE(most, 2);
 }
 
-TEST(ThreadLimit, RefusesNonsense) {
+TEST(ThreadLimit, RejectsInvalidThreadCount) {
   EXPECT_THROW(ThreadLimit(0), InputError);
   EXPECT_THROW(ThreadLimit(-3), InputError);
   EXPECT_THROW(ThreadLimit(100000), InputError);

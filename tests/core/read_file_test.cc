@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <thread>
 
@@ -29,27 +31,26 @@ TEST(ReadFile, ReadsAllBytes) {
   }
 }
 
-TEST(ReadFile, RefusesWhatMayNeverEnd) {
+TEST(ReadFile, RejectsPipeDeviceAndFolder) {
   const TempFolder dir;
-  const std::string pipe = MakePipe(dir);  // that nobody writes to
+  const std::string pipe = MakePipe(dir);  // without a writer
   for (const std::string& path : {pipe, std::string("/dev/zero"), dir.path()}) {
-    ExpectInputError([&] { ReadFile(path); },
-                     AllOf(HasSubstr(path), HasSubstr("it is no regular file")));
+    ExpectInputError([&] { ReadFile(path); }, Names(path));
   }
 }
 
-TEST(ReadFile, RefusesMoreBytesThanItMayHave) {
+TEST(ReadFile, RejectsFileAboveSizeLimit) {
   const TempFolder dir;
   EXPECT_EQ(ReadFile(dir.Write("a", "12345"), 5), "12345");
-  ExpectInputError([&] { ReadFile(dir / "a", 4); }, HasSubstr("a is too large, must have 4 bytes"));
+  ExpectInputError([&] { ReadFile(dir / "a", 4); }, Names(dir / "a", 4));
 }
 
-TEST(ReadFile, NamesFileAndReason) {
+TEST(ReadFile, NamesFileAndSystemError) {
   ExpectInputError([] { ReadFile("/nowhere/a"); },
-                   HasSubstr("cannot read '/nowhere/a': No such file"));
+                   AllOf(Names("/nowhere/a"), HasSubstr(std::strerror(ENOENT))));
 }
 
-TEST(ReadFileOrPipe, ReadsAPipeToItsEnd) {
+TEST(ReadFileOrPipe, ReadsPipeToEnd) {
   const TempFolder dir;
   const std::string pipe = MakePipe(dir), bytes(300000, 'x');
   std::thread writer([&] { std::ofstream(pipe) << bytes; });
@@ -57,14 +58,13 @@ TEST(ReadFileOrPipe, ReadsAPipeToItsEnd) {
   writer.join();
 }
 
-TEST(ReadJsonText, RefusesWhatIsNestedTooDeeply) {
+TEST(ReadJsonText, RejectsDeepNesting) {
   const TempFolder dir;
   EXPECT_EQ(ReadJsonText(dir.Write("a.json", Brackets(100))), Brackets(100));
   const std::string in_string = "[\"" + std::string(1000, '[') + "\\\"" + "[\"]";
   EXPECT_EQ(ReadJsonText(dir.Write("a.json", in_string)), in_string);
   for (const std::string& text : {Brackets(101), Brackets(100000), "{\"]]\":" + Brackets(100)}) {
-    ExpectInputError([&] { ReadJsonText(dir.Write("a.json", text)); },
-                     HasSubstr("a.json is nested too deeply"));
+    ExpectInputError([&] { ReadJsonText(dir.Write("a.json", text)); }, Names("a.json"));
   }
 }
 

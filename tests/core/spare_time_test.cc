@@ -20,9 +20,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// The threads that do a loop's blocks.
 std::set<std::thread::id> ThreadsOfLoop() {
-  std::set<std::thread::id> ids;  // unguarded, as one does them after the other
+  std::set<std::thread::id> ids;  // no lock: the blocks run one after another
   ParallelFor(0, 64, 1, [&](int, int) {
     ids.insert(std::this_thread::get_id());
     std::this_thread::sleep_for(std::chrono::microseconds(100));
@@ -30,7 +29,7 @@ std::set<std::thread::id> ThreadsOfLoop() {
   return ids;
 }
 
-TEST(SpareTime, DoesLoopsOneBlockAfterTheOtherOnAnotherThread) {
+TEST(SpareTime, RunsLoopBlocksSequentiallyOnOneOtherThread) {
   ThreadLimit limit(4);
   SpareTime spare_time;
   std::thread([&] {
@@ -41,7 +40,7 @@ TEST(SpareTime, DoesLoopsOneBlockAfterTheOtherOnAnotherThread) {
   }).join();
 }
 
-TEST(SpareTime, DoesLoopsWithinLoops) {
+TEST(SpareTime, RunsNestedLoops) {
   ThreadLimit limit(2);
   SpareTime spare_time;
   std::atomic<int> count = 0;
@@ -52,7 +51,7 @@ TEST(SpareTime, DoesLoopsWithinLoops) {
 }
 
 #ifdef __linux__
-TEST(SpareTime, IsOfLeastPriorityInItsLoopsAlone) {
+TEST(SpareTime, LowersPriorityInsideLoopsOnly) {
   ThreadLimit limit(2);
   const int before = getpriority(PRIO_PROCESS, 0);
   std::thread([&] {
@@ -70,7 +69,7 @@ TEST(SpareTime, IsOfLeastPriorityInItsLoopsAlone) {
   }).join();
 }
 
-TEST(SpareTime, LeavesNoLoopToLeastPriorityOnceItIsAwaited) {
+TEST(SpareTime, AwaitRestoresPriorityOfLoops) {
   ThreadLimit limit(2);
   const int before = getpriority(PRIO_PROCESS, 0);
   SpareTime spare_time;
@@ -95,9 +94,9 @@ TEST(SpareTime, LeavesNoLoopToLeastPriorityOnceItIsAwaited) {
 }
 #endif
 
-// A thread of least priority gets a seventieth of what one of usual priority does: whoever waited
-// for it would wait that much longer than for a thread of their own.
-TEST(SpareTimeTask, IsNotWaitedForAtLeastPriorityOnABusyMachine) {
+// A thread of the lowest priority gets 1/70 of the time of a normal thread. A caller that waited
+// for it would wait 70 times longer than for a normal thread.
+TEST(SpareTimeTask, TakeDoesNotWaitAtLowestPriorityOnBusyMachine) {
   ThreadLimit limit(2);
   const auto work = [] {
     for (int loop = 0; loop < 20; ++loop) ParallelFor(0, 20, 1, [](int, int) { Compute(0.5); });
@@ -118,7 +117,7 @@ TEST(SpareTimeTask, IsNotWaitedForAtLeastPriorityOnABusyMachine) {
   EXPECT_LT(waited_s, 5 * own_s + 1);
 }
 
-TEST(SpareTime, ThrowsOn) {
+TEST(SpareTime, RethrowsExceptionOfTask) {
   ThreadLimit limit(2);
   EXPECT_THROW(SpareTime().Run([] { throw InputError("bad"); }), InputError);
   EXPECT_THROW(SpareTime().Run([] {
@@ -129,7 +128,7 @@ TEST(SpareTime, ThrowsOn) {
                InputError);
 }
 
-TEST(SpareTimeTask, IsWaitedForWhenItGoes) {
+TEST(SpareTimeTask, DestructorWaitsForTask) {
   ThreadLimit limit(2);
   std::atomic<bool> done = false;
   {
@@ -158,7 +157,7 @@ TEST(SpareTimeTask, IsDueAfterItsStepsAtAnyNumberOfThreads) {
   }
 }
 
-TEST(SpareTimeTask, RunsBesideItsUserWhereThereAreThreads) {
+TEST(SpareTimeTask, RunsInBackgroundWithTwoThreads) {
   ThreadLimit limit(2);
   std::promise<void> go_on;
   SpareTimeTask<std::thread::id> task;
@@ -173,7 +172,7 @@ TEST(SpareTimeTask, RunsBesideItsUserWhereThereAreThreads) {
   EXPECT_NE(task.Take(), std::this_thread::get_id());
 }
 
-TEST(SpareTimeTask, RunsWhenAskedForWhereThereIsOneThread) {
+TEST(SpareTimeTask, RunsInTakeWithOneThread) {
   ThreadLimit limit(1);
   SpareTimeTask<std::thread::id> task;
   task.Start(1, [] { return std::this_thread::get_id(); });
@@ -181,7 +180,7 @@ TEST(SpareTimeTask, RunsWhenAskedForWhereThereIsOneThread) {
   EXPECT_EQ(task.Take(), std::this_thread::get_id());
 }
 
-TEST(SpareTimeTask, RunsBesideItsUserInAnyCaseIfItMust) {
+TEST(SpareTimeTask, RunsInBackgroundWithOneThreadIfAlwaysBeside) {
   ThreadLimit limit(1);
   SpareTimeTask<std::thread::id> task(/*always_beside=*/true);
   task.Start(1, [] {
@@ -191,7 +190,7 @@ TEST(SpareTimeTask, RunsBesideItsUserInAnyCaseIfItMust) {
   EXPECT_NE(task.Take(), std::this_thread::get_id());
 }
 
-TEST(SpareTimeTask, ThatIsLateIsThereWhenItIsDone) {
+TEST(SpareTimeTask, LateResultIsThereAfterTaskEnds) {
   for (const int threads : {1, 2}) {
     ThreadLimit limit(threads);
     std::promise<void> go_on;
@@ -210,7 +209,7 @@ TEST(SpareTimeTask, ThatIsLateIsThereWhenItIsDone) {
   }
 }
 
-TEST(SpareTimeTask, IsNotThereBeforeItsSteps) {
+TEST(SpareTimeTask, ResultIsNotThereBeforeItsSteps) {
   SpareTimeTask<int> task(/*always_beside=*/true);
   task.Start(2, [] { return 7; });
   task.Wait();
@@ -218,7 +217,7 @@ TEST(SpareTimeTask, IsNotThereBeforeItsSteps) {
   EXPECT_TRUE(task.IsThereAfterStep());
 }
 
-TEST(SpareTimeTask, ThrowsOn) {
+TEST(SpareTimeTask, RethrowsExceptionOfTask) {
   SpareTimeTask<int> task;
   task.Start(1, []() -> int { throw InputError("bad"); });
   EXPECT_THROW(task.Take(), InputError);

@@ -11,7 +11,7 @@
 namespace surfit::testing {
 namespace {
 
-TEST(Trace, HoldsTheSlicesOfEachThread) {
+TEST(Trace, ContainsSlicesOfEachThread) {
   const TempFolder folder;
   const std::string path = folder / "trace.json";
   {
@@ -36,7 +36,7 @@ TEST(Trace, HoldsTheSlicesOfEachThread) {
   ExpectNesting(slices);
 }
 
-TEST(Trace, NothingIsRecordedBeforeAndAfter) {
+TEST(Trace, RecordsOnlyBetweenConstructionAndClose) {
   const TempFolder folder;
   const std::string path = folder / "trace.json";
   { const TraceSlice before("before"); }
@@ -49,7 +49,7 @@ TEST(Trace, NothingIsRecordedBeforeAndAfter) {
   EXPECT_EQ(slices[0].name, "within");
 }
 
-TEST(Trace, SlicesOfManyThreadsAreWhole) {
+TEST(Trace, RecordsAllSlicesOfManyThreads) {
   const TempFolder folder;
   const std::string path = folder / "trace.json";
   {
@@ -68,15 +68,15 @@ TEST(Trace, SlicesOfManyThreadsAreWhole) {
   ExpectNesting(slices);
 }
 
-TEST(Trace, AFileThatCannotBeWrittenIsNamed) {
+TEST(Trace, RejectsFileThatCannotBeWritten) {
   ExpectInputError([] { const TraceRecorder recorder("/dev/null/trace.json"); },
-                   HasSubstr("/dev/null/trace.json"));
-  // A failed one does not count as recording.
+                   Names("/dev/null/trace.json"));
+  // After a failed recorder, a new recorder can start.
   const TempFolder folder;
   const TraceRecorder recorder(folder / "trace.json");
 }
 
-TEST(StageTimer, AddsItsTimeWithoutARecorder) {
+TEST(StageTimer, AddsTimeWithoutRecorder) {
   double sum_ms = 5;
   {
     const StageTimer timer("stage", 0, &sum_ms);

@@ -1,4 +1,4 @@
-// A functor with a branch on its numbers: must not compile for batches, and say why.
+// Functor with a branch on a residual value. A batch of it must not compile.
 #include "cost_functions/point_functor.h"
 #include "cost_functions/reduced_batch.h"
 

@@ -8,7 +8,7 @@
 namespace surfit::testing {
 namespace {
 
-// The autodiff Jacobian of one functor on a manifold, rows by increments.
+// Autodiff Jacobian of one functor on a manifold: derivatives of the residuals by the increment.
 template <typename Functor>
 Eigen::MatrixXd Jacobian(const Functor& functor, const Rigid3d& pose,
                          const ceres::Manifold& manifold) {
@@ -25,10 +25,10 @@ Eigen::MatrixXd Jacobian(const Functor& functor, const Rigid3d& pose,
   return ambient * plus;
 }
 
-// Rounding of coordinates of a few metres over sigmas of millimetres.
+// Rounding of coordinates of a few metres, divided by sigmas of millimetres.
 constexpr double kRounding = 1e-11;
 
-TEST(PointToPlane, RowsAreThoseOfTheClosedForm) {
+TEST(PointToPlane, JacobianAgreesWithClosedForm) {
   std::mt19937_64 rng(1);
   for (int trial = 0; trial < 50; ++trial) {
     const Rigid3d pose = RandomPose(1, 2, &rng);
@@ -48,7 +48,7 @@ TEST(PointToPlane, RowsAreThoseOfTheClosedForm) {
   }
 }
 
-TEST(PointToPoint, RowsAreThoseOfTheClosedForm) {
+TEST(PointToPoint, JacobianAgreesWithClosedForm) {
   std::mt19937_64 rng(2);
   for (int trial = 0; trial < 50; ++trial) {
     const Rigid3d pose = RandomPose(1, 2, &rng);
@@ -65,7 +65,7 @@ TEST(PointToPoint, RowsAreThoseOfTheClosedForm) {
   }
 }
 
-TEST(SymmetricPointToPlane, VanishesOnOneSphereWhereverItsPointsLie) {
+TEST(SymmetricPointToPlane, IsZeroForAllPointsOfOneSphere) {
   std::mt19937_64 rng(3);
   const Eigen::Vector3d center(0.3, -0.2, 2);
   for (int trial = 0; trial < 50; ++trial) {
@@ -78,7 +78,7 @@ TEST(SymmetricPointToPlane, VanishesOnOneSphereWhereverItsPointsLie) {
   }
 }
 
-TEST(SymmetricPointToPlane, IsPointToPlaneWhereTheNormalsAgree) {
+TEST(SymmetricPointToPlane, IsPointToPlaneForEqualNormals) {
   std::mt19937_64 rng(4);
   for (int trial = 0; trial < 50; ++trial) {
     const Rigid3d pose = RandomPose(1, 2, &rng);
@@ -90,7 +90,7 @@ TEST(SymmetricPointToPlane, IsPointToPlaneWhereTheNormalsAgree) {
   }
 }
 
-TEST(PlaneToPlane, CostIsTheMahalanobisDistance) {
+TEST(PlaneToPlane, CostIsMahalanobisDistance) {
   std::mt19937_64 rng(5);
   for (int trial = 0; trial < 50; ++trial) {
     const Match m = RandomMatch(RandomPose(1, 2, &rng), 0.1, &rng);
@@ -107,14 +107,14 @@ TEST(PlaneToPlane, CostIsTheMahalanobisDistance) {
   }
 }
 
-TEST(PlaneToPlane, APlaneIsKnownAlongItsNormalOnly) {
+TEST(PlaneToPlane, CovarianceIsSmallAlongNormalOnly) {
   const Eigen::Vector3d n = Eigen::Vector3d(1, 2, -2) / 3, along(2, -1, 0);
   const Eigen::Matrix3d c = PlaneToPlane::CovarianceOfPlane(n, 0.01, 0.1);
   EXPECT_THAT(c * n, VectorNear(1e-4 * n, 1e-15));
   EXPECT_THAT(c * along, VectorNear(1e-2 * along, 1e-15));
 }
 
-TEST(Photometric, IsTheDifferenceOfIntensitiesInALinearImage) {
+TEST(Photometric, IsDifferenceOfIntensitiesInLinearImage) {
   std::mt19937_64 rng(6);
   const Eigen::Vector2d gradient(0.7, -1.3);
   const auto intensity = [&](double u, double v) {
@@ -133,14 +133,14 @@ TEST(Photometric, IsTheDifferenceOfIntensitiesInALinearImage) {
   }
 }
 
-// Each residual, on exact data, finds each of the six degrees of freedom in both directions, on all
-// three parameterisations.
+// On exact data, each residual recovers each of the six degrees of freedom in both directions, on
+// all three parameterisations.
 template <typename Functor>
 class PoseRecovery : public ::testing::Test {};
 using Geometric = ::testing::Types<PointToPoint, PointToPlane, SymmetricPointToPlane, PlaneToPlane>;
 TYPED_TEST_SUITE(PoseRecovery, Geometric);
 
-TYPED_TEST(PoseRecovery, EachDegreeOfFreedomBothWays) {
+TYPED_TEST(PoseRecovery, RecoversEachDegreeOfFreedom) {
   const Rigid3d truth(QuaternionExp<double>({0.2, -0.1, 0.3}), {0.1, 0.2, -0.1});
   const auto functors = RandomFunctors<TypeParam>(200, truth, 0, 7);
   for (int axis = 0; axis < 6; ++axis) {
@@ -156,8 +156,7 @@ TYPED_TEST(PoseRecovery, EachDegreeOfFreedomBothWays) {
   }
 }
 
-// With noise as well: the minimum does not depend on how the pose is written.
-TYPED_TEST(PoseRecovery, AllParameterisationsReachTheSameMinimum) {
+TYPED_TEST(PoseRecovery, ReachesSameMinimumWithAllParameterisations) {
   const Rigid3d truth(QuaternionExp<double>({0.2, -0.1, 0.3}), {0.1, 0.2, -0.1});
   const auto functors = RandomFunctors<TypeParam>(200, truth, 0.02, 8);
   const Rigid3d initial(QuaternionExp<double>({0.25, -0.05, 0.3}), {0.1, 0.25, -0.1});
@@ -173,7 +172,7 @@ using Jet = ceres::Jet<double, 2>;
 
 Jet Select(bool condition, const Jet& a, const Jet& b) { return condition ? a : b; }
 
-// Every operation, with numbers that have derivatives (x, y), data without (c) and literals.
+// All operations of variables with derivatives (x, y), data without derivatives (c) and literals.
 template <typename T, typename C>
 T AllOperations(const T& x, const T& y, const C& c) {
   using std::sqrt;
@@ -185,22 +184,21 @@ T AllOperations(const T& x, const T& y, const C& c) {
          Select(x <= y, y, x) + Select(x >= y, root, x);
 }
 
-TEST(Dual, HasTheDerivativesOfJets) {
+TEST(Dual, AgreesWithCeresJets) {
   const double xs[4] = {0.7, 2.3, 1.1, 0.2}, ys[4] = {1.9, 0.4, 1.1, 3.1},
                cs[4] = {-1.1, 3.7, 0.6, -0.3};
   const D2 lanes = AllOperations(D2::Variable(Lanes<double>::Load(xs), 0),
                                  D2::Variable(Lanes<double>::Load(ys), 1), Lanes<double>::Load(cs));
   for (int k = 0; k < 4; ++k) {
     const Jet jet = AllOperations(Jet(xs[k], 0), Jet(ys[k], 1), cs[k]);
-    // A few dozen roundings of numbers below 100.
+    // A few dozen roundings of values below 100.
     EXPECT_NEAR(lanes.value[k], jet.a, 1e-12);
     EXPECT_NEAR(lanes.derivative[0][k], jet.v[0], 1e-12);
     EXPECT_NEAR(lanes.derivative[1][k], jet.v[1], 1e-12);
   }
 }
 
-// Whatever the processor has: the numbers are the same bit for bit.
-TEST(Instructions, GiveTheSameNumbers) {
+TEST(Instructions, GiveBitwiseIdenticalResults) {
   const auto compute = [](auto instructions, float* results) {
     using V = Lanes<float, decltype(instructions)>;
     const float x[8] = {0.1f, -2, 30, 4e-5f, 5, 0.6f, 7.7f, 8.1f};

@@ -14,7 +14,7 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// Full and far from diagonal.
+// Dense information matrix with large off-diagonal values.
 PoseInformation RandomInformation(std::mt19937_64* rng) {
   PoseInformation root;
   for (int i = 0; i < 6; ++i) root.col(i) << RandomVector(10, rng), RandomVector(10, rng);
@@ -27,7 +27,7 @@ Vector6 RandomIncrement(std::mt19937_64* rng) {
   return delta;
 }
 
-TEST(PosePrior, CostIsTheInformationOfTheIncrementFromThePrior) {
+TEST(PosePrior, CostIsMahalanobisDistanceOfIncrement) {
   std::mt19937_64 rng(1);
   for (int trial = 0; trial < 50; ++trial) {
     const Rigid3d prior = RandomPose(1, 3, &rng);
@@ -41,7 +41,7 @@ TEST(PosePrior, CostIsTheInformationOfTheIncrementFromThePrior) {
   }
 }
 
-TEST(RelativePose, CostIsTheInformationOfTheIncrementFromTheMeasurement) {
+TEST(RelativePose, CostIsMahalanobisDistanceOfIncrement) {
   std::mt19937_64 rng(2);
   for (int trial = 0; trial < 50; ++trial) {
     const Rigid3d a_from_b = RandomPose(1, 3, &rng), world_from_a = RandomPose(1, 3, &rng);
@@ -56,8 +56,8 @@ TEST(RelativePose, CostIsTheInformationOfTheIncrementFromTheMeasurement) {
   }
 }
 
-// A prior and a chain of exact relative poses hold all of them.
-TEST(RelativePose, AChainOfPosesFollowsItsPrior) {
+// A prior and a chain of exact relative poses constrain all poses.
+TEST(RelativePose, ChainOfPosesFollowsPrior) {
   std::mt19937_64 rng(3);
   std::vector<Rigid3d> truth;
   std::vector<PoseBlock> poses;
@@ -108,7 +108,6 @@ Evaluation Evaluate(const ceres::CostFunction& cost, const Rigid3d& a, const Rig
   return e;
 }
 
-// At errors of the given size in rad and m.
 void ExpectAutodiffAgrees(double size, std::mt19937_64* rng) {
   const Rigid3d a = RandomPose(1, 5, rng), a_from_b = RandomPose(1, 2, rng);
   const Rigid3d b = a * RandomPose(size, size, rng) * a_from_b;
@@ -126,8 +125,8 @@ void ExpectAutodiffAgrees(double size, std::mt19937_64* rng) {
   EXPECT_LT((found.by_b - expected.by_b).norm(), 1e-10 * scale) << size;
 }
 
-// 1e-2 and 1e-3 are on both sides of where the series of InverseLeftJacobian() begins; 1.7 in each
-// component reaches almost pi.
+// InverseLeftJacobian() switches to its series between 1e-2 and 1e-3. A rotation vector with three
+// components of 1.7 is almost pi.
 TEST(AnalyticRelativePose, AgreesWithAutodiff) {
   std::mt19937_64 rng(5);
   for (const double size : {0., 1e-8, 1e-3, 0.0057, 1e-2, 0.1, 1., 1.7}) {

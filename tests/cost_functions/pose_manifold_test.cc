@@ -18,8 +18,8 @@ Increment RandomIncrement(double size_rad, std::mt19937_64* rng) {
   return delta;
 }
 
-// Ceres' own matcher: Plus and Minus against each other and against their Jacobians. Coordinates of
-// a few metres and rotations near pi lose a few digits of 1e-16.
+// Matcher of Ceres: compares Plus, Minus and their Jacobians. Coordinates of a few metres and
+// rotations near pi reduce the precision of 1e-16 by a few digits.
 template <typename Manifold>
 void ExpectInvariants() {
   using namespace ceres;  // NOLINT(google-build-using-namespace): the macro needs it
@@ -27,7 +27,7 @@ void ExpectInvariants() {
   const Manifold manifold;
   std::mt19937_64 rng(1);
   for (int trial = 0; trial < 100; ++trial) {
-    // From x to y by less than half a turn: beyond, Minus takes the shorter way, to -q.
+    // The rotation from x to y is less than pi. Beyond pi, Minus uses the shorter rotation, to -q.
     const PoseBlock x = AsBlock(RandomPose(1.5, 3, &rng));
     PoseBlock y;
     manifold.Plus(x.data(), RandomIncrement(1.5, &rng).eval().data(), y.data());
@@ -44,7 +44,7 @@ TEST(PoseManifold, InvariantsHold) {
   ExpectInvariants<ProductPoseManifold>();
 }
 
-TEST(LeftPoseManifold, MovesPointsFromTheLeft) {
+TEST(LeftPoseManifold, AppliesLeftIncrement) {
   std::mt19937_64 rng(2);
   for (int trial = 0; trial < 20; ++trial) {
     const Rigid3d pose = RandomPose(2, 3, &rng);
@@ -58,7 +58,7 @@ TEST(LeftPoseManifold, MovesPointsFromTheLeft) {
   }
 }
 
-TEST(ProductPoseManifold, TurnsInPlaceAndAddsTranslations) {
+TEST(ProductPoseManifold, RotatesInPlaceAndAddsTranslations) {
   std::mt19937_64 rng(3);
   for (int trial = 0; trial < 20; ++trial) {
     const Rigid3d pose = RandomPose(2, 3, &rng);
@@ -71,7 +71,7 @@ TEST(ProductPoseManifold, TurnsInPlaceAndAddsTranslations) {
   }
 }
 
-TEST(PoseBlock, KeepsTheOrderOfTumFiles) {
+TEST(PoseBlock, HasOrderOfTumFiles) {
   const Rigid3d pose(Eigen::Quaterniond(0.1, 0.7, 0.5, 0.5).normalized(), {1, 2, 3});
   const PoseBlock block = AsBlock(pose);
   EXPECT_EQ(block[0], pose.rotation.x());

@@ -16,9 +16,9 @@
 
 namespace surfit::testing {
 
-// Points about 2 m before the source camera, and where a pose takes them, off by noise.
+// Point about 2 m in front of the source camera, and its noisy transformed point.
 struct Match {
-  Eigen::Vector3d p, q, m, n;  // m the normal at p, n = R m at q
+  Eigen::Vector3d p, q, m, n;  // m: normal at p; n = R m: normal at q
   double sigma_m;
 };
 
@@ -44,7 +44,7 @@ inline void Append(const Match& m, std::vector<SymmetricPointToPlane>* functors)
 inline void Append(const Match& m, std::vector<PlaneToPlane>* functors) {
   functors->emplace_back(m.p, m.q, 2 * PlaneToPlane::CovarianceOfPlane(m.n, m.sigma_m, 0.1));
 }
-// A smooth image, looked up where q is seen: the point's own intensity is that of q.
+// Linear image around the projection of q, where it has the intensity of the point.
 inline void Append(const Match& m, std::vector<Photometric>* functors) {
   const Photometric camera(500, 510, 320, 240);
   const double u = camera.fx * m.q.x() / m.q.z() + camera.cx;
@@ -63,7 +63,6 @@ std::vector<Functor> RandomFunctors(int count, const Rigid3d& target_from_source
   return functors;
 }
 
-// A functor without data, for batches.
 template <typename Functor>
 Functor Definition() {
   return Functor();
@@ -101,7 +100,6 @@ ceres::CostFunction* PerPointCost(const Functor& functor) {
       new Functor(functor));
 }
 
-// The pose by one residual block per point.
 template <typename Functor>
 Rigid3d SolvePerPoint(const std::vector<Functor>& functors, const Rigid3d& initial,
                       ceres::Manifold* manifold) {

@@ -15,14 +15,14 @@ constexpr RobustKernelType kKernels[] = {RobustKernelType::kNone, RobustKernelTy
                                          RobustKernelType::kTukey, RobustKernelType::kGemanMcClure,
                                          RobustKernelType::kStudentT};
 
-// Cost 1/2 sum rho, its gradient and the Gauss-Newton matrix, and the sums of their terms'
-// magnitudes, which bound rounding.
+// Cost 1/2 sum rho, its gradient and Gauss-Newton matrix, and sums of absolute terms, which bound
+// the rounding errors.
 struct Expansion {
   double cost = 0;
   Vector6 gradient = Vector6::Zero();
   Matrix6 hessian = Matrix6::Zero();
   Vector6 gradient_terms = Vector6::Zero();
-  Vector6 hessian_terms = Vector6::Zero();  // the diagonal, whose terms are positive
+  Vector6 hessian_terms = Vector6::Zero();  // diagonal, with positive terms
 };
 
 Eigen::Matrix<double, kPoseSize, 6, Eigen::RowMajor> PlusJacobian(const PoseBlock& pose) {
@@ -31,7 +31,6 @@ Eigen::Matrix<double, kPoseSize, 6, Eigen::RowMajor> PlusJacobian(const PoseBloc
   return plus;
 }
 
-// Point by point, with Jets.
 template <typename Functor>
 Expansion PerPoint(const std::vector<Functor>& functors, const PoseBlock& pose,
                    const RobustKernel& kernel) {
@@ -116,13 +115,13 @@ using AllFunctors =
     ::testing::Types<PointToPoint, PointToPlane, SymmetricPointToPlane, PlaneToPlane, Photometric>;
 TYPED_TEST_SUITE(ReducedBatchOf, AllFunctors);
 
-TYPED_TEST(ReducedBatchOf, HasCostAndGradientOfThePerPointProblemInDouble) {
+TYPED_TEST(ReducedBatchOf, AgreesWithPerPointProblemInDouble) {
   ExpectSameExpansion<double, TypeParam>({1, 5, 1003}, 1e-9);
 }
 
-// Coordinates of 2 m round by 1e-7 m, a hundred-thousandth of these residuals: single points are no
-// better, sums are. 1003 points do not fill the last lanes.
-TYPED_TEST(ReducedBatchOf, HasCostAndGradientOfThePerPointProblemInFloat) {
+// Coordinates of 2 m have rounding errors of 1e-7 m, which is 1e-5 of the residuals. Sums are more
+// accurate than single points. 1003 points do not fill the last lanes.
+TYPED_TEST(ReducedBatchOf, AgreesWithPerPointProblemInFloat) {
   ExpectSameExpansion<float, TypeParam>({1003, 9000}, 1e-5);
 }
 
@@ -138,7 +137,7 @@ Rigid3d SolveReduced(const std::vector<Functor>& functors, const Rigid3d& initia
   return PoseFromBlock(pose.data());
 }
 
-TYPED_TEST(ReducedBatchOf, ReachesTheMinimumOfThePerPointProblem) {
+TYPED_TEST(ReducedBatchOf, ReachesTheMinimumOfPerPointProblem) {
   const Rigid3d truth(QuaternionExp<double>({0.1, -0.1, 0.2}), {0.1, 0.2, -0.1});
   const auto functors = RandomFunctors<TypeParam>(2000, truth, 0.01, 3);
   Vector6 off;
@@ -154,8 +153,8 @@ TYPED_TEST(ReducedBatchOf, ReachesTheMinimumOfThePerPointProblem) {
               RigidNear(expected, 1e-6, 1e-6));
 }
 
-// A plane leaves three directions open: LM stays where it starts along them.
-TEST(ReducedBatch, APlaneDoesNotMoveWhatItDoesNotHold) {
+// A plane does not constrain three directions: the solver keeps the initial values along them.
+TEST(ReducedBatch, PlaneDoesNotChangeUnobservableDirections) {
   std::mt19937_64 rng(4);
   std::vector<PointToPlane> functors;
   for (int i = 0; i < 1000; ++i) {
@@ -169,8 +168,8 @@ TEST(ReducedBatch, APlaneDoesNotMoveWhatItDoesNotHold) {
   EXPECT_LT(RotationAngle(solved.rotation), 1e-9);
 }
 
-// At the identity, which was prepared, and elsewhere, Evaluate() gives the same as without.
-TEST(ReducedBatch, PreparingChangesNothing) {
+// Evaluate() gives the same result at the prepared pose and at other poses.
+TEST(ReducedBatch, PrepareDoesNotChangeResult) {
   const auto functors = RandomFunctors<PointToPlane>(1000, Rigid3d(), 0.01, 5);
   const RobustKernel kernel = {RobustKernelType::kHuber, 1.5};
   const auto prepared = Reduced<float>(functors, kernel), plain = Reduced<float>(functors, kernel);
@@ -195,7 +194,7 @@ TEST(ReducedBatch, PreparingChangesNothing) {
   }
 }
 
-TEST(ReducedBatchThreads, GivesTheSameBitForBitAtAnyNumberOfThreads) {
+TEST(ReducedBatchThreads, IsBitwiseIdenticalAtAnyNumberOfThreads) {
   const auto functors = RandomFunctors<PointToPlane>(50000, Rigid3d(), 0.01, 5);
   const auto cost = Reduced<float>(functors, {RobustKernelType::kHuber, 1.5});
   std::vector<Eigen::Matrix<double, 7, 8>> results;

@@ -16,7 +16,7 @@ KernelValue<V> Evaluate(RobustKernelType type, const V& s, double width) {
   return EvaluateKernel({type, width}, s);
 }
 
-TEST(RobustKernel, BehavesAsTheSquareAtZero) {
+TEST(RobustKernel, IsSquareAtZero) {
   for (const auto type : kAll) {
     const KernelValue<double> at_zero = Evaluate(type, 0., 2);
     EXPECT_EQ(at_zero.rho, 0);
@@ -24,21 +24,22 @@ TEST(RobustKernel, BehavesAsTheSquareAtZero) {
   }
 }
 
-TEST(RobustKernel, SlopeIsTheDerivativeAndTheCostIsConcave) {
+TEST(RobustKernel, SlopeIsDerivativeAndCostIsConcave) {
   constexpr double kStep = 1e-5;
   for (const auto type : kAll) {
     for (const double s : {0.1, 1., 3.9, 4.1, 10., 100.}) {
       const KernelValue<double> value = Evaluate(type, s, 2);
       const double difference =
           (Evaluate(type, s + kStep, 2).rho - Evaluate(type, s - kStep, 2).rho);
-      // Third derivatives below 1, times the step squared; rounding of 100 over the step.
+      // The third derivatives are below 1, times the squared step. The rounding of 100 is divided
+      // by the step.
       EXPECT_NEAR(value.slope, difference / (2 * kStep), 1e-8) << s;
       EXPECT_GE(value.rho, s * value.slope - 1e-12) << s;
     }
   }
 }
 
-TEST(RobustKernel, KnownValues) {
+TEST(RobustKernel, AgreesWithKnownValues) {
   EXPECT_DOUBLE_EQ(Evaluate(RobustKernelType::kHuber, 16., 2).rho, 2 * 2 * 4 - 4);
   EXPECT_DOUBLE_EQ(Evaluate(RobustKernelType::kHuber, 16., 2).slope, 0.5);
   EXPECT_DOUBLE_EQ(Evaluate(RobustKernelType::kTukey, 2., 2).rho, 4. / 3 * (1 - 1. / 8));
@@ -49,7 +50,7 @@ TEST(RobustKernel, KnownValues) {
   EXPECT_DOUBLE_EQ(Evaluate(RobustKernelType::kStudentT, 4., 2).slope, 0.5);
 }
 
-TEST(RobustKernel, LanesAreNumbersSideBySide) {
+TEST(RobustKernel, LanesAgreeWithScalars) {
   const double s[4] = {0, 3.9, 4.1, 50};
   for (const auto type : kAll) {
     const auto lanes = Evaluate(type, Lanes<double>::Load(s), 2);

@@ -9,7 +9,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
 
-// Exact data of size 10 in double.
+// Tolerance for exact data near 10 in double precision.
 constexpr double kExact = 1e-12;
 
 Points RandomPoints(int count, std::mt19937_64* rng) {
@@ -31,7 +31,7 @@ double SumOfSquares(const Rigid3d& target_from_source, const Points& source, con
   return sum;
 }
 
-TEST(AlignPoints, RecoversARigidMotionExactly) {
+TEST(AlignPoints, RecoversRigidMotionExactly) {
   std::mt19937_64 rng(1);
   for (int count : {3, 4, 100}) {
     for (int i = 0; i < 20; ++i) {
@@ -44,8 +44,8 @@ TEST(AlignPoints, RecoversARigidMotionExactly) {
   }
 }
 
-// At a minimum over rotations and translations every small motion costs.
-TEST(AlignPoints, IsAMinimumUnderNoise) {
+// At a minimum, every small rotation and translation increases the cost.
+TEST(AlignPoints, IsMinimumWithNoise) {
   std::mt19937_64 rng(2);
   const Points source = RandomPoints(50, &rng);
   Points target = Transformed(RandomPose(1.8, 5, &rng), source);
@@ -57,7 +57,7 @@ TEST(AlignPoints, IsAMinimumUnderNoise) {
   }
 }
 
-TEST(AlignPoints, KeepsTheScale) {
+TEST(AlignPoints, KeepsScale) {
   std::mt19937_64 rng(3);
   const Points source = RandomPoints(20, &rng);
   Points target = source;
@@ -67,8 +67,8 @@ TEST(AlignPoints, KeepsTheScale) {
               (source[0] - source[1]).norm(), kExact);
 }
 
-// Mirrored data: the best proper rotation turns, for points mirrored in x whose spread is least
-// along x, nothing at all.
+// Points mirrored in x, with the smallest spread along x: the best rotation without reflection is
+// the identity.
 TEST(AlignPoints, NeverReflects) {
   const Points source = {{0.1, 0, 0}, {-0.1, 0, 0}, {0, 2, 0}, {0, -2, 0}, {0, 0, 3}, {0, 0, -3}};
   Points target = source;
@@ -79,7 +79,7 @@ TEST(AlignPoints, NeverReflects) {
   EXPECT_THAT(alignment.target_from_source, RigidNear(Rigid3d(), kExact, kExact));
 }
 
-TEST(AlignPoints, OfAPlaneIsUnique) {
+TEST(AlignPoints, IsUniqueOnPlane) {
   std::mt19937_64 rng(4);
   for (int i = 0; i < 20; ++i) {
     Points source = RandomPoints(10, &rng);
@@ -91,7 +91,7 @@ TEST(AlignPoints, OfAPlaneIsUnique) {
   }
 }
 
-TEST(AlignPoints, OfALineSaysThatTheRotationIsNotUniqueButFits) {
+TEST(AlignPoints, ReportsAmbiguousRotationOfLine) {
   std::mt19937_64 rng(5);
   for (int i = 0; i < 20; ++i) {
     const Eigen::Vector3d start = RandomVector(5, &rng), direction = RandomVector(1, &rng);
@@ -106,7 +106,7 @@ TEST(AlignPoints, OfALineSaysThatTheRotationIsNotUniqueButFits) {
   }
 }
 
-TEST(AlignPoints, OfOneSpotMovesTheSpot) {
+TEST(AlignPoints, ReportsAmbiguousRotationOfSinglePoint) {
   const Alignment alignment =
       AlignPoints(Points(5, Eigen::Vector3d(1, 2, 3)), Points(5, Eigen::Vector3d(4, 5, 7)));
   EXPECT_EQ(alignment.status, AlignmentStatus::kRotationNotUnique);
@@ -114,7 +114,7 @@ TEST(AlignPoints, OfOneSpotMovesTheSpot) {
               VectorNear(Eigen::Vector3d(4, 5, 7), kExact));
 }
 
-TEST(AlignPoints, OfAMirroredCubeSaysThatTheRotationIsNotUnique) {
+TEST(AlignPoints, ReportsAmbiguousRotationOfMirroredOctahedron) {
   Points source, target;
   for (int i = 0; i < 3; ++i) {
     for (const double sign : {-1, 1}) {
@@ -125,7 +125,7 @@ TEST(AlignPoints, OfAMirroredCubeSaysThatTheRotationIsNotUnique) {
   EXPECT_EQ(AlignPoints(source, target).status, AlignmentStatus::kRotationNotUnique);
 }
 
-TEST(AlignPoints, OfTwoPointsIsRefused) {
+TEST(AlignPoints, RejectsTwoPoints) {
   EXPECT_EQ(AlignPoints(Points(2), Points(2)).status, AlignmentStatus::kTooFewPoints);
   EXPECT_EQ(AlignPoints({}, {}).status, AlignmentStatus::kTooFewPoints);
 }

@@ -11,7 +11,7 @@
 namespace surfit::testing {
 namespace {
 
-// A pattern with noise, so that both images have structure in common.
+// Pattern with noise, so that two images have common structure.
 Image<Rgb8> Pattern(int width, int height, int noise, int seed) {
   std::mt19937_64 rng(seed);
   std::uniform_int_distribution<int> error(-noise, noise);
@@ -36,7 +36,7 @@ cv::Mat AsMat(const Image<Rgb8>& image) {
 
 std::array<double, 3> Channels(Rgb8 color) { return {1. * color.r, 1. * color.g, 1. * color.b}; }
 
-// The formula as it stands, at one pixel: sums over the window in double, pixel by pixel.
+// SSIM formula at one pixel, with sums over the window in double precision.
 double SimilarityAt(const Image<Rgb8>& x, const Image<Rgb8>& y, int u, int v) {
   const auto mirrored = [](int i, int size) {
     return i < 0 ? -i : i >= size ? 2 * size - 2 - i : i;
@@ -66,23 +66,23 @@ TEST(Psnr, AgreesWithOpenCv) {
   EXPECT_NEAR(Psnr(image, reference, AllOf(image)), cv::PSNR(AsMat(image), AsMat(reference)), 1e-9);
 }
 
-TEST(Psnr, ComparesThePixelsOfTheMaskAlone) {
+TEST(Psnr, UsesPixelsOfMaskOnly) {
   Image<Rgb8> image(4, 2, {10, 20, 30});
   const Image<Rgb8> reference = image;
   image(0, 0) = {200, 200, 200};
   image(1, 0) = {13, 20, 30};
   PixelMask mask = AllOf(image);
   mask(0, 0) = 0;
-  // One difference of 3 among the 21 numbers of 7 pixels.
+  // One difference of 3 among the 21 values of 7 pixels.
   EXPECT_NEAR(Psnr(image, reference, mask), 10 * std::log10(255. * 255 / (9. / 21)), 1e-9);
   EXPECT_EQ(CountOf(mask), 7u);
 }
 
-TEST(Psnr, OfEqualImagesIsLimited) {
+TEST(Psnr, IsLimitedForEqualImages) {
   const Image<Rgb8> image = Pattern(20, 20, 5, 3);
   EXPECT_EQ(Psnr(image, image, AllOf(image)), kMostPsnr_db);
   EXPECT_EQ(Psnr(image, image, PixelMask(20, 20, 0)), 0);
-  // The least that is not equal in an image of half a million pixels is within the limit.
+  // The smallest possible difference in an image of half a million pixels is limited as well.
   Image<Rgb8> large(1000, 500), changed(1000, 500);
   changed(3, 4).g = 1;
   EXPECT_EQ(Psnr(changed, large, AllOf(large)), kMostPsnr_db);
@@ -91,8 +91,8 @@ TEST(Psnr, OfEqualImagesIsLimited) {
   EXPECT_NEAR(Psnr(other, small, AllOf(small)), 20 * std::log10(255) + 10 * std::log10(300), 1e-9);
 }
 
-// By trying gains in steps: between two of them PSNR is flat to the second order.
-TEST(PsnrByGain, IsTheMostThatAnyGainsGive) {
+// Exhaustive search over gains. Between two steps, the PSNR is constant to second order.
+TEST(PsnrByGain, IsMaximumOverGains) {
   Image<Rgb8> image = Pattern(61, 40, 25, 1);
   const Image<Rgb8> reference = Pattern(61, 40, 0, 2);
   for (Rgb8& pixel : image) {
@@ -119,15 +119,16 @@ TEST(PsnrByGain, IsTheMostThatAnyGainsGive) {
   EXPECT_GT(by_trying, Psnr(image, reference, mask) + 3);
 }
 
-TEST(PsnrByGain, OfScaledImagesIsLimited) {
+TEST(PsnrByGain, IsLimitedForScaledImages) {
   const Image<Rgb8> dark(10, 10, {20, 30, 40}), light(10, 10, {40, 90, 40}), black(10, 10);
   EXPECT_EQ(PsnrByGain(dark, light, AllOf(dark)), kMostPsnr_db);
   EXPECT_EQ(PsnrByGain(black, dark, AllOf(dark)), Psnr(black, dark, AllOf(dark)));
   EXPECT_EQ(PsnrByGain(dark, light, PixelMask(10, 10, 0)), 0);
 }
 
-// Sums of float squares below 2^16 have 24 bits: 1e-2 of variances where C2 is 58.
-TEST(StructuralSimilarity, AgreesWithTheFormulaSummedPixelByPixel) {
+// Sums of squares below 2^16 in float have 24 bits, so the variances have an error of 1e-2. C2 is
+// 58.
+TEST(StructuralSimilarity, AgreesWithFormulaInDoublePrecision) {
   const Image<Rgb8> image = Pattern(37, 29, 40, 4), reference = Pattern(37, 29, 0, 5);
   const Image<float> similarity = StructuralSimilarity(image, reference);
   double least = 1, most = -1;
@@ -138,11 +139,11 @@ TEST(StructuralSimilarity, AgreesWithTheFormulaSummedPixelByPixel) {
       most = std::max<double>(most, similarity(u, v));
     }
   }
-  EXPECT_LT(least, 0.8);  // so that there was something to compare
+  EXPECT_LT(least, 0.8);  // the images differ
   EXPECT_GT(most, least + 0.3);
 }
 
-TEST(StructuralSimilarity, OfEqualImagesIsOne) {
+TEST(StructuralSimilarity, IsOneForEqualImages) {
   const Image<Rgb8> image = Pattern(30, 20, 5, 6);
   const Image<float> similarity = StructuralSimilarity(image, image);
   EXPECT_NEAR(MeanOf(similarity, AllOf(image)), 1, 1e-6);

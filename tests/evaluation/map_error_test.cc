@@ -24,7 +24,7 @@ Cloud RandomPoints(int count, double size_m, int seed) {
   return points;
 }
 
-// A grid of (2 n + 1)^2 points in the plane z = 0.
+// Grid of (2 n + 1)^2 points in the plane z = 0.
 Cloud Grid(int n, float spacing_m) {
   Cloud points;
   for (int i = -n; i <= n; ++i) {
@@ -48,8 +48,8 @@ TEST(MapError, AgreesWithBruteForce) {
   std::vector<double> to_reference;
   for (const auto& point : map) to_reference.push_back(BruteForceDistance(point, reference));
   const ErrorStatistics expected = Summarize(to_reference);
-  // The tree compares squared distances in float: what it takes for the nearest may be further by
-  // some 1e-7 of the distance.
+  // The tree compares squared distances in float. The nearest point has a relative error of about
+  // 1e-7.
   EXPECT_NEAR(error.accuracy_m.mean, expected.mean, 1e-6 * expected.mean);
   EXPECT_NEAR(error.accuracy_m.median, expected.median, 1e-6 * expected.median);
   EXPECT_NEAR(error.accuracy_m.p90, expected.p90, 1e-6 * expected.p90);
@@ -64,8 +64,8 @@ TEST(MapError, AgreesWithBruteForce) {
   EXPECT_EQ(error.reference_points, 2500u);
 }
 
-// A plane seen 5 mm too far, of which one half is mapped.
-TEST(MapError, OfAShiftedHalfPlane) {
+// One half of a plane is mapped, 8 mm too far away.
+TEST(MapError, IsShiftAndHalfCompletenessOfShiftedHalfPlane) {
   const Cloud reference = Grid(20, 0.125f);
   Cloud map;
   for (const auto& point : reference) {
@@ -78,23 +78,22 @@ TEST(MapError, OfAShiftedHalfPlane) {
   EXPECT_FALSE(error.plane_accuracy_m.has_value());
 }
 
-TEST(MapError, DistanceOfCompletenessIsInclusive) {
+TEST(MapError, CompletenessDistanceIsInclusive) {
   const Cloud reference = {{0, 0, 0}}, map = {{0.25f, 0, 0}};
   EXPECT_EQ(ComputeMapError(map, reference, {}, {0.25}).completeness, 1);
   EXPECT_EQ(ComputeMapError(map, reference, {}, {0.2499}).completeness, 0);
 }
 
-// Map points anywhere over a grid of spacing s, h above it: the plane is h away everywhere. For
-// h = 0 the nearest grid point is at the distance of a uniform point of a square of side s from its
-// centre, whose mean is s (sqrt(2) + ln(1 + sqrt(2))) / 6 = 0.3826 s.
-TEST(MapError, ToThePlaneIsFreeOfTheReferencesSpacing) {
+// Random map points at height h over a grid of spacing s. The distance to the plane is h. For h =
+// 0, the mean distance to the nearest grid point is s (sqrt(2) + ln(1 + sqrt(2))) / 6 = 0.3826 s.
+TEST(MapError, PlaneAccuracyIsIndependentOfSpacing) {
   const Cloud reference = Grid(20, 0.1f);
   const Cloud normals(reference.size(), Eigen::Vector3f(0, 0, -1));
   const int count = 20000;
   Cloud map = RandomPoints(count, 2, 3);
   for (auto& point : map) point.z() = 0;
   const MapError flat = ComputeMapError(map, reference, normals, MapErrorOptions());
-  // 5 sigma / sqrt(N); the distance's standard deviation is 0.143 s.
+  // 5 sigma / sqrt(N). The standard deviation of the distance is 0.143 s.
   EXPECT_NEAR(flat.accuracy_m.mean, 0.03826, 5 * 0.0143 / std::sqrt(count));
   EXPECT_EQ(flat.plane_accuracy_m->max, 0);
   for (auto& point : map) point.z() = 0.25f;
@@ -103,14 +102,14 @@ TEST(MapError, ToThePlaneIsFreeOfTheReferencesSpacing) {
   EXPECT_GT(lifted.accuracy_m.median, 0.25);
 }
 
-TEST(MapError, TakesThePlaneOfTheNearestPoint) {
+TEST(MapError, UsesPlaneOfNearestPoint) {
   const Cloud reference = {{-2, 0, 0}, {0, 0, 0}, {0, 3, 0}};
   const Cloud normals = {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}};
   const MapError error = ComputeMapError({{0.5f, 0.25f, 0.125f}}, reference, normals, {});
   EXPECT_EQ(error.plane_accuracy_m->max, 0.125);
 }
 
-TEST(MapError, LeavesOutPointsThatAreNotFinite) {
+TEST(MapError, IgnoresNonFinitePoints) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const Cloud map = {{kNan, 0, 0}, {0, 0, 0}}, reference = {{0, 0, 1}, {0, 0, 0}, {0, kNan, 0}};
   const Cloud normals = {{1, 0, 0}, {0, 0, 1}, {1, 0, 0}};
@@ -130,14 +129,14 @@ TEST(MapError, IsTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(errors[0].completeness, errors[1].completeness);
 }
 
-TEST(MapError, NamesTheCloudThatHasNoPoint) {
+TEST(MapError, RejectsEmptyCloudByName) {
   const Cloud none, one = {{0, 0, 0}};
   EXPECT_THAT([&] { ComputeMapError(none, one, {}, MapErrorOptions()); },
-              ThrowsMessage<InputError>(HasSubstr("the map has no finite point")));
+              ThrowsNaming<InputError>("map"));
   EXPECT_THAT([&] { ComputeMapError(one, none, {}, MapErrorOptions()); },
-              ThrowsMessage<InputError>(HasSubstr("the reference has no finite point")));
+              ThrowsNaming<InputError>("reference"));
   EXPECT_THAT([&] { ComputeMapError(one, one, {}, {-1}); },
-              ThrowsMessage<InputError>(HasSubstr("completeness_distance_m is -1")));
+              ThrowsNaming<InputError>("completeness_distance_m", -1));
 }
 
 }  // namespace

@@ -14,14 +14,14 @@
 namespace surfit::testing {
 namespace {
 
-// The corners of a square with side 2 m about the origin, in the plane z = 0, looking along z, with
-// stamps 0, 1, 2, 3; the estimate is the same but for one corner that is lifted by `lift_m`.
+// Corners of a square with side 2 m around the origin, in the plane z = 0, looking along z, with
+// the timestamps 0, 1, 2, 3. One corner of the estimate is lifted by `lift_m`.
 //
-// ATE by hand: the errors are 0 but for lift h along z at corner (1, 1). The best rigid motion to
-// first order in h is the plane z = a + b x + c y fitted to (0, 0, h, 0) at the corners (x and y
-// coordinates change only in second order): a = h/4, b = c = h/4 (sum of h x_i over sum of x_i^2).
-// The fit has 3 parameters for 4 values, so what remains is the component along the one contrast
-// left, (1, -1, 1, -1)/2: every corner is off by h/4, so that rmse = mean = median = max = h/4.
+// ATE by hand: the only error is the lift h along z at corner (1, 1). To first order in h, the best
+// rigid motion is the plane z = a + b x + c y that is fitted to (0, 0, h, 0) at the corners.
+// Its parameters are a = b = c = h/4. The coordinates x and y change in second order only. The fit
+// has 3 parameters for 4 values. The remaining component is along (1, -1, 1, -1)/2: the error of
+// every corner is h/4, so rmse = mean = median = max = h/4.
 std::vector<MatchedPose> SquareWithALiftedCorner(double lift_m) {
   const Eigen::Vector3d corners[] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   std::vector<MatchedPose> poses(4);
@@ -33,8 +33,8 @@ std::vector<MatchedPose> SquareWithALiftedCorner(double lift_m) {
   return poses;
 }
 
-TEST(Summarize, GivesTheFiguresOfAKnownSet) {
-  // Sorted 1 2 3 6: the median's rank is 1.5, that of 90 % is 0.9 * 3 = 2.7.
+TEST(Summarize, ComputesStatisticsOfKnownSet) {
+  // Sorted 1 2 3 6: the rank of the median is 1.5, and the rank of 90 % is 0.9 * 3 = 2.7.
   const ErrorStatistics s = Summarize({6, 1, 3, 2});
   EXPECT_EQ(s.count, 4u);
   EXPECT_DOUBLE_EQ(s.rmse, std::sqrt((36 + 1 + 9 + 4) / 4.));
@@ -44,12 +44,12 @@ TEST(Summarize, GivesTheFiguresOfAKnownSet) {
   EXPECT_DOUBLE_EQ(s.max, 6);
 }
 
-TEST(Summarize, OfOneErrorIsThatError) {
+TEST(Summarize, IsTheErrorForSingleError) {
   const ErrorStatistics s = Summarize({0.25});
   for (const double value : {s.rmse, s.mean, s.median, s.p90, s.max}) EXPECT_EQ(value, 0.25);
 }
 
-TEST(MatchOptions, ValidateRefusesNonsense) {
+TEST(MatchOptions, ValidateRejectsInvalidValues) {
   EXPECT_THROW(Validate(MatchOptions{0.01, -0.1}), InputError);
   EXPECT_NO_THROW(Validate(MatchOptions{0}));
   EXPECT_THROW(Validate(MatchOptions{-0.1}), InputError);
@@ -57,7 +57,7 @@ TEST(MatchOptions, ValidateRefusesNonsense) {
   EXPECT_THROW(Validate(MatchOptions{std::numeric_limits<double>::quiet_NaN()}), InputError);
 }
 
-TEST(MatchPoses, CarriesEachSidesPoseAndTheEstimatesStamp) {
+TEST(MatchPoses, ContainsBothPosesAndTimestampOfEstimate) {
   Trajectory ground_truth(2), estimate(1);
   ground_truth[0] = {5.0, Rigid3d(Eigen::Quaterniond::Identity(), {1, 0, 0})};
   ground_truth[1] = {6.0, Rigid3d(Eigen::Quaterniond::Identity(), {2, 0, 0})};
@@ -69,8 +69,8 @@ TEST(MatchPoses, CarriesEachSidesPoseAndTheEstimatesStamp) {
   EXPECT_EQ(poses[0].estimate.translation.x(), 3);
 }
 
-// A camera that moves along a line and turns about an axis, both at constant speed: what is linear
-// between two poses is exact.
+// Camera with constant velocity along a line and constant rotation about an axis: linear
+// interpolation is exact.
 Trajectory Steady(int count, double period_s, double begin_s) {
   Trajectory trajectory;
   for (int i = 0; i < count; ++i) {
@@ -82,7 +82,7 @@ Trajectory Steady(int count, double period_s, double begin_s) {
   return trajectory;
 }
 
-TEST(MatchPoses, InterpolatesTheTruthAtTheEstimatesStamps) {
+TEST(MatchPoses, InterpolatesGroundTruthAtTimestampsOfEstimate) {
   const Trajectory ground_truth = Steady(101, 0.01, 0);
   const Trajectory estimate = Steady(28, 1 / 30., 0.0037);
   const auto poses = MatchPoses(ground_truth, estimate, MatchOptions());
@@ -93,7 +93,7 @@ TEST(MatchPoses, InterpolatesTheTruthAtTheEstimatesStamps) {
   EXPECT_LT(ComputeAbsoluteTrajectoryError(poses)->translation_m.max, 1e-12);
 }
 
-TEST(MatchPoses, TakesATruePoseAtItsStampBitForBit) {
+TEST(MatchPoses, IsExactAtTimestampsOfGroundTruth) {
   const Trajectory ground_truth = Steady(31, 1 / 30., 1305031453.3);
   const auto poses = MatchPoses(ground_truth, ground_truth, MatchOptions());
   ASSERT_EQ(poses.size(), ground_truth.size());
@@ -103,11 +103,11 @@ TEST(MatchPoses, TakesATruePoseAtItsStampBitForBit) {
   }
 }
 
-TEST(MatchPoses, TakesTheNearestPoseAcrossAWideGap) {
+TEST(MatchPoses, UsesNearestPoseInWideGap) {
   const Trajectory ground_truth = Steady(3, 0.06, 0);
   const Trajectory estimate = {{0.009, Rigid3d()}, {0.03, Rigid3d()}, {0.125, Rigid3d()}};
   const auto poses = MatchPoses(ground_truth, estimate, MatchOptions());
-  ASSERT_EQ(poses.size(), 2u);  // 0.03 s is too far from either
+  ASSERT_EQ(poses.size(), 2u);  // 0.03 s is too far from both poses
   EXPECT_EQ(poses[0].ground_truth.translation, ground_truth[0].world_from_camera.translation);
   EXPECT_EQ(poses[1].ground_truth.translation, ground_truth[2].world_from_camera.translation);
   MatchOptions wide;
@@ -121,21 +121,21 @@ TEST(MatchPoses, TakesTheNearestPoseAcrossAWideGap) {
       Steady(11, 0.01, 0)[4].world_from_camera.translation);
 }
 
-TEST(AbsoluteTrajectoryError, OfASquareWithALiftedCornerIsAQuarterOfTheLift) {
+TEST(AbsoluteTrajectoryError, IsQuarterOfLiftOfCorner) {
   const double lift_m = 1e-3;
   const auto ate = ComputeAbsoluteTrajectoryError(SquareWithALiftedCorner(lift_m));
   ASSERT_TRUE(ate.has_value());
   EXPECT_EQ(ate->translation_m.count, 4u);
-  // The tilt of h/4 shortens the sides by (h/4)^2/2 and the like: h^2 bounds the second order.
+  // The tilt of h/4 shortens the sides by (h/4)^2/2. The second order is below h^2.
   for (const double error : {ate->translation_m.rmse, ate->translation_m.mean,
                              ate->translation_m.median, ate->translation_m.max}) {
     EXPECT_NEAR(error, lift_m / 4, lift_m * lift_m);
   }
 }
 
-// Both ends of a line of 3 poses at -1, 0, 1 m pulled apart to -1.5, 0, 1.5: nothing rigid helps,
-// so the errors are 0.5, 0, 0.5. The line leaves the rotation about itself open.
-TEST(AbsoluteTrajectoryError, OfAStretchedLineIsItsStretch) {
+// The ends of a line of 3 poses at -1, 0, 1 m are moved to -1.5, 0, 1.5. No rigid motion reduces
+// the errors 0.5, 0, 0.5. The rotation about the line is unobservable.
+TEST(AbsoluteTrajectoryError, IsStretchOfLine) {
   std::vector<MatchedPose> poses(3);
   for (int i = 0; i < 3; ++i) {
     poses[i].ground_truth.translation.y() = i - 1;
@@ -150,16 +150,16 @@ TEST(AbsoluteTrajectoryError, OfAStretchedLineIsItsStretch) {
   EXPECT_NEAR(ate->translation_m.max, 0.5, 1e-12);
 }
 
-// A square with sides 2 m scaled by 1.1: each corner, sqrt(2) m from the centre, is off by a tenth
-// of that. With scale the error would be 0.
-TEST(AbsoluteTrajectoryError, DoesNotAdjustScale) {
+// A square with side 2 m is scaled by 1.1: the error of each corner is a tenth of its distance to
+// the centre, sqrt(2) m. With scale alignment the error is 0.
+TEST(AbsoluteTrajectoryError, DoesNotAlignScale) {
   auto poses = SquareWithALiftedCorner(0);
   for (MatchedPose& pose : poses) pose.estimate.translation *= 1.1;
   EXPECT_NEAR(ComputeAbsoluteTrajectoryError(poses)->translation_m.rmse, 0.1 * std::sqrt(2.),
               1e-12);
 }
 
-TEST(AbsoluteTrajectoryError, DoesNotDependOnEitherWorld) {
+TEST(AbsoluteTrajectoryError, IsIndependentOfWorldFrames) {
   std::mt19937_64 rng(1);
   auto poses = SquareWithALiftedCorner(0.3);
   const auto before = ComputeAbsoluteTrajectoryError(poses);
@@ -183,8 +183,8 @@ TEST(AbsoluteTrajectoryError, NeedsThreePoses) {
 
 using Unit = RelativePoseErrorOptions::Unit;
 
-// The two steps that touch the lifted corner are off by the lift h, the other one by 0.
-TEST(RelativePoseError, OfASquareWithALiftedCorner) {
+// The error of the two steps at the lifted corner is the lift h. The error of the third step is 0.
+TEST(RelativePoseError, AgreesWithKnownSquare) {
   const auto rpe = ComputeRelativePoseError(SquareWithALiftedCorner(0.3), {});
   ASSERT_TRUE(rpe.has_value());
   EXPECT_EQ(rpe->translation_m.count, 3u);
@@ -194,16 +194,16 @@ TEST(RelativePoseError, OfASquareWithALiftedCorner) {
   EXPECT_EQ(rpe->rotation_deg.max, 0);
 }
 
-// Over 2 poses: 0 -> 2 is off by h, 1 -> 3 by nothing.
-TEST(RelativePoseError, TakesItsStepInPoses) {
+// Over 2 poses: the error of 0 -> 2 is h, and the error of 1 -> 3 is 0.
+TEST(RelativePoseError, SupportsStepInPoses) {
   const auto rpe = ComputeRelativePoseError(SquareWithALiftedCorner(0.3), {2, Unit::kFrames});
   EXPECT_EQ(rpe->translation_m.count, 2u);
   EXPECT_NEAR(rpe->translation_m.rmse, 0.3 * std::sqrt(1. / 2), 1e-12);
 }
 
-// The truth stands still; the estimate turns by 2 degrees a frame about its own z axis and goes
-// 0.1 m along its own x axis: each step is wrong by exactly that, whatever the heading.
-TEST(RelativePoseError, OfASteadyDriftIsTheDrift) {
+// The ground truth is constant. The estimate rotates by 2 degrees per frame about its z axis and
+// moves by 0.1 m along its x axis. This is the error of each step, for any heading.
+TEST(RelativePoseError, IsDriftPerFrame) {
   const double turn_rad = 2 * std::acos(-1) / 180;
   const Rigid3d step(QuaternionExp<double>({0, 0, turn_rad}), {0.1, 0, 0});
   std::vector<MatchedPose> poses(100);
@@ -214,9 +214,10 @@ TEST(RelativePoseError, OfASteadyDriftIsTheDrift) {
   EXPECT_NEAR(rpe->rotation_deg.max, 2, 1e-10);
 }
 
-// Q_i^-1 Q_j = a turn of 90 degrees about z and 1 m along x; P_i^-1 P_j = 1 m along x, no turn.
-// E = (Rz90, (1,0,0))^-1 (I, (1,0,0)) = (Rz-90, 0): the translations cancel in the frame of i.
-TEST(RelativePoseError, ComparesMotionsFromTheFirstPoseToTheSecond) {
+// Q_i^-1 Q_j is a rotation of 90 degrees about z and 1 m along x. P_i^-1 P_j is 1 m along x without
+// rotation. E = (Rz90, (1,0,0))^-1 (I, (1,0,0)) = (Rz-90, 0): the translations cancel in the frame
+// of i.
+TEST(RelativePoseError, ComparesMotionsInFrameOfFirstPose) {
   std::vector<MatchedPose> poses(2);
   const double quarter_rad = std::acos(-1) / 2;
   poses[1].ground_truth = Rigid3d(QuaternionExp<double>({0, 0, quarter_rad}), {1, 0, 0});
@@ -226,7 +227,7 @@ TEST(RelativePoseError, ComparesMotionsFromTheFirstPoseToTheSecond) {
   EXPECT_NEAR(rpe->rotation_deg.max, 90, 1e-10);
 }
 
-TEST(RelativePoseError, DoesNotDependOnEitherWorld) {
+TEST(RelativePoseError, IsIndependentOfWorldFrames) {
   std::mt19937_64 rng(1);
   std::vector<MatchedPose> poses(20);
   for (MatchedPose& pose : poses) {
@@ -244,26 +245,26 @@ TEST(RelativePoseError, DoesNotDependOnEitherWorld) {
   EXPECT_NEAR(after->rotation_deg.rmse, before->rotation_deg.rmse, 1e-10);
 }
 
-// Stamps 0, 1, 2, 5 with h = 0.3 at the third: a second later than 0 and 1 there are poses, than
-// 2 and 5 there are none (3 would be nearest to 2, wrong by more than a tenth of a second).
-TEST(RelativePoseError, TakesItsStepInSeconds) {
+// Timestamps 0, 1, 2, 5 with h = 0.3 at the third pose. Only poses 0 and 1 have a pose one second
+// later. For pose 2, the nearest pose has a deviation of more than a tenth of a second.
+TEST(RelativePoseError, SupportsStepInSeconds) {
   auto poses = SquareWithALiftedCorner(0.3);
   poses[3].stamp_s = 5;
   const auto rpe = ComputeRelativePoseError(poses, {1, Unit::kSeconds});
   EXPECT_EQ(rpe->translation_m.count, 2u);
   EXPECT_NEAR(rpe->translation_m.rmse, 0.3 * std::sqrt(1. / 2), 1e-12);
-  // 2.05 s: 0 -> 2 alone, off by 0.05 s of 0.205 s.
+  // 2.05 s: only 0 -> 2, with a deviation of 0.05 s. The limit is 0.205 s.
   EXPECT_EQ(ComputeRelativePoseError(poses, {2.05, Unit::kSeconds})->translation_m.count, 1u);
 }
 
-TEST(RelativePoseError, OfNoPairIsNothing) {
+TEST(RelativePoseError, IsNulloptWithoutPairs) {
   const auto poses = SquareWithALiftedCorner(0.3);
   EXPECT_FALSE(ComputeRelativePoseError({}, {}).has_value());
   EXPECT_FALSE(ComputeRelativePoseError(poses, {4, Unit::kFrames}).has_value());
   EXPECT_FALSE(ComputeRelativePoseError(poses, {0.5, Unit::kSeconds}).has_value());
 }
 
-TEST(RelativePoseErrorOptions, ValidateRefusesNonsense) {
+TEST(RelativePoseErrorOptions, ValidateRejectsInvalidValues) {
   EXPECT_NO_THROW((Validate(RelativePoseErrorOptions{0.5, Unit::kSeconds})));
   EXPECT_THROW((Validate(RelativePoseErrorOptions{0.5, Unit::kFrames})), InputError);
   EXPECT_THROW((Validate(RelativePoseErrorOptions{0, Unit::kFrames})), InputError);
@@ -271,7 +272,7 @@ TEST(RelativePoseErrorOptions, ValidateRefusesNonsense) {
   EXPECT_THROW((Validate(RelativePoseErrorOptions{std::nan(""), Unit::kSeconds})), InputError);
 }
 
-// `count` poses along a curve, `rate` a second.
+// `count` poses along a curve, at `rate` Hz.
 Trajectory Curve(int count, double rate) {
   Trajectory trajectory;
   for (int i = 0; i < count; ++i) {
@@ -281,7 +282,7 @@ Trajectory Curve(int count, double rate) {
   return trajectory;
 }
 
-TEST(EvaluateTrajectory, OfTheTruthIsZeroWithFullCoverage) {
+TEST(EvaluateTrajectory, IsZeroWithFullCoverageForGroundTruth) {
   const Trajectory t = Curve(10, 30);
   const auto evaluation = EvaluateTrajectory(t, t, Stamps(t), {});
   EXPECT_EQ(evaluation.expected, 10);
@@ -291,9 +292,9 @@ TEST(EvaluateTrajectory, OfTheTruthIsZeroWithFullCoverage) {
   EXPECT_LT(evaluation.rpe->translation_m.max, 1e-12);
 }
 
-TEST(EvaluateTrajectory, CoverageCountsTheFramesThatTheGroundTruthKnows) {
-  // Motion capture at 90 Hz for the first 8 of 10 frames at 30 Hz; 2 of these 8 are lost, and the
-  // 2 later ones are neither expected nor matched.
+TEST(EvaluateTrajectory, CoverageCountsFramesWithGroundTruth) {
+  // Ground truth at 90 Hz covers the first 8 of 10 frames at 30 Hz. Two of these are lost. The last
+  // two frames are neither expected nor matched.
   const Trajectory ground_truth = Curve(3 * 7 + 1, 90);
   const Trajectory frames = Curve(10, 30);
   Trajectory estimate = frames;
@@ -304,7 +305,7 @@ TEST(EvaluateTrajectory, CoverageCountsTheFramesThatTheGroundTruthKnows) {
   EXPECT_DOUBLE_EQ(evaluation.coverage, 6. / 8);
 }
 
-TEST(EvaluateTrajectory, OfSteadyMotionBetweenTheTruesStampsIsZero) {
+TEST(EvaluateTrajectory, IsZeroForConstantMotionBetweenTimestamps) {
   const Trajectory estimate = Steady(20, 1 / 30., 0.1 + 0.0041);
   const auto evaluation = EvaluateTrajectory(Steady(120, 0.01, 0), estimate, Stamps(estimate), {});
   EXPECT_EQ(evaluation.matched, 20);
@@ -319,7 +320,7 @@ TEST(EvaluateTrajectory, OfSteadyMotionBetweenTheTruesStampsIsZero) {
             1e-3);
 }
 
-TEST(EvaluateTrajectory, WithoutPosesSaysSo) {
+TEST(EvaluateTrajectory, HasNoErrorsWithoutPoses) {
   const Trajectory t = Curve(10, 30);
   const auto lost = EvaluateTrajectory(t, {}, Stamps(t), {});
   EXPECT_EQ(lost.coverage, 0);

@@ -11,14 +11,14 @@
 namespace surfit::testing {
 namespace {
 
-// The filter's result is a mean of inverse depths r. Each r is off by two roundings (z, then 1/z)
-// and a difference d of two by four, relative to r. Moving all d by e moves the mean of
-// (1 - d^2/c^2)^2 d by less than 10 e: the derivative of weight times d is at most 1, that of the
-// weight adds at most 4 x^2 (1 - x^2) <= 1 for each tap and once more through the denominator, and
-// taps that are all but cut off have no more than 5 times the weight of those that are not.
+// The result of the filter is a weighted mean of inverse depths r. Two roundings (z, 1/z) change
+// each r, and four change a difference d, relative to r. An error e of all d changes the mean of (1
+// - d^2/c^2)^2 d by less than 10 e. The derivative of weight times d is at most 1. The derivative
+// of the weight adds at most 4 x^2 (1 - x^2) <= 1 per tap, and once more through the denominator.
+// Taps near the cut-off have at most 5 times the weight of the other taps.
 constexpr double kRelativeTolerance = 10 * 4 * kFloatRounding;
 
-// The filter's definition, in double precision.
+// Definition of the filter, in double precision.
 double FilteredInverseDepth(const Image<float>& depth_m, int u, int v,
                             const PreprocessOptions& options) {
   const int radius = options.filter_radius_px;
@@ -40,7 +40,7 @@ double FilteredInverseDepth(const Image<float>& depth_m, int u, int v,
   return sum / weight_sum;
 }
 
-// A slanted surface with noise of the sensor's size, steps and holes.
+// Slanted surface with sensor noise, steps and holes.
 Image<float> RoughDepth(std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> noise(0, DepthNoise().inverse_depth_sigma);
@@ -54,7 +54,7 @@ Image<float> RoughDepth(std::uint64_t seed) {
   return depth_m;
 }
 
-TEST(FilterDepth, AgreesWithItsDefinitionInDoublePrecision) {
+TEST(FilterDepth, AgreesWithDefinitionInDoublePrecision) {
   const Image<float> depth_m = RoughDepth(3);
   for (const int radius : {1, 2, 4}) {
     PreprocessOptions options;
@@ -69,7 +69,7 @@ TEST(FilterDepth, AgreesWithItsDefinitionInDoublePrecision) {
   }
 }
 
-TEST(FilterDepth, MissingStaysMissingAndTheRestStaysThere) {
+TEST(FilterDepth, KeepsValidAndMissingPixels) {
   const Image<float> depth_m = RoughDepth(4);
   const Image<float> filtered = FilterDepth(depth_m, DepthNoise(), PreprocessOptions());
   ASSERT_EQ(filtered.width(), depth_m.width());
@@ -77,20 +77,20 @@ TEST(FilterDepth, MissingStaysMissingAndTheRestStaysThere) {
   for (std::size_t i = 0; i < depth_m.size(); ++i) EXPECT_EQ(filtered[i] > 0, depth_m[i] > 0) << i;
 }
 
-TEST(FilterDepth, NothingIsMadeOfNothing) {
+TEST(FilterDepth, KeepsImagesWithoutDepth) {
   EXPECT_TRUE(FilterDepth(Image<float>(), DepthNoise(), PreprocessOptions()).empty());
   const Image<float> missing(50, 40, 0.f);
   EXPECT_TRUE(FilterDepth(missing, DepthNoise(), PreprocessOptions()) == missing);
 }
 
-TEST(FilterDepth, RadiusZeroIsNoFilter) {
+TEST(FilterDepth, RadiusZeroKeepsDepth) {
   PreprocessOptions options;
   options.filter_radius_px = 0;
   const Image<float> depth_m = RoughDepth(5);
   EXPECT_TRUE(FilterDepth(depth_m, DepthNoise(), options) == depth_m);
 }
 
-TEST(FilterDepth, LonelyPixelsKeepTheirDepth) {
+TEST(FilterDepth, KeepsDepthOfIsolatedPixels) {
   Image<float> depth_m(20, 20, 0.f);
   depth_m(0, 0) = 1.2345f;
   depth_m(10, 10) = 2.3456f;
@@ -100,9 +100,9 @@ TEST(FilterDepth, LonelyPixelsKeepTheirDepth) {
   }
 }
 
-// A plane is linear in inverse depth, and the weights of opposite pixels are equal: inside the
-// image nothing moves, however steep it is.
-TEST(FilterDepth, PlanesStayAsTheyAre) {
+// A plane is linear in inverse depth, and opposite pixels have equal weights. So the filter does
+// not change a plane inside the image, at any slant.
+TEST(FilterDepth, KeepsPlanes) {
   const PinholeCamera camera = SmallCamera();
   const PreprocessOptions options;
   const int radius = options.filter_radius_px;
@@ -124,9 +124,10 @@ TEST(FilterDepth, PlanesStayAsTheyAre) {
   }
 }
 
-// Where noise is small against the cut-off, the filter is a mean with the weights of a triangle,
-// sum w^2 / (sum w)^2 of the variance is left: ((1 + 4 + 9 + 4 + 1) / 9^2)^2 at a radius of 2.
-TEST(FilterDepth, ReducesNoiseAsItsWeightsSay) {
+// If the noise is small relative to the cut-off, the filter is a mean with triangular weights. The
+// remaining ratio of the variance is sum w^2 / (sum w)^2: ((1 + 4 + 9 + 4 + 1) / 9^2)^2 at a radius
+// of 2.
+TEST(FilterDepth, ReducesVarianceByItsWeights) {
   PreprocessOptions options;
   const double sigma = 0.05 * DepthNoise().inverse_depth_sigma;
   std::mt19937_64 rng(7);
@@ -136,18 +137,18 @@ TEST(FilterDepth, ReducesNoiseAsItsWeightsSay) {
   const Image<float> filtered = FilterDepth(depth_m, DepthNoise(), options);
   double square_sum = 0;
   int count = 0;
-  for (int v = 5; v < 495; v += 5) {  // 5 px apart: no two share a pixel
+  for (int v = 5; v < 495; v += 5) {  // 5 px apart: no shared pixels
     for (int u = 5; u < 495; u += 5, ++count) square_sum += std::pow(1 / filtered(u, v) - 1, 2);
   }
   const double expected = std::pow(19.0 / 81, 2) * sigma * sigma;
-  // A variance estimated from N values has the relative deviation sqrt(2 / N). Differences of
-  // sqrt(2) * 0.05 sigma take at most 2 * (0.07 / 4)^2 = 0.06 % from a weight.
+  // A variance of N samples has the relative standard deviation sqrt(2 / N). Differences of sqrt(2)
+  // * 0.05 sigma reduce a weight by at most 2 * (0.07 / 4)^2 = 0.06 %.
   EXPECT_NEAR(square_sum / count, expected, (4 * std::sqrt(2.0 / count) + 1e-3) * expected);
 }
 
-// Beyond a step that is larger than the cut-off, pixels have no say at all: each side comes out bit
-// for bit as if the other were missing.
-TEST(FilterDepth, SidesOfAStepDoNotMix) {
+// Pixels beyond a step larger than the cut-off have no weight. So each side is bitwise identical to
+// the result without the other side.
+TEST(FilterDepth, DoesNotMixSidesOfStep) {
   const PreprocessOptions options;
   const double step = 1.5 * options.filter_cutoff * DepthNoise().inverse_depth_sigma;
   std::mt19937_64 rng(9);

@@ -12,7 +12,7 @@
 namespace surfit::testing {
 namespace {
 
-TEST(VertexMap, VerticesLieOnTheRaysOfTheirPixels) {
+TEST(VertexMap, VerticesAreOnRaysOfTheirPixels) {
   const PinholeCamera camera = SmallCamera();
   std::mt19937_64 rng(1);
   std::uniform_real_distribution<float> depth(0.3f, 8.f);
@@ -27,13 +27,12 @@ TEST(VertexMap, VerticesLieOnTheRaysOfTheirPixels) {
     // (u - cx) / fx < 1: cx, the difference, 1 / fx and two products are rounded.
     const Eigen::Vector3d point = vertex(u, v).cast<double>();
     EXPECT_LT((point - z * camera.Ray(u, v)).norm(), 6 * kFloatRounding * z);
-    // The same in pixels, seen from z.
     const Eigen::Vector2d pixel = camera.Project(point);
     EXPECT_LT((pixel - Eigen::Vector2d(u, v)).norm(), 6 * kFloatRounding * camera.fx);
   }
 }
 
-TEST(VertexMap, IsZeroWhereDepthIsMissing) {
+TEST(VertexMap, IsZeroWithoutDepth) {
   Image<float> depth_m(9, 7, 0.f);
   depth_m(4, 3) = 2.f;
   const VectorImage vertex = VertexMap(depth_m, SmallCamera());
@@ -45,9 +44,10 @@ VectorImage Normals(const Image<float>& depth_m, const PinholeCamera& camera,
   return NormalMap(VertexMap(depth_m, camera), {camera, noise}, options);
 }
 
-// Inverse depth is off by two roundings, a slope by at most as much (one symmetric difference; more
-// of them only help), hence the vector (f r_u, f r_v, ...), whose length is at least r / |ray|, by
-// at most sqrt(2) f and once more as much in its third component: with |u - cx| < f, 3 f at most.
+// Error of a normal. Inverse depth has two roundings, and a slope at most the same error, because
+// it is one or more symmetric differences. The error of the vector (f r_u, f r_v, ...) is at most
+// sqrt(2) f, plus the same in its third component. The sum is at most 3 f, because |u - cx| < f.
+// The length of the vector is at least r / |ray|.
 double NormalTolerance(const PinholeCamera& camera) {
   return 3 * camera.fx * 2 * kFloatRounding * kLongestRay;
 }
@@ -68,8 +68,8 @@ TEST(NormalMap, IsExactOnPlanes) {
   }
 }
 
-// Steeper than max_slant_rad along the image's axes: no normal, rather than a guess.
-TEST(NormalMap, IsZeroWhereTheSurfaceIsTooSteep) {
+// Pixels steeper than max_slant_rad along the image axes have no normal.
+TEST(NormalMap, IsZeroOnSteepSurface) {
   const PinholeCamera camera = SmallCamera();
   PreprocessOptions options;
   options.max_slant_rad = 0.9;
@@ -77,14 +77,13 @@ TEST(NormalMap, IsZeroWhereTheSurfaceIsTooSteep) {
   for (const double tilt_rad : {0.85, 0.95}) {
     const Plane plane = TiltedPlane(tilt_rad, 0);
     const VectorImage normal = Normals(PlaneDepth(plane, camera), camera, options, no_slack);
-    // On the optical axis dr/du / r = tan(tilt) / f; the tilt to the ray is the plane's own.
+    // On the optical axis dr/du / r = tan(tilt) / f: the tilt to the ray is the tilt of the plane.
     const int u = 48, v = 35;
     ASSERT_NEAR(plane.Slant(camera.Ray(u, v)), tilt_rad, 0.01);
     EXPECT_EQ(normal(u, v).isZero(0.f), tilt_rad > 0.9);
   }
 }
 
-// A rough surface with steps and holes.
 Image<float> RoughDepth(const PinholeCamera& camera) {
   std::mt19937_64 rng(5);
   std::normal_distribution<double> noise(0, 0.001);
@@ -97,9 +96,9 @@ Image<float> RoughDepth(const PinholeCamera& camera) {
   return depth_m;
 }
 
-// The slope along a direction, from the definition: the longest run of offsets on both sides that
-// continue the surface, and a straight line fitted to all of its values. Nothing if there is
-// no offset; `close` is set where a value is too close to the bound to tell in single precision.
+// Slope along a direction, by definition: a line fitted to the longest run of offsets on both sides
+// that continue the surface. Returns std::nullopt without such an offset. Sets `close` if a value
+// is too close to the bound for single precision.
 std::optional<double> FittedSlope(const Image<float>& depth_m, int u, int v, int du, int dv,
                                   double focal, const PreprocessOptions& options, bool* close) {
   const auto inverse = [&](int k) {
@@ -127,7 +126,7 @@ std::optional<double> FittedSlope(const Image<float>& depth_m, int u, int v, int
   return (n * xy - x * y) / (n * xx - x * x);
 }
 
-TEST(NormalMap, AgreesWithLinesFittedInDoublePrecision) {
+TEST(NormalMap, AgreesWithLineFitsInDoublePrecision) {
   const PinholeCamera camera = SmallCamera();
   const Image<float> depth_m = RoughDepth(camera);
   PreprocessOptions options;
@@ -145,13 +144,13 @@ TEST(NormalMap, AgreesWithLinesFittedInDoublePrecision) {
       ++seen[expected];
       ASSERT_EQ(!normal(u, v).isZero(0.f), expected) << u << ", " << v;
       if (!expected) continue;
-      // Three points of the fitted plane span it.
+      // Three points that span the fitted plane.
       const double r = 1.0 / depth_m(u, v), h = 1e-3;
       const Eigen::Vector3d x = camera.Ray(u, v) / r;
       const Eigen::Vector3d x_u = camera.Ray(u + h, v) / (r + h * *slope_u);
       const Eigen::Vector3d x_v = camera.Ray(u, v + h) / (r + h * *slope_v);
       const Eigen::Vector3d across = -(x_u - x).cross(x_v - x).normalized();
-      // Doubles of size 2 differ by 1e-3 / 60 here: 1e-10 is lost.
+      // The difference of values near 2 is 1e-3 / 60, so the rounding error is 1e-10.
       ASSERT_THAT(normal(u, v).cast<double>(), VectorNear(across, NormalTolerance(camera) + 1e-9));
     }
     EXPECT_GT(seen[0], 500);
@@ -159,7 +158,7 @@ TEST(NormalMap, AgreesWithLinesFittedInDoublePrecision) {
   }
 }
 
-TEST(NormalMap, HasUnitNormalsThatFaceTheCameraOrNone) {
+TEST(NormalMap, NormalsHaveUnitLengthAndFaceCamera) {
   const PinholeCamera camera = SmallCamera();
   const Image<float> depth_m = RoughDepth(camera);
   const VectorImage normal = Normals(depth_m, camera);
@@ -172,9 +171,9 @@ TEST(NormalMap, HasUnitNormalsThatFaceTheCameraOrNone) {
   }
 }
 
-// Two planes with a step between them: next to the step there is no normal, farther off it is that
-// of the pixel's own plane.
-TEST(NormalMap, DoesNotReachAcrossADepthEdge) {
+// Pixels next to the step between two planes have no normal. Other pixels have the normal of their
+// plane.
+TEST(NormalMap, DoesNotSmoothAcrossDepthEdge) {
   const PinholeCamera camera = SmallCamera();
   const Plane near_plane = TiltedPlane(0.3, 1);
   Plane far_plane = TiltedPlane(0.4, 4);
@@ -194,7 +193,7 @@ TEST(NormalMap, DoesNotReachAcrossADepthEdge) {
   }
 }
 
-TEST(DropNormalsAtEdges, LeavesThoseThatTheSurfaceItselfShows) {
+TEST(DropNormalsAtEdges, KeepsNormalsAwayFromDepthEdges) {
   PinholeCamera camera = SmallCamera();
   for (const int width : {5, camera.width}) {
     camera.width = width;
@@ -218,9 +217,9 @@ TEST(DropNormalsAtEdges, LeavesThoseThatTheSurfaceItselfShows) {
   }
 }
 
-// The slope of 2 K + 1 equally noisy values has the variance sigma^2 / sum k^2 = sigma^2 / 28 for
-// K = 3. On a plane that faces the camera at depth z, n_x = f z r_u to first order.
-TEST(NormalMap, NoiseIsThatOfALeastSquaresSlope) {
+// The slope of 2 K + 1 values with equal noise has the variance sigma^2 / sum k^2 = sigma^2 / 28
+// for K = 3. On a plane that faces the camera at depth z, n_x = f z r_u to first order.
+TEST(NormalMap, HasNoiseOfLeastSquaresSlope) {
   PinholeCamera camera = {400, 400, 60, 60, 199.5, 199.5, {}};
   const PreprocessOptions options;
   const double sigma = 0.05 * DepthNoise().inverse_depth_sigma, z = 1.6;
@@ -232,7 +231,7 @@ TEST(NormalMap, NoiseIsThatOfALeastSquaresSlope) {
   double square_sum = 0;
   int count = 0;
   for (int v = 3; v < 397; ++v) {
-    // 7 px apart along u: no two slopes share a pixel.
+    // 7 px apart along u: slopes share no pixels.
     for (int u = 3; u < 397; u += 7, ++count) square_sum += std::pow(normal.x(u, v), 2);
   }
   const double expected = std::pow(camera.fx * z * sigma, 2) / 28;

@@ -12,33 +12,33 @@ namespace surfit::testing {
 // Relative rounding of one float operation.
 constexpr double kFloatRounding = 1.0 / (1 << 24);
 
-// An odd little camera: 74 x 62 deg, no number is round, no two are equal.
+// Small camera without round or equal parameters: 74 x 62 deg.
 inline PinholeCamera SmallCamera() { return {96, 72, 63.7, 60.3, 48.3, 35.1, {}}; }
 
-// The length of the ray at depth 1 through the farthest corner of SmallCamera().
+// Length of the ray at depth 1 through the farthest corner of SmallCamera().
 constexpr double kLongestRay = 1.42;
 
-// A plane normal . X = distance_m (negative: the normal faces the camera).
+// Plane normal . X = distance_m. Negative: the normal faces the camera.
 struct Plane {
   Eigen::Vector3d normal = -Eigen::Vector3d::UnitZ();
   double distance_m = -1.5;
 
-  // 1 / z where the ray meets the plane: normal . ray / distance, linear in the pixel.
+  // 1 / z at the intersection of ray and plane: normal . ray / distance, linear in the pixel.
   double InverseDepth(const Eigen::Vector3d& ray) const { return normal.dot(ray) / distance_m; }
-  // Angle between the ray and the surface's normal.
+  // Angle between the ray and the normal of the surface.
   double Slant(const Eigen::Vector3d& ray) const {
     return std::acos(std::abs(normal.dot(ray)) / ray.norm());
   }
 };
 
-// A plane whose normal leans by `tilt_rad` off the optical axis, towards the direction
+// Plane with a normal that is tilted from the optical axis by `tilt_rad`, towards the direction
 // `azimuth_rad` in the image.
 inline Plane TiltedPlane(double tilt_rad, double azimuth_rad) {
   const double s = std::sin(tilt_rad);
   return {{s * std::cos(azimuth_rad), s * std::sin(azimuth_rad), -std::cos(tilt_rad)}, -1.5};
 }
 
-// Leaning towards all sides, from facing the camera to steep.
+// Planes of many tilts and directions, from facing the camera to steep.
 inline std::vector<Plane> ManyPlanes() {
   std::vector<Plane> planes = {Plane()};
   for (const double tilt_rad : {0.2, 0.6, 1.0, 1.25}) {
@@ -47,7 +47,7 @@ inline std::vector<Plane> ManyPlanes() {
   return planes;
 }
 
-// Exact depth of the plane, rounded to float; 0 where it is not in front of the camera.
+// Exact depth of the plane, rounded to float. 0: not in front of the camera.
 inline Image<float> PlaneDepth(const Plane& plane, const PinholeCamera& camera) {
   Image<float> depth_m(camera.width, camera.height);
   for (const auto [u, v] : PixelsOf(camera)) {

@@ -23,12 +23,12 @@ PrepareOptions Options(int downsample, double max_depth_m = 8) {
   return options;
 }
 
-TEST(FramePreparer, CountsBecomeMetresAndMissingStaysMissing) {
+TEST(FramePreparer, ConvertsCountsToMetres) {
   Image<std::uint16_t> raw(5, 3, 2500);
   raw(0, 0) = 0;
   raw(1, 0) = 65535;
   raw(2, 0) = 8000;  // at the limit
-  raw(3, 0) = 8001;  // beyond it
+  raw(3, 0) = 8001;  // above the limit
   const RgbdFrame frame = FramePreparer(SmallRgbdCamera(), Options(1)).Prepare(raw, {});
   EXPECT_EQ(frame.depth_m(0, 0), 0);
   EXPECT_EQ(frame.depth_m(1, 0), 0);
@@ -38,7 +38,7 @@ TEST(FramePreparer, CountsBecomeMetresAndMissingStaysMissing) {
   EXPECT_TRUE(frame.color.empty());
 }
 
-TEST(FramePreparer, TheInvalidCodeIsMissingEvenWithinTheDepthLimit) {
+TEST(FramePreparer, InvalidCodeIsMissingBelowMaxDepth) {
   Image<std::uint16_t> raw(5, 3, 65535);
   raw(0, 0) = 65534;
   const RgbdFrame frame = FramePreparer(SmallRgbdCamera(), Options(1, 100)).Prepare(raw, {});
@@ -46,7 +46,7 @@ TEST(FramePreparer, TheInvalidCodeIsMissingEvenWithinTheDepthLimit) {
   EXPECT_EQ(frame.depth_m(1, 0), 0);
 }
 
-TEST(FramePreparer, FloatsAreMetresAndWhatIsNoDepthIsMissing) {
+TEST(FramePreparer, ReadsFloatsAsMetresAndRemovesInvalidDepth) {
   Image<float> raw(5, 3, 1.25f);
   raw(0, 0) = std::numeric_limits<float>::quiet_NaN();
   raw(1, 0) = std::numeric_limits<float>::infinity();
@@ -59,7 +59,7 @@ TEST(FramePreparer, FloatsAreMetresAndWhatIsNoDepthIsMissing) {
 }
 
 // z = f b / d: 500 px * 0.1 m = 50 m px.
-TEST(FramePreparer, DisparitiesBecomeMetres) {
+TEST(FramePreparer, ConvertsDisparitiesToMetres) {
   RgbdCamera camera = SmallRgbdCamera();
   camera.disparity = {500, 0.1, 16, 0};
   Image<std::uint16_t> raw(5, 3, 400);  // 25 px
@@ -83,8 +83,8 @@ TEST(FramePreparer, DisparitiesBecomeMetres) {
   EXPECT_EQ(of_floats.depth_m(2, 0), 2);
 }
 
-// Kinect v1's: the more, the farther; 2047 is none.
-TEST(FramePreparer, CountsMayFallWithTheDisparity) {
+// Counts of Kinect v1 increase with depth. 2047 is invalid.
+TEST(FramePreparer, SupportsCountsThatDecreaseWithDisparity) {
   RgbdCamera camera = SmallRgbdCamera();
   camera.disparity = {580, 0.075, -8, 1090};
   Image<std::uint16_t> raw(5, 3, 1090 - 8 * 20);
@@ -96,7 +96,7 @@ TEST(FramePreparer, CountsMayFallWithTheDisparity) {
   EXPECT_FLOAT_EQ(frame.depth_m(2, 0), 580 * 0.075f / 20);
 }
 
-TEST(FramePreparer, DownsamplingKeepsEveryNthPixelAndItsRay) {
+TEST(FramePreparer, DownsamplingKeepsRaysOfKeptPixels) {
   Image<std::uint16_t> raw(5, 3);
   Image<Rgb8> color(5, 3);
   for (const auto [u, v] : PixelsOf(5, 3)) {
@@ -114,9 +114,9 @@ TEST(FramePreparer, DownsamplingKeepsEveryNthPixelAndItsRay) {
   }
 }
 
-// Distorts a picture whose depth is a smooth function of the ray, then prepares it: the pixels of
-// the frame must have the depth of their own rays again.
-TEST(FramePreparer, UndoesLensDistortion) {
+// Distorts an image whose depth is a smooth function of the ray, and prepares it. Each pixel of the
+// frame must have the depth of its undistorted ray.
+TEST(FramePreparer, RemovesLensDistortion) {
   RgbdCamera camera;
   camera.depth = {640, 480, 517.3, 516.5, 318.6, 255.3, {.2624, -.9531, -.0054, .0026, 1.1633}};
   camera.depth_units_per_metre = 10000;
@@ -126,7 +126,7 @@ TEST(FramePreparer, UndoesLensDistortion) {
   Image<std::uint16_t> raw(640, 480);
   Image<Rgb8> color(640, 480);
   for (const auto [u, v] : PixelsOf(640, 480)) {
-    // The ray that the lens images at (u, v), by fixed-point iteration.
+    // Ray of the distorted pixel (u, v), by fixed-point iteration.
     Eigen::Vector3d ray = camera.depth.Ray(u, v);
     for (int i = 0; i < 30; ++i) {
       const LensPixel<double> pixel = lens.Project(ray);
@@ -144,27 +144,27 @@ TEST(FramePreparer, UndoesLensDistortion) {
     if (frame.depth_m(u, v) == 0) continue;
     ++seen;
     const Eigen::Vector3d ray = preparer.pinhole().Ray(u, v);
-    // The nearest pixel is at most half a pixel off in u and in v; the lens shrinks the picture
-    // by at most 1.4, so the ray is off by 0.5 * 1.4 / 516 in each: 1.5 times that in depth.
+    // The nearest pixel is at most 0.5 px away in u and v. The lens shrinks the image by at most
+    // 1.4, so the error of the ray is 0.5 * 1.4 / 516 per axis, and the depth error 1.5 times that.
     EXPECT_NEAR(frame.depth_m(u, v), depth_of_ray(ray), 1.5 * 0.5 * 1.4 / 516 + 1e-4);
-    // Two roundings to whole steps, half a step each, and a gradient of 0.2 steps a pixel whose
-    // tap is within 1/512 pixel.
+    // Two roundings of half a grey value each. The gradient is 0.2 grey values per pixel, and the
+    // error of the tap is 1/512 px.
     EXPECT_NEAR(frame.color(u, v).r, red_of_ray(ray), 1.01);
   }
   EXPECT_GT(seen, 640 * 480 * 9 / 10);
 }
 
-TEST(FramePreparer, RefusesWhatItCannotUse) {
+TEST(FramePreparer, RejectsInvalidOptionsAndCameras) {
   const RgbdCamera camera = SmallRgbdCamera();
-  ExpectInputError([&] { FramePreparer(camera, Options(0)); }, HasSubstr("downsample is 0"));
-  ExpectInputError([&] { FramePreparer(camera, Options(17)); }, HasSubstr("downsample is 17"));
-  ExpectInputError([&] { FramePreparer(camera, Options(1, 0)); }, HasSubstr("max_depth_m is 0"));
+  ExpectInputError([&] { FramePreparer(camera, Options(0)); }, Names("downsample", 0));
+  ExpectInputError([&] { FramePreparer(camera, Options(17)); }, Names("downsample", 17));
+  ExpectInputError([&] { FramePreparer(camera, Options(1, 0)); }, Names("max_depth_m", 0));
   RgbdCamera upside_down = camera;
   upside_down.depth.fy = -10;
-  ExpectInputError([&] { FramePreparer(upside_down, Options(1)); }, HasSubstr("fy is -10"));
+  ExpectInputError([&] { FramePreparer(upside_down, Options(1)); }, Names("fy", -10));
   RgbdCamera tiny = camera;
   tiny.depth.width = 1;
-  ExpectInputError([&] { FramePreparer(tiny, Options(1)); }, HasSubstr("is 1 x 3 pixels"));
+  ExpectInputError([&] { FramePreparer(tiny, Options(1)); }, Names(1, 3));
 }
 
 }  // namespace

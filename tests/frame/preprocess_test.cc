@@ -34,7 +34,7 @@ Image<float> NoisyDepth(const PinholeCamera& camera) {
   return depth_m;
 }
 
-TEST(PreprocessDepth, IsItsPartsInOrder) {
+TEST(PreprocessDepth, RunsFilterNormalsAndPyramid) {
   const PinholeCamera camera = QuarterCamera();
   const Image<float> depth_m = NoisyDepth(camera);
   const PreprocessOptions options;
@@ -77,31 +77,29 @@ TEST(PreprocessDepth, AnImageWithoutDepthHasNoSurface) {
   }
 }
 
-TEST(PreprocessOptions, ValidateNamesFieldValueAndConstraint) {
+TEST(PreprocessOptions, RejectsInvalidFieldsByName) {
   Validate(PreprocessOptions());
   const auto expect = [](const std::function<void(PreprocessOptions*)>& change,
-                         const char* message) {
+                         const auto&... names) {
     PreprocessOptions options;
     change(&options);
-    ExpectInputError([&] { Validate(options); }, ::testing::StrEq(message));
+    ExpectInputError([&] { Validate(options); }, testing::Names(names...));
   };
-  expect([](auto* o) { o->filter_radius_px = 8; }, "filter_radius_px is 8, must be from 0 to 7");
-  expect([](auto* o) { o->filter_radius_px = -1; }, "filter_radius_px is -1, must be from 0 to 7");
-  expect([](auto* o) { o->filter_cutoff = 0; },
-         "filter_cutoff is 0, must be positive and below 1000");
-  expect([](auto* o) { o->normal_radius_px = 0; }, "normal_radius_px is 0, must be from 1 to 7");
-  expect([](auto* o) { o->max_slant_rad = 1.6; },
-         "max_slant_rad is 1.6, must be positive and below 1.57");
-  expect([](auto* o) { o->pyramid_levels = 0; }, "pyramid_levels is 0, must be from 1 to 8");
+  expect([](auto* o) { o->filter_radius_px = 8; }, "filter_radius_px", 8, 0, 7);
+  expect([](auto* o) { o->filter_radius_px = -1; }, "filter_radius_px", -1, 0, 7);
+  expect([](auto* o) { o->filter_cutoff = 0; }, "filter_cutoff", 0, 1000);
+  expect([](auto* o) { o->normal_radius_px = 0; }, "normal_radius_px", 0, 1, 7);
+  expect([](auto* o) { o->max_slant_rad = 1.6; }, "max_slant_rad", 1.6, 1.57);
+  expect([](auto* o) { o->pyramid_levels = 0; }, "pyramid_levels", 0, 1, 8);
 }
 
 PinholeCamera Fr1() {
   return {640, 480, 517.3, 516.5, 318.6, 255.3, {.2624, -.9531, -.0054, .0026, 1.1633}};
 }
 
-// One coefficient at a time in OpenCV's order k1 k2 p1 p2 k3, at x = 0.5, y = 0.25, r2 = 0.3125:
-// the added displacement, by hand from OpenCV's documentation of camera calibration.
-TEST(Lens, EachCoefficientMovesThePixelAsOpenCvDefinesIt) {
+// Displacement by one coefficient at a time, in the order of OpenCV (k1 k2 p1 p2 k3), at x = 0.5, y
+// = 0.25, r2 = 0.3125. The formula is from the camera calibration page of OpenCV.
+TEST(Lens, CoefficientsAgreeWithOpenCv) {
   const double r2 = 0.3125;
   const std::array<Eigen::Vector2d, 5> displacements = {
       Eigen::Vector2d(0.5 * r2, 0.25 * r2),
@@ -120,7 +118,7 @@ TEST(Lens, EachCoefficientMovesThePixelAsOpenCvDefinesIt) {
   }
 }
 
-TEST(Lens, WithoutDistortionIsProject) {
+TEST(Lens, WithoutDistortionAgreesWithProject) {
   PinholeCamera camera = Fr1();
   camera.distortion = {};
   const Eigen::Vector3d point(0.3, -0.2, 1.7);
@@ -128,20 +126,20 @@ TEST(Lens, WithoutDistortionIsProject) {
   EXPECT_LT((Eigen::Vector2d(pixel.u, pixel.v) - camera.Project(point)).norm(), 1e-12);
 }
 
-TEST(Lens, SeesNothingBehindTheCamera) {
+TEST(Lens, PointsBehindCameraAreNotSeen) {
   EXPECT_FALSE(Lens<double>(Fr1()).Project(0.1, 0.1, 0).is_seen);
   EXPECT_FALSE(Lens<double>(Fr1()).Project(0.1, 0.1, -1).is_seen);
 }
 
-// With k1 = -0.3 the radius r (1 - 0.3 r^2) grows until r = 1 / sqrt(0.9) = 1.054 only.
-TEST(Lens, SeesNothingBeyondTheFoldOfThePolynomial) {
+// With k1 = -0.3, the radius r (1 - 0.3 r^2) increases only up to r = 1 / sqrt(0.9) = 1.054.
+TEST(Lens, PointsBeyondMaximumOfDistortionAreNotSeen) {
   PinholeCamera camera = Fr1();
   camera.distortion = {-0.3, 0, 0, 0, 0};
   EXPECT_TRUE(Lens<double>(camera).Project(1.05, 0, 1).is_seen);
   EXPECT_FALSE(Lens<double>(camera).Project(1.06, 0, 1).is_seen);
 }
 
-TEST(Lens, OfAMirroredCameraSeesTheMirroredPointAtTheSamePixel) {
+TEST(Lens, MirroredCameraProjectsMirroredPointToSamePixel) {
   PinholeCamera camera = Fr1();
   camera.fy = -camera.fy;
   const LensPixel<double> pixel = Lens<double>(camera).Project(0.3, 0.2, 1);
@@ -150,7 +148,7 @@ TEST(Lens, OfAMirroredCameraSeesTheMirroredPointAtTheSamePixel) {
   EXPECT_NEAR(mirrored.v, pixel.v, 1e-12);
 }
 
-TEST(IsInImage, HoldsUpToHalfAPixelBeyondTheOutermostCentres) {
+TEST(IsInImage, IncludesHalfPixelAroundOuterPixelCentres) {
   const PinholeCamera camera = Fr1();
   EXPECT_TRUE(IsInImage(camera, LensPixel<float>{-0.5f, 479.4f, true}));
   EXPECT_TRUE(IsInImage(camera, LensPixel<float>{639.4f, -0.5f, true}));

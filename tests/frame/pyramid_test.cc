@@ -23,7 +23,7 @@ FrameLevel LevelOf(const Image<float>& depth_m, const PinholeCamera& camera) {
   return level;
 }
 
-// A 4 x 2 image of two blocks, normals all (0, 0, -1).
+// 4 x 2 image of two blocks. All normals are (0, 0, -1).
 FrameLevel TwoBlocks(const std::array<float, 8>& depth_m) {
   PinholeCamera camera = SmallCamera();
   camera.width = 4;
@@ -36,10 +36,10 @@ FrameLevel TwoBlocks(const std::array<float, 8>& depth_m) {
   return level;
 }
 
-// Four values and their mean are rounded, and 1 / z twice.
+// Roundings of four values, of their mean, and of 1 / z twice.
 constexpr double kMeanTolerance = 8 * kFloatRounding;
 
-TEST(HalfResolution, IsTheMeanInverseDepthOfEachBlock) {
+TEST(HalfResolution, IsMeanInverseDepthOfEachBlock) {
   const FrameLevel fine = TwoBlocks({1.f, 1.01f, 2.f, 2.02f,  //
                                      1.02f, 1.03f, 2.04f, 2.06f});
   const FrameLevel coarse = HalfResolution(fine, PreprocessOptions());
@@ -51,7 +51,7 @@ TEST(HalfResolution, IsTheMeanInverseDepthOfEachBlock) {
   EXPECT_NEAR(coarse.vertex.z(1, 0), second, kMeanTolerance * second);
 }
 
-TEST(HalfResolution, MissingPixelsHaveNoSay) {
+TEST(HalfResolution, IgnoresMissingPixels) {
   const FrameLevel coarse =
       HalfResolution(TwoBlocks({1.f, 0.f, 0.f, 0.f, 0.f, 1.02f, 0.f, 0.f}), PreprocessOptions());
   const double mean = 2 / (1 + 1 / 1.02);
@@ -74,8 +74,8 @@ TEST(HalfResolution, KeepsTheNearSideOfADepthEdge) {
   EXPECT_THAT(coarse.normal(1, 0), VectorNear(normal, 1e-6f));
 }
 
-// A rough surface with steps about as high as a depth edge and holes, and unit normals of all
-// directions, some missing.
+// Rough surface with holes and with steps near the threshold of a depth edge. Unit normals have
+// random directions, and some are missing.
 FrameLevel RoughLevel(int width, int height) {
   FrameLevel level;
   level.camera = SmallCamera();
@@ -100,10 +100,10 @@ FrameLevel RoughLevel(int width, int height) {
 struct BlockMean {
   double depth_m = 0;
   Eigen::Vector3d normal_sum = Eigen::Vector3d::Zero();
-  bool close = false;  // to a depth edge: too close to tell in single precision
+  bool close = false;  // too close to the edge threshold for single precision
 };
 
-// The mean of a block from the definition, in double precision.
+// Mean of a block by definition, in double precision.
 BlockMean MeanOfBlock(const FrameLevel& fine, int u, int v, const PreprocessOptions& options) {
   double nearest = 0;
   std::vector<std::pair<double, Eigen::Vector3d>> pixels;
@@ -129,7 +129,7 @@ BlockMean MeanOfBlock(const FrameLevel& fine, int u, int v, const PreprocessOpti
   return mean;
 }
 
-TEST(HalfResolution, AgreesWithItsDefinitionInDoublePrecisionAtAnyWidth) {
+TEST(HalfResolution, AgreesWithDefinitionInDoublePrecisionAtAnyWidth) {
   const PreprocessOptions options;
   for (const int width : {2, 3, 15, 16, 17, 18, 31, 35, 80}) {
     const FrameLevel fine = RoughLevel(width, 23);
@@ -142,16 +142,17 @@ TEST(HalfResolution, AgreesWithItsDefinitionInDoublePrecisionAtAnyWidth) {
       ASSERT_NEAR(coarse.vertex.z(u, v), mean.depth_m, kMeanTolerance * mean.depth_m);
       const double norm = mean.normal_sum.norm();
       const Eigen::Vector3d normal = norm > 0 ? mean.normal_sum / norm : mean.normal_sum;
-      // Three roundings of sums of up to four unit vectors, more where these all but cancel.
+      // Three roundings of sums of up to four unit vectors. The relative error is larger if the
+      // vectors almost cancel.
       ASSERT_THAT(coarse.normal(u, v).cast<double>(),
                   VectorNear(normal, 4 * kMeanTolerance * (1 + 1 / std::max(norm, 1e-3))));
     }
   }
 }
 
-// A plane is linear in inverse depth, and the block's mean is the value at its centre, where the
-// binned camera has its pixel: planes stay exact on every level.
-TEST(BuildPyramid, PlanesStayExactOnEveryLevel) {
+// A plane is linear in inverse depth. The mean of a block is the value at its centre, which is the
+// pixel of the binned camera: planes are exact on every level.
+TEST(BuildPyramid, KeepsPlanesExactOnEveryLevel) {
   PinholeCamera camera = {336, 240, 240, 235, 165.2, 121.9, {}};
   const Plane plane = TiltedPlane(0.6, 2.5);
   const FramePyramid pyramid =
@@ -171,10 +172,9 @@ TEST(BuildPyramid, PlanesStayExactOnEveryLevel) {
     for (const auto [u, v] : Pixels(1, expected.width - 1, 1, expected.height - 1)) {
       const Eigen::Vector3d x = level.vertex(u, v).cast<double>();
       const double z = 1 / plane.InverseDepth(expected.Ray(u, v));
-      // Eight roundings a level.
       const double tolerance = kMeanTolerance * static_cast<double>(i + 1);
       ASSERT_THAT(x, VectorNear(z * expected.Ray(u, v), tolerance * x.norm()));
-      // The finest level's normals (normal_map_test.cc), averaged.
+      // Mean of normals of the finest level (normal_map_test.cc).
       const double normal_tolerance = 6 * camera.fx * 2 * kFloatRounding * kLongestRay;
       ASSERT_THAT(level.normal(u, v).cast<double>(), VectorNear(plane.normal, normal_tolerance));
     }
@@ -187,7 +187,7 @@ struct SizeCase {
 
 class PyramidSizes : public ::testing::TestWithParam<SizeCase> {};
 
-TEST_P(PyramidSizes, ShortensItselfForSmallImages) {
+TEST_P(PyramidSizes, HasFewerLevelsForSmallImages) {
   PinholeCamera camera = SmallCamera();
   camera.width = GetParam().width;
   camera.height = GetParam().height;
@@ -223,14 +223,14 @@ FramePyramid TwoLevels() {
   return PreprocessDepth(Image<float>(80, 60, 1.f), {camera, {}}, PreprocessOptions());
 }
 
-TEST(GreyOf, IsFromBlackToWhite) {
+TEST(GreyOf, IncreasesFromBlackToWhite) {
   EXPECT_EQ(GreyOf({0, 0, 0}), 0.f);
   EXPECT_NEAR(GreyOf({255, 255, 255}), 1.f, 1e-6);
   EXPECT_GT(GreyOf({0, 255, 0}), GreyOf({255, 0, 0}));
   EXPECT_GT(GreyOf({255, 0, 0}), GreyOf({0, 0, 255}));
 }
 
-TEST(AddIntensity, GivesEachLevelTheMeansOfTheFinerOne) {
+TEST(AddIntensity, SetsMeansOfFinerLevel) {
   FramePyramid pyramid = TwoLevels();
   ASSERT_EQ(pyramid.levels.size(), 2u);
   Image<Rgb8> color(80, 60, {10, 10, 10});
@@ -243,7 +243,7 @@ TEST(AddIntensity, GivesEachLevelTheMeansOfTheFinerOne) {
   EXPECT_NEAR(pyramid.levels[1].intensity(0, 2), 10 / 255., 1e-6);
 }
 
-TEST(AddIntensity, KeepsUnknownWhatHasNoColor) {
+TEST(AddIntensity, IsNanWithoutColor) {
   FramePyramid pyramid = TwoLevels();
   Image<Rgb8> color(80, 60, {10, 10, 10});
   color(2, 4) = {};
@@ -253,7 +253,7 @@ TEST(AddIntensity, KeepsUnknownWhatHasNoColor) {
   EXPECT_FALSE(std::isnan(pyramid.levels[1].intensity(2, 2)));
 }
 
-TEST(AddIntensity, LeavesLevelsWithoutColorAsTheyAre) {
+TEST(AddIntensity, KeepsLevelsIfColorIsEmpty) {
   FramePyramid pyramid = TwoLevels();
   AddIntensity({}, &pyramid);
   EXPECT_TRUE(pyramid.levels[0].intensity.empty());

@@ -20,7 +20,7 @@ BilinearTap TapAtPixel(float u, float v, int width, int height) {
   return TapAt(steps_u[0], steps_v[0], width, height);
 }
 
-TEST(SampleBilinear, IsExactAtPixelCentresAndOnTheBorder) {
+TEST(SampleBilinear, IsExactAtPixelCentresAndBorder) {
   Image<Rgb8> image(4, 3);
   for (const auto [u, v] : PixelsOf(4, 3))
     image(u, v) = {static_cast<std::uint8_t>(50 * u + 3 * v), 255, 0};
@@ -34,8 +34,8 @@ TEST(SampleBilinear, IsExactAtPixelCentresAndOnTheBorder) {
   EXPECT_EQ(SampleBilinear(image, BilinearTap()), Rgb8());
 }
 
-// From the definition, in real numbers: they are exact here, as is the rounding.
-TEST(SampleBilinear, IsTheRoundedMeanOfFourPixels) {
+// The definition in real numbers is exact here, including the rounding.
+TEST(SampleBilinear, IsRoundedMeanOfFourPixels) {
   Image<Rgb8> image(3, 3);
   std::mt19937_64 rng(8);
   std::uniform_int_distribution<int> byte(0, 3);
@@ -58,7 +58,7 @@ TEST(SampleBilinear, IsTheRoundedMeanOfFourPixels) {
   }
 }
 
-// A colour camera with its own lens and size, beside, above and turned against the depth camera.
+// Colour camera with another lens, image size, position and rotation than the depth camera.
 RgbdCamera TwoCameras() {
   RgbdCamera camera;
   camera.depth = {64, 48, 58, 57, 31, 24.5, {}};
@@ -69,8 +69,8 @@ RgbdCamera TwoCameras() {
   return camera;
 }
 
-// Red is the column and green the row, so that a colour tells where it was seen; bilinear
-// interpolation of these ramps is exact up to the tap (1/512) and the rounding (1/2).
+// The red value is the column of a pixel, and the green value is the row. Bilinear interpolation of
+// these ramps is exact, except for the tap (1/512) and the rounding (1/2).
 constexpr double kColorTolerance = 0.503;
 
 Image<Rgb8> Ramps(const PinholeCamera& camera) {
@@ -81,7 +81,7 @@ Image<Rgb8> Ramps(const PinholeCamera& camera) {
   return ramps;
 }
 
-// The colour pixel of a depth pixel by 4 x 4 matrices and OpenCV's formula written out.
+// Colour pixel of a depth pixel, by 4 x 4 matrices and the formula of OpenCV.
 Eigen::Vector2d ExpectedPixel(const RgbdCamera& c, int u, int v, double depth) {
   const Eigen::Vector4d in_depth(depth * (u - c.depth.cx) / c.depth.fx,
                                  depth * (v - c.depth.cy) / c.depth.fy, depth, 1);
@@ -110,7 +110,7 @@ int CheckAgainstExpectedPixels(const RgbdCamera& camera, const Image<float>& dep
   return seen;
 }
 
-TEST(ColorRegistration, LooksUpThePointSeenAtEachDepth) {
+TEST(ColorRegistration, SamplesProjectionOfEachDepthPoint) {
   const RgbdCamera camera = TwoCameras();
   std::mt19937_64 rng(5);
   std::uniform_real_distribution<float> depth(0.4f, 4.f);
@@ -120,10 +120,10 @@ TEST(ColorRegistration, LooksUpThePointSeenAtEachDepth) {
   EXPECT_GT(CheckAgainstExpectedPixels(camera, depth_m, registered), 2000);
 }
 
-// The direction of the parallax: a colour camera to the right of the depth camera has its origin
-// at (+b, 0, 0) in depth coordinates, so color_from_depth is the translation (-b, 0, 0), and it
-// sees a near point further left, by f b / z.
-TEST(ColorRegistration, ACameraToTheRightSeesNearPointsFurtherLeft) {
+// Direction of the parallax. The origin of a colour camera to the right of the depth camera is (+b,
+// 0, 0) in depth coordinates, so color_from_depth is the translation (-b, 0, 0). The image of a
+// near point is shifted to the left by f b / z.
+TEST(ColorRegistration, CameraToTheRightShiftsNearPointsLeft) {
   RgbdCamera camera;
   camera.depth = {64, 48, 60, 60, 32, 24, {}};
   camera.color = camera.depth;
@@ -135,14 +135,14 @@ TEST(ColorRegistration, ACameraToTheRightSeesNearPointsFurtherLeft) {
   EXPECT_EQ(registered(2, 24), Rgb8());  // left of the colour camera's image
 }
 
-TEST(ColorRegistration, PixelsWithoutDepthHaveNoColorWhereItDependsOnDepth) {
+TEST(ColorRegistration, PixelsWithoutDepthHaveNoColorWithTranslation) {
   const RgbdCamera camera = TwoCameras();
   const Image<float> nothing(64, 48, 0.f);
   const auto registered = ColorRegistration(camera, 1).Apply(Ramps(camera.color), nothing);
   EXPECT_EQ(registered, Image<Rgb8>(64, 48));
 }
 
-TEST(ColorRegistration, WithoutTranslationEveryPixelHasItsColor) {
+TEST(ColorRegistration, PixelsWithoutDepthHaveColorWithoutTranslation) {
   RgbdCamera camera = TwoCameras();
   camera.color_from_depth.translation.setZero();
   const Image<float> nothing(64, 48, 0.f), one(64, 48, 1.f);
@@ -150,7 +150,7 @@ TEST(ColorRegistration, WithoutTranslationEveryPixelHasItsColor) {
   EXPECT_GT(CheckAgainstExpectedPixels(camera, one, registered), 2000);
 }
 
-TEST(ColorRegistration, RegisteredColorOfAPinholeCameraIsLeftAlone) {
+TEST(ColorRegistration, KeepsRegisteredColorOfPinholeCamera) {
   RgbdCamera camera = TwoCameras();
   camera.color_is_registered = true;
   const Image<Rgb8> color = Ramps(camera.depth);

@@ -14,10 +14,10 @@ namespace {
 constexpr int kWidth = 160, kHeight = 120;
 constexpr double kReadout_s = 1. / 30;
 const DepthSensor kSensor = {{kWidth, kHeight, 130, 130, 79.5, 59.5, {}}, {}, kReadout_s};
-// A hand that turns by 60 degrees and moves by 0.5 m a second.
+// Hand-held motion: about 60 deg/s and 0.5 m/s.
 const CameraMotion kMotion = {{0.5, -0.8, 0.4}, {0.3, -0.2, 0.35}};
 
-// The depth of a floor, a wall ahead and a wall at the side, along a ray of a camera at this pose.
+// Depth of a floor, a wall ahead and a wall at the side, along a ray of a camera at this pose.
 double DepthAt(const Rigid3d& world_from_camera, const Eigen::Vector3d& ray) {
   const Eigen::Vector3d direction = world_from_camera.rotation * ray;
   const Eigen::Vector3d& origin = world_from_camera.translation;
@@ -30,13 +30,11 @@ double DepthAt(const Rigid3d& world_from_camera, const Eigen::Vector3d& ray) {
   return depth;
 }
 
-// Where a steady motion has brought the camera after so many seconds.
 Rigid3d PoseAfter(double seconds) {
   return Rigid3d(QuaternionExp<double>(seconds * kMotion.turn_rad_per_s),
                  seconds * kMotion.velocity_m_per_s);
 }
 
-// What a camera sees whose rows are read within `readout_s`.
 RgbdFrame FrameOf(double readout_s) {
   RgbdFrame frame;
   frame.depth_m = Image<float>(kWidth, kHeight);
@@ -51,8 +49,7 @@ RgbdFrame FrameOf(double readout_s) {
   return frame;
 }
 
-// The root mean square of differences of inverse depth, without a margin that the other image does
-// not see.
+// RMS difference of inverse depth without the image margin.
 double Difference(const Image<float>& a, const Image<float>& b) {
   constexpr int kMargin = 8;
   double sum = 0;
@@ -66,7 +63,7 @@ double Difference(const Image<float>& a, const Image<float>& b) {
   return std::sqrt(sum / count);
 }
 
-TEST(RollingShutter, SeesWhatAGlobalOneDoes) {
+TEST(RollingShutter, CorrectedFrameAgreesWithGlobalShutter) {
   const RgbdFrame global = FrameOf(0), rolling = FrameOf(kReadout_s);
   const RgbdFrame mended = AtMiddleOfReadout(rolling, kSensor, kMotion);
   const double before = Difference(rolling.depth_m, global.depth_m);
@@ -75,7 +72,7 @@ TEST(RollingShutter, SeesWhatAGlobalOneDoes) {
   EXPECT_LT(after, before / 5);
 }
 
-TEST(RollingShutter, TheOppositeMotionMakesItWorse) {
+TEST(RollingShutter, OppositeMotionIncreasesError) {
   const RgbdFrame global = FrameOf(0), rolling = FrameOf(kReadout_s);
   const CameraMotion opposite = {-kMotion.turn_rad_per_s, -kMotion.velocity_m_per_s};
   const RgbdFrame mended = AtMiddleOfReadout(rolling, kSensor, opposite);
@@ -83,9 +80,9 @@ TEST(RollingShutter, TheOppositeMotionMakesItWorse) {
             1.5 * Difference(rolling.depth_m, global.depth_m));
 }
 
-TEST(RollingShutter, ColourMovesWithDepth) {
+TEST(RollingShutter, MovesColorWithDepth) {
   const RgbdFrame mended = AtMiddleOfReadout(FrameOf(kReadout_s), kSensor, kMotion);
-  // The top row was read half a readout early: far away it moves by the turn alone.
+  // The top row was captured half a readout early. Far points move by the rotation only.
   const double tau = (10.5 / kHeight - 0.5) * kReadout_s;
   const double expected_u = 80 - 130 * tau * kMotion.turn_rad_per_s.y();
   EXPECT_NEAR(mended.color(80, 10).r, expected_u, 2.5);
@@ -99,7 +96,7 @@ TEST(RollingShutter, KeepsTheFrameWithoutReadoutOrMotion) {
   EXPECT_EQ(AtMiddleOfReadout(rolling, kSensor, {}).depth_m, rolling.depth_m);
 }
 
-TEST(RollingShutter, MissingDepthStaysMissing) {
+TEST(RollingShutter, KeepsMissingDepth) {
   RgbdFrame rolling = FrameOf(kReadout_s);
   std::fill(rolling.depth_m.begin(), rolling.depth_m.end(), 0.f);
   const RgbdFrame mended = AtMiddleOfReadout(rolling, kSensor, kMotion);
@@ -107,8 +104,8 @@ TEST(RollingShutter, MissingDepthStaysMissing) {
               ::testing::Each(0.f));
 }
 
-// The pose that registers, to first order, what is left of the motion after a wrong one was taken
-// out: the least squares of n . (d applied to X + tau (motion - taken)(X)).
+// Pose of a registration, to first order, after correction of a wrong motion: least squares of n .
+// (d applied to X + tau (motion - taken)(X)).
 Rigid3d PoseRegistering(const FrameLevel& surface, const CameraMotion& taken) {
   Eigen::Matrix<double, 6, 6> a_sum = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 1> b_sum = Eigen::Matrix<double, 6, 1>::Zero();
@@ -124,12 +121,12 @@ Rigid3d PoseRegistering(const FrameLevel& surface, const CameraMotion& taken) {
     a_sum += weight * a * a.transpose();
     b_sum += weight * a * normal.dot(turn.cross(point) + way);
   }
-  // Rows lie where they would with less motion, so the pose makes up for it.
+  // Rows are displaced by the remaining motion, and the pose compensates for it.
   const Eigen::Matrix<double, 6, 1> d = a_sum.ldlt().solve(b_sum);
   return {QuaternionExp<double>(d.head<3>()), d.tail<3>()};
 }
 
-// A frame of a room's floor and walls, in the middle of the readout.
+// Surface of the floor and walls at the middle of the readout.
 FrameLevel SurfaceAt(const Rigid3d& world_from_camera) {
   FrameLevel surface = {
       kSensor.camera, {}, VectorImage(kWidth, kHeight), VectorImage(kWidth, kHeight), {}};
@@ -148,9 +145,10 @@ FrameLevel SurfaceAt(const Rigid3d& world_from_camera) {
   return surface;
 }
 
-TEST(ReadoutCorrection, LeavesATenthOfWhatAWrongMotionDoesToAPose) {
+TEST(ReadoutCorrection, ReducesPoseErrorOfWrongMotionToTenPercent) {
   const double seconds = 1. / 30;
-  const Rigid3d world_from_camera = PoseAfter(seconds);  // since the last frame, at the identity
+  const Rigid3d world_from_camera =
+      PoseAfter(seconds);  // the pose of the last frame is the identity
   const FrameLevel surface = SurfaceAt(world_from_camera);
   const CameraMotion half = {0.5 * kMotion.turn_rad_per_s, 0.5 * kMotion.velocity_m_per_s};
   for (const CameraMotion& taken : {CameraMotion(), half}) {
@@ -166,7 +164,7 @@ TEST(ReadoutCorrection, LeavesATenthOfWhatAWrongMotionDoesToAPose) {
   }
 }
 
-TEST(ReadoutCorrection, ChangesNothingWhereTheMotionWasExpectedOrNothingIsHeld) {
+TEST(ReadoutCorrection, IsIdentityForPredictedMotionOrEmptyFrame) {
   const FrameLevel surface = SurfaceAt({});
   const Rigid3d same = ReadoutCorrection(surface, kReadout_s, kMotion, kMotion, 1. / 30);
   EXPECT_EQ(same.Matrix(), Rigid3d().Matrix());
@@ -176,13 +174,13 @@ TEST(ReadoutCorrection, ChangesNothingWhereTheMotionWasExpectedOrNothingIsHeld) 
             Rigid3d().Matrix());
 }
 
-TEST(CameraMotion, IsThatOfASteadyTrajectory) {
+TEST(CameraMotion, AgreesWithConstantMotion) {
   Trajectory trajectory;
   for (int i = 0; i < 5; ++i) {
     const double stamp_s = 100 + i * 0.03125;
     trajectory.push_back({stamp_s, PoseAfter(i * 0.03125)});
   }
-  // A velocity that is steady in the world is seen turned by the camera: by 0.03 rad a frame.
+  // A constant velocity in the world rotates in the camera frame, here by 0.03 rad per frame.
   const CameraMotion first = MotionAt(trajectory, trajectory[0].stamp_s);
   EXPECT_NEAR((first.turn_rad_per_s - kMotion.turn_rad_per_s).norm(), 0, 1e-6);
   EXPECT_NEAR((first.velocity_m_per_s - kMotion.velocity_m_per_s).norm(), 0, 0.02);
@@ -190,7 +188,7 @@ TEST(CameraMotion, IsThatOfASteadyTrajectory) {
   EXPECT_NEAR((inner.turn_rad_per_s - kMotion.turn_rad_per_s).norm(), 0, 1e-6);
 }
 
-TEST(CameraMotion, IsNoneAcrossAGapOrBesideThePoses) {
+TEST(CameraMotion, IsZeroAcrossGapInTrajectory) {
   const Trajectory trajectory = {{1, PoseAfter(0)}, {1.5, PoseAfter(0.5)}};
   EXPECT_TRUE(MotionAt(trajectory, 1).IsZero());
   EXPECT_TRUE(MotionAt(trajectory, 1.2).IsZero());

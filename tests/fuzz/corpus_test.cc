@@ -1,4 +1,4 @@
-// What the fuzzers are fed with, where they are not built: the kept files, and mutations of them.
+// Runs the fuzz targets without libFuzzer: on the corpus files and on mutations of them.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ std::string NameOf(const ::testing::TestParamInfo<FuzzTarget>& info) { return in
 
 class FuzzCorpus : public ::testing::TestWithParam<FuzzTarget> {
  protected:
-  // As with other readers' files: a mutation is read or refused, and memory stays in proportion.
+  // A mutation is read or rejected, and the memory stays proportional to its size.
   void ReadMutations(int count) const {
     const std::vector<std::string> files = KeptFiles(GetParam().name);
     const FuzzedReader reader(GetParam());
@@ -40,7 +40,7 @@ class FuzzCorpus : public ::testing::TestWithParam<FuzzTarget> {
   }
 };
 
-TEST(FuzzTargets, AreThoseThatAreFuzzed) {
+TEST(FuzzTargets, AreListedInCMake) {
   std::istringstream words(SURFIT_FUZZ_TARGETS);
   std::vector<std::string> fuzzed;
   for (std::string word; words >> word;) fuzzed.push_back(word);
@@ -49,8 +49,8 @@ TEST(FuzzTargets, AreThoseThatAreFuzzed) {
   EXPECT_EQ(targets, fuzzed);
 }
 
-// Mutations of files that are all refused would not get far.
-TEST_P(FuzzCorpus, HoldsAWholeFile) {
+// Mutations are useful only if one file of the corpus is valid.
+TEST_P(FuzzCorpus, ContainsValidFile) {
   const FuzzedReader reader(GetParam());
   const std::vector<std::string> files = KeptFiles(GetParam().name);
   int taken = 0;
@@ -63,13 +63,13 @@ TEST_P(FuzzCorpus, HoldsAWholeFile) {
   EXPECT_LE(size, 20000u);
 }
 
-TEST_P(FuzzCorpus, IsReadOrRefusedWhateverChanges) { ReadMutations(100); }
+TEST_P(FuzzCorpus, MutationsAreReadOrRejected) { ReadMutations(100); }
 
 INSTANTIATE_TEST_SUITE_P(Readers, FuzzCorpus, ::testing::ValuesIn(FuzzTargets()), NameOf);
 
 class ThousandsOfMutations : public FuzzCorpus {};
 
-TEST_P(ThousandsOfMutations, AreReadOrRefused) { ReadMutations(5000); }
+TEST_P(ThousandsOfMutations, AreReadOrRejected) { ReadMutations(5000); }
 
 INSTANTIATE_TEST_SUITE_P(Readers, ThousandsOfMutations, ::testing::ValuesIn(FuzzTargets()), NameOf);
 

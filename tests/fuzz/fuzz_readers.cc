@@ -1,4 +1,4 @@
-// A reader of files under libFuzzer: fuzz_readers --target=NAME [libFuzzer's flags] CORPUS...
+// Fuzzes a file reader with libFuzzer: fuzz_readers --target=NAME [libFuzzer flags] CORPUS...
 #include <cstdint>
 #include <iostream>
 #include <memory>
@@ -8,7 +8,7 @@
 namespace surfit::testing {
 namespace {
 
-std::unique_ptr<FuzzedReader> reader;  // NOLINT: libFuzzer hands nothing on
+std::unique_ptr<FuzzedReader> reader;  // NOLINT: libFuzzer passes no context
 
 std::unique_ptr<FuzzedReader> MakeReader(const std::string& name) {
   for (const FuzzTarget& target : FuzzTargets()) {
@@ -20,7 +20,7 @@ std::unique_ptr<FuzzedReader> MakeReader(const std::string& name) {
 }  // namespace
 }  // namespace surfit::testing
 
-// libFuzzer passes over flags that begin with two dashes.
+// libFuzzer ignores flags that begin with two dashes.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   using namespace surfit::testing;
   const std::string kFlag = "--target=";

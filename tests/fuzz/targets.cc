@@ -25,12 +25,10 @@ constexpr int kWidth = 32, kHeight = 24;
 
 void Nothing(const TempFolder&) {}
 
-// Beside a .klg file.
 void Camera(const TempFolder& folder) { folder.Write("file.klg.yaml", SmallCameraYaml()); }
 
 void TumFolder(const TempFolder& folder) { WriteTumSequence(folder, 2); }
 
-// The lists of a folder whose colour images are nowhere.
 void TumFolderWithoutColor(const TempFolder& folder) {
   TumFolder(folder);
   std::filesystem::rename(folder / "rgb", folder / "elsewhere");
@@ -70,7 +68,7 @@ std::vector<Surfel> FewSurfels() {
   return surfels;
 }
 
-// What a run over the TUM folder `sequence` has written.
+// Result folder of a run over the TUM folder `sequence`.
 void RunFolder(const TempFolder& folder) {
   const TempFolder images;
   TumFolder(images);
@@ -103,7 +101,6 @@ void ReadSequenceOf(const std::string& path, const char* format) {
   ReadAll(OpenSequence(options).get());
 }
 
-// The flags of surfit_slam.
 struct SlamFlags {
   SlamRunOptions usual, options;
   tools::Flags flags{TableOf(&options)};
@@ -147,7 +144,7 @@ void JudgeViews(const std::string& folder) {
   EvaluateViews(options, [](int) {});
 }
 
-// Where in the small sequence's folder, and with which neighbours, the bytes stand.
+// Targets that read a sequence: name, file in the folder, other files of the folder, reader.
 std::vector<FuzzTarget> SequenceTargets() {
   return {
       {"klg", "file.klg", Camera, [](const std::string& f) { ReadSequence(f + "/file.klg"); }},

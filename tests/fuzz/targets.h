@@ -7,22 +7,23 @@
 
 namespace surfit::testing {
 
-// A reader of files, which may be given any bytes.
+// Reader of untrusted files.
 struct FuzzTarget {
-  std::string name;                           // and that of its folder in tests/fuzz/corpus
-  std::string file;                           // the bytes' name in the folder that is read
-  void (*prepare)(const TempFolder& folder);  // writes what else stands there
-  void (*read)(const std::string& folder);    // throws InputError for what it refuses
+  std::string name;                           // also the name of the folder in tests/fuzz/corpus
+  std::string file;                           // name of the fuzzed file in the folder
+  void (*prepare)(const TempFolder& folder);  // writes the other files of the folder
+  void (*read)(const std::string& folder);    // throws InputError for invalid files
 };
 
 const std::vector<FuzzTarget>& FuzzTargets();
 
-// Reads bytes as one of the targets, in a folder of its own.
+// Reads bytes as one of the targets, in a temporary folder.
 class FuzzedReader {
  public:
   explicit FuzzedReader(const FuzzTarget& target);
 
-  // Whether they were taken, or else refused. Throws what no reader should.
+  // Returns true if the reader accepts the bytes, false if it throws InputError. Other exceptions
+  // propagate.
   bool Takes(const std::string& bytes) const;
 
  private:

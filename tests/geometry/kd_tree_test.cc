@@ -23,15 +23,15 @@ Points RandomPoints(int count, double size, int seed) {
   return points;
 }
 
-// Few places, many points in each: all distances tie.
+// Many points at few grid positions: all distances tie.
 Points GridPoints(int count, int seed) {
   Points points = RandomPoints(count, 3, seed);
   for (auto& point : points) point = point.array().round();
   return points;
 }
 
-// The position of the nearest point by the tree's arithmetic, the first of equals; -1 if there is
-// none so near.
+// Index of the nearest point, in the arithmetic of the tree. Returns the first of several nearest
+// points. -1: no point within the bound.
 int BruteForceNearest(const Points& points, const Eigen::Vector3f& q, float bound) {
   int nearest = -1;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -50,11 +50,11 @@ int PositionOf(const KdTree& tree, std::uint32_t rank) {
 
 class KdTreeOfSize : public ::testing::TestWithParam<int> {};
 
-// From one leaf over each number of the root's children to several levels.
+// Sizes from one leaf, over each number of children of the root, to several levels.
 INSTANTIATE_TEST_SUITE_P(Sizes, KdTreeOfSize,
                          ::testing::Values(1, 2, 31, 33, 65, 200, 257, 300, 1000, 5000));
 
-TEST_P(KdTreeOfSize, FindsTheNearestAsBruteForceDoes) {
+TEST_P(KdTreeOfSize, NearestAgreesWithBruteForce) {
   for (const Points& points : {RandomPoints(GetParam(), 1, 1), GridPoints(GetParam(), 1)}) {
     const KdTree tree(points);
     Points queries = RandomPoints(150, 1.5, 2);
@@ -75,7 +75,7 @@ TEST_P(KdTreeOfSize, FindsTheNearestAsBruteForceDoes) {
   }
 }
 
-TEST_P(KdTreeOfSize, FindsAllWithinAsBruteForceDoes) {
+TEST_P(KdTreeOfSize, FindWithinAgreesWithBruteForce) {
   for (const Points& points : {RandomPoints(GetParam(), 1, 1), GridPoints(GetParam(), 1)}) {
     const KdTree tree(points);
     std::vector<std::uint32_t> found = {7};
@@ -103,7 +103,7 @@ TEST(KdTree, DistancesAreInclusive) {
   EXPECT_THAT(found, IsEmpty());
 }
 
-TEST(KdTree, OrderIsAPermutationThatKeepsNeighboursTogether) {
+TEST(KdTree, OrderIsPermutationThatGroupsNeighbours) {
   const Points points = RandomPoints(4096, 1, 1);
   const KdTree tree(points);
   auto sorted = tree.order();
@@ -113,12 +113,12 @@ TEST(KdTree, OrderIsAPermutationThatKeepsNeighboursTogether) {
   for (std::uint32_t rank = 1; rank < tree.size(); ++rank) {
     steps += (tree.Point(rank) - tree.Point(rank - 1)).norm();
   }
-  // At random the mean step in a cube of side 2 is 1.32. A leaf of 32 of 4096 points has a side of
-  // 2 / 128^(1/3) = 0.4; steps within it are as random, and few leave it.
+  // The mean step in random order is 1.32 in a cube of side 2. A leaf of 32 of 4096 points has the
+  // side 2 / 128^(1/3) = 0.4, and few steps leave a leaf.
   EXPECT_LT(steps / 4095, 0.4);
 }
 
-TEST(KdTree, TakesDegenerateClouds) {
+TEST(KdTree, SupportsDegenerateClouds) {
   std::vector<std::uint32_t> found = {7};
   const KdTree none({});
   EXPECT_EQ(none.Nearest({0, 0, 0}).rank, KdTree::kNone);
@@ -130,7 +130,7 @@ TEST(KdTree, TakesDegenerateClouds) {
   same.FindWithin({5, 6, 7}, 0.f, &found);
   EXPECT_EQ(found.size(), 1000u);
 
-  // Squares overflow: equally far, all of them.
+  // The squared distances overflow: all points are equally far.
   const KdTree far(Points(100, Eigen::Vector3f(3e38f, 0, 0)));
   EXPECT_EQ(PositionOf(far, far.Nearest({-3e38f, 0, 0}).rank), 0);
 }

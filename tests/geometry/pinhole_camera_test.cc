@@ -3,6 +3,7 @@
 #include "surfit/core/error.h"
 #include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/geometry/sensor.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
@@ -17,7 +18,7 @@ TEST(PinholeCamera, RayInvertsProject) {
   EXPECT_LT((2.5 * camera.Ray(uv.x(), uv.y()) - point).norm(), 1e-12);
 }
 
-TEST(PinholeCamera, SubsampledPixelSeesTheRayOfTheKeptPixel) {
+TEST(PinholeCamera, SubsampledPixelHasRayOfKeptPixel) {
   const PinholeCamera camera = TestCamera();
   const PinholeCamera third = camera.Subsampled(3);
   EXPECT_EQ(third.width, 214);
@@ -25,7 +26,7 @@ TEST(PinholeCamera, SubsampledPixelSeesTheRayOfTheKeptPixel) {
   EXPECT_LT((third.Ray(10, 20) - camera.Ray(30, 60)).norm(), 1e-12);
 }
 
-TEST(PinholeCamera, BinnedPixelSeesTheRayOfTheBlocksCentre) {
+TEST(PinholeCamera, BinnedPixelHasRayOfBlockCentre) {
   const PinholeCamera camera = TestCamera();
   const PinholeCamera half = camera.Binned(2);
   EXPECT_EQ(half.width, 320);
@@ -33,16 +34,12 @@ TEST(PinholeCamera, BinnedPixelSeesTheRayOfTheBlocksCentre) {
   EXPECT_LT((half.Ray(10, 20) - camera.Ray(20.5, 40.5)).norm(), 1e-12);
 }
 
-TEST(PinholeCamera, ValidateNamesFieldValueAndConstraint) {
+TEST(PinholeCamera, ValidateRejectsInvalidFieldsByName) {
   PinholeCamera camera = TestCamera();
   EXPECT_NO_THROW(camera.Validate("x"));
   camera.fx = -5;
-  try {
-    camera.Validate("camera.yaml");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "camera.yaml: fx is -5, must be finite and positive");
-  }
+  testing::ExpectInputError([&] { camera.Validate("camera.yaml"); },
+                            testing::Names("camera.yaml", "fx", -5));
   camera = TestCamera();
   camera.fy = -480;  // image y up: a convention, not an error
   EXPECT_NO_THROW(camera.Validate("x"));
@@ -50,7 +47,7 @@ TEST(PinholeCamera, ValidateNamesFieldValueAndConstraint) {
   EXPECT_THROW(camera.Validate("x"), InputError);
 }
 
-TEST(RgbdCamera, ValidateChecksColorOnlyWhereItIsUsed) {
+TEST(RgbdCamera, ValidateChecksColorCameraOnlyIfUnregistered) {
   RgbdCamera camera;
   camera.depth = TestCamera();
   EXPECT_NO_THROW(camera.Validate("x"));
@@ -64,7 +61,7 @@ TEST(RgbdCamera, ValidateChecksColorOnlyWhereItIsUsed) {
 
 const InverseDepthField kField = {{-0.01, 0.02, -0.03, 0.04, 0.05, -0.06}};
 
-TEST(InverseDepthField, IsThePolynomialOfTheRay) {
+TEST(InverseDepthField, EvaluatesPolynomialOfRay) {
   const double x = 0.3, y = -0.4;
   EXPECT_NEAR(kField.At(x, y),
               -0.01 + 0.02 * x - 0.03 * y + 0.04 * x * x + 0.05 * x * y - 0.06 * y * y, 1e-15);
@@ -90,7 +87,7 @@ TEST(Recalibrated, KeepsPixelAndMeasuredDepth) {
   EXPECT_LT((Recalibrated(point_of(a), a, a) - point_of(a)).norm(), 1e-14);
 }
 
-TEST(InverseDepthField, IsTheSameByOtherRays) {
+TEST(InverseDepthField, SubstitutedAgreesAtTransformedRays) {
   const double x_scale = 0.9, x_shift = 0.02, y_scale = 1.2, y_shift = -0.1;
   const InverseDepthField other = kField.Substituted(x_scale, x_shift, y_scale, y_shift);
   for (const double x : {-0.5, 0.2}) {
@@ -100,7 +97,7 @@ TEST(InverseDepthField, IsTheSameByOtherRays) {
   }
 }
 
-TEST(InverseDepthField, HasItsValuesAtTheMirroredRays) {
+TEST(InverseDepthField, MirroredAgreesAtMirroredRays) {
   EXPECT_NEAR(Mirrored(kField).At(0.3, -0.2), kField.At(0.3, 0.2), 1e-15);
 }
 

@@ -7,7 +7,7 @@
 namespace surfit::testing {
 namespace {
 
-// The matrix exponential by its series; below a norm of 3 its 40th term is under 1e-28.
+// Matrix exponential by its series. The 40th term is below 1e-28 for norms below 3.
 Eigen::Matrix3d Exp(const Eigen::Matrix3d& matrix) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Identity(), term = sum;
   for (int k = 1; k <= 40; ++k) {
@@ -23,7 +23,6 @@ class Rigid3Test : public ::testing::Test {
   using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
   using Vector6 = Eigen::Matrix<Scalar, 6, 1>;
 
-  // A few rounding errors of numbers of size 10.
   static constexpr Scalar kTolerance = 100 * std::numeric_limits<Scalar>::epsilon();
 
   Vector3 RandomVector(Scalar size) {
@@ -33,7 +32,8 @@ class Rigid3Test : public ::testing::Test {
   Rigid3<Scalar> RandomPose() {
     return Rigid3<Scalar>(QuaternionExp<Scalar>(RandomVector(1.7)), RandomVector(3));
   }
-  // Rotation vectors at identity, at 1e-8, on both sides of the series' border, and at random.
+  // Rotation vectors at the identity, at 1e-8, on both sides of the switch to the series, and at
+  // random.
   std::vector<Vector3> RotationVectors() {
     std::vector<Vector3> vectors = {Vector3::Zero()};
     for (const Scalar size : {1e-8, 1e-5, 0.9e-4, 1.1e-4, 0.1, 1.0, 1.7}) {
@@ -47,7 +47,7 @@ class Rigid3Test : public ::testing::Test {
 using Scalars = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(Rigid3Test, Scalars);
 
-TYPED_TEST(Rigid3Test, ExpIsTheMatrixExponentialOfTheCrossMatrix) {
+TYPED_TEST(Rigid3Test, ExpIsMatrixExponentialOfCrossMatrix) {
   for (const auto& w : this->RotationVectors()) {
     const Eigen::Matrix3d expected = Exp(CrossMatrix<double>(w.template cast<double>()));
     const auto actual = QuaternionExp<TypeParam>(w).toRotationMatrix();
@@ -62,7 +62,7 @@ TYPED_TEST(Rigid3Test, LogInvertsExp) {
   }
 }
 
-TYPED_TEST(Rigid3Test, LogTakesTheShortWayForBothSignsOfTheQuaternion) {
+TYPED_TEST(Rigid3Test, LogIsIndependentOfSignOfQuaternion) {
   auto q = QuaternionExp<TypeParam>({0.1, -0.2, 0.3});
   q.coeffs() = -q.coeffs();
   EXPECT_LT((QuaternionLog<TypeParam>(q) - typename TestFixture::Vector3(0.1, -0.2, 0.3)).norm(),
@@ -90,7 +90,7 @@ TYPED_TEST(Rigid3Test, LeftIncrementMovesThePointAfterThePose) {
   EXPECT_LT((LeftIncrement(increment, pose) * x - expected).norm(), this->kTolerance);
 }
 
-TYPED_TEST(Rigid3Test, RotationStaysUnitOverManyIncrements) {
+TYPED_TEST(Rigid3Test, RotationStaysUnitAfterManyIncrements) {
   auto pose = this->RandomPose();
   typename TestFixture::Vector6 increment;
   increment << 0.1, -0.2, 0.3, 0, 0, 0;
@@ -98,15 +98,15 @@ TYPED_TEST(Rigid3Test, RotationStaysUnitOverManyIncrements) {
   EXPECT_NEAR(pose.rotation.norm(), 1, this->kTolerance);
 }
 
-// An increment of b_from_c, and the same one of a_from_c.
-TYPED_TEST(Rigid3Test, IncrementTransformTakesIncrementsToAnotherFrame) {
+// IncrementTransform() maps an increment of b_from_c to the increment of a_from_c.
+TYPED_TEST(Rigid3Test, IncrementTransformMapsIncrementsBetweenFrames) {
   const auto a_from_b = this->RandomPose(), b_from_c = this->RandomPose();
   typename TestFixture::Vector6 increment;
   increment << 1e-3, -2e-3, 1e-3, 2e-3, 1e-3, -1e-3;
   const auto moved = a_from_b * LeftIncrement(increment, b_from_c);
   const typename TestFixture::Vector6 same = IncrementTransform(a_from_b) * increment;
   const auto expected = LeftIncrement(same, a_from_b * b_from_c);
-  EXPECT_LT((moved.Matrix() - expected.Matrix()).norm(), 1e-4);  // of second order
+  EXPECT_LT((moved.Matrix() - expected.Matrix()).norm(), 1e-4);  // second-order error
   EXPECT_GT((moved.Matrix() - (a_from_b * b_from_c).Matrix()).norm(), 1e-3);
 }
 

@@ -18,7 +18,6 @@ Rigid3d Pose(double turn_rad, double x_m) {
   return Rigid3d(QuaternionExp<double>({0, turn_rad, 0}), {x_m, 0, 0});
 }
 
-// A gap of 0.1 s, then one of 1 s.
 const Trajectory kTrajectory = {{1.0, Pose(0, 0)}, {1.1, Pose(0.4, 2)}, {2.1, Pose(1, 5)}};
 
 TEST(InterpolatePose, IsLinearBetweenNearPoses) {
@@ -27,18 +26,18 @@ TEST(InterpolatePose, IsLinearBetweenNearPoses) {
   EXPECT_THAT(*pose, RigidNear(Pose(0.1, 0.5), 1e-12, 1e-12));
 }
 
-TEST(InterpolatePose, IsExactAtAStamp) {
+TEST(InterpolatePose, IsExactAtStamp) {
   EXPECT_THAT(*InterpolatePose(kTrajectory, 1.1), RigidNear(Pose(0.4, 2), 0, 0));
 }
 
-TEST(InterpolatePose, TakesTheNearestBesideAWideGapAndAtTheEnds) {
+TEST(InterpolatePose, IsNearestPoseInWideGapsAndAtEnds) {
   EXPECT_THAT(*InterpolatePose(kTrajectory, 1.115), RigidNear(Pose(0.4, 2), 0, 0));
   EXPECT_THAT(*InterpolatePose(kTrajectory, 2.085), RigidNear(Pose(1, 5), 0, 0));
   EXPECT_THAT(*InterpolatePose(kTrajectory, 0.985), RigidNear(Pose(0, 0), 0, 0));
   EXPECT_THAT(*InterpolatePose(kTrajectory, 2.115), RigidNear(Pose(1, 5), 0, 0));
 }
 
-TEST(InterpolatePose, KnowsNothingFarFromAllPoses) {
+TEST(InterpolatePose, IsNulloptFarFromAllPoses) {
   EXPECT_FALSE(InterpolatePose(kTrajectory, 1.5));
   EXPECT_FALSE(InterpolatePose(kTrajectory, 0.9));
   EXPECT_FALSE(InterpolatePose(kTrajectory, 2.2));
@@ -57,16 +56,16 @@ TEST(MatchStamps, PairsNearestNeighbours) {
   EXPECT_EQ(Pairs({1.0, 1.1, 1.2}, {1.01, 1.095, 1.205}), (P{{0, 0}, {1, 1}, {2, 2}}));
 }
 
-TEST(MatchStamps, LeavesOutWhatHasNoPartnerInTime) {
+TEST(MatchStamps, IgnoresStampsWithoutPartner) {
   EXPECT_EQ(Pairs({1.0, 1.1, 1.2}, {1.021, 1.119, 1.3}), (P{{1, 1}}));
   EXPECT_EQ(Pairs({}, {1.0}), P{});
   EXPECT_EQ(Pairs({1.0}, {}), P{});
 }
 
-TEST(MatchStamps, TheClosestPairComesFirstAndEachIsUsedOnce) {
-  // 1.010 is nearer to 1.012 than 1.000 is, so 1.000 must go without.
+TEST(MatchStamps, PrefersClosestPairAndUsesEachStampOnce) {
+  // 1.012 matches 1.010, which is nearer than 1.000. So 1.000 has no match.
   EXPECT_EQ(Pairs({1.000, 1.010}, {1.012}), (P{{1, 0}}));
-  // Having lost 1.012 to 1.010, the first stamp takes the other one within 0.02 s.
+  // 1.000 matches 0.985, the other stamp within 0.02 s.
   EXPECT_EQ(Pairs({1.000, 1.010}, {0.985, 1.012}), (P{{0, 0}, {1, 1}}));
 }
 
@@ -78,14 +77,15 @@ TEST(MatchStamps, MatchesAtTheLimit) {
   }
 }
 
-TEST(MatchStamps, MatchesEqualStampsOnceEach) {
+TEST(MatchStamps, MatchesEqualStampsOnce) {
   const auto matches = MatchStamps({1, 1, 2}, {1, 2, 2}, 0);
   ASSERT_EQ(matches.size(), 2u);
   EXPECT_EQ(std::make_pair(matches[0].first, matches[0].second), std::make_pair(0, 0));
   EXPECT_EQ(std::make_pair(matches[1].first, matches[1].second), std::make_pair(2, 1));
 }
 
-// associate.py as its documentation says: of all pairs in time, again and again the closest one.
+// Algorithm of associate.py: matches the closest remaining pair within the limit until no pair is
+// left.
 std::vector<std::pair<int, int>> BruteForce(const std::vector<double>& a,
                                             const std::vector<double>& b) {
   std::vector<bool> used_a(a.size()), used_b(b.size());
@@ -125,7 +125,7 @@ const Eigen::Matrix3d kMirror = Eigen::Vector3d(1, -1, 1).asDiagonal();
 
 Rigid3d SomePose() { return Rigid3d(QuaternionExp<double>({0.4, -0.7, 0.2}), {0.5, -1.5, 2.5}); }
 
-TEST(Mirror, OfAPoseIsItsConjugateByS) {
+TEST(Mirror, MirroredPoseIsConjugateByS) {
   Eigen::Matrix4d s = Eigen::Matrix4d::Identity();
   s(1, 1) = -1;
   const Eigen::Matrix4d expected = s * SomePose().Matrix() * s;
@@ -133,7 +133,7 @@ TEST(Mirror, OfAPoseIsItsConjugateByS) {
   EXPECT_LT((Mirrored(Mirrored(SomePose())).Matrix() - SomePose().Matrix()).norm(), 1e-14);
 }
 
-TEST(Mirror, ACameraSeesTheMirroredPointAtTheSamePixel) {
+TEST(Mirror, MirroredCameraProjectsMirroredPointToSamePixel) {
   PinholeCamera camera;
   camera.fx = 481.2;
   camera.fy = -480;
@@ -141,13 +141,13 @@ TEST(Mirror, ACameraSeesTheMirroredPointAtTheSamePixel) {
   camera.cy = 239.5;
   const Eigen::Vector3d point_in_camera(0.3, 0.4, 2);  // y up: above the optical axis
   const Eigen::Vector2d pixel = camera.Project(point_in_camera);
-  EXPECT_LT(pixel.y(), camera.cy);  // and so it is in the upper half of the image
+  EXPECT_LT(pixel.y(), camera.cy);  // the upper half of the image
   const PinholeCamera mirrored = Mirrored(camera);
   EXPECT_EQ(mirrored.fy, 480);
   EXPECT_LT((mirrored.Project(kMirror * point_in_camera) - pixel).norm(), 1e-12);
 }
 
-TEST(Mirror, WorldPointsAreMirroredThroughPoseAndCamera) {
+TEST(Mirror, MirrorsWorldPointsThroughPoseAndCamera) {
   const Eigen::Vector3d point_in_camera(0.3, 0.4, 2);
   const Eigen::Vector3d expected = kMirror * (SomePose() * point_in_camera);
   EXPECT_LT((Mirrored(SomePose()) * (kMirror * point_in_camera) - expected).norm(), 1e-14);

@@ -18,8 +18,8 @@ namespace {
 
 constexpr Rgb8 kRed = {200, 10, 10}, kBlue = {10, 10, 200};
 
-// A wall across the view at this depth, a surfel each 5 mm (1.5 px at 1 m), whose discs just cover
-// it.
+// Adds a wall across the view at this depth. The surfels have a spacing of 5 mm (1.5 px at 1 m),
+// and their discs just cover the wall.
 void AddWall(float depth_m, const std::function<std::optional<Rgb8>(float x, float y)>& color_at,
              SurfelMap* map) {
   for (int i = -300; i <= 300; ++i) {
@@ -34,10 +34,10 @@ void AddWall(float depth_m, const std::function<std::optional<Rgb8>(float x, flo
   }
 }
 
-// A camera whose pixels are 3.3 mm wide at 1 m.
+// Camera with pixels of 3.3 mm at 1 m.
 PinholeCamera FineCamera() { return {160, 120, 300, 300, 79.3, 59.6, {}}; }
 
-TEST(DrawBlended, ShowsTheFirstSurfaceAlone) {
+TEST(DrawBlended, ShowsFirstSurfaceOnly) {
   SurfelMap map;
   AddWall(
       1, [](float, float) { return kRed; }, &map);
@@ -50,14 +50,14 @@ TEST(DrawBlended, ShowsTheFirstSurfaceAlone) {
   }
 }
 
-TEST(DrawBlended, ShowsNothingWhereNothingIs) {
+TEST(DrawBlended, IsEmptyForEmptyMap) {
   const BlendedView view = DrawBlended({}, {SmallCamera(), {}}, {});
   EXPECT_EQ(view.color, Image<Rgb8>(64, 48));
   EXPECT_EQ(view.depth_m, Image<float>(64, 48, 0.f));
 }
 
-// Splats reach 7.2 mm from their centres, those that fill holes 14.4 mm.
-TEST(DrawBlended, FillsSmallHolesAndLeavesLargeOnes) {
+// The radius of splats is 7.2 mm, and 14.4 mm for splats that fill holes.
+TEST(DrawBlended, FillsSmallHolesOnly) {
   SurfelMap map;
   const auto is_in = [](float x, float y, float cx, float half) {
     return std::abs(x - cx) < half && std::abs(y) < half;
@@ -79,7 +79,7 @@ TEST(DrawBlended, FillsSmallHolesAndLeavesLargeOnes) {
   EXPECT_NEAR(depth_at(0.05f), 1, 1e-5);
 }
 
-TEST(DrawBlended, BlendsWithinTwoRadiiOfABorder) {
+TEST(DrawBlended, BlendsWithinTwoRadiiOfBorder) {
   SurfelMap map;
   AddWall(
       1, [](float x, float) { return x < 0 ? kRed : kBlue; }, &map);
@@ -95,7 +95,8 @@ TEST(DrawBlended, BlendsWithinTwoRadiiOfABorder) {
   EXPECT_LE(between, 5);  // 14.4 mm
 }
 
-// The documented rule in double precision at one pixel; nothing where a decision is too near.
+// Blending rule of the header, in double precision at one pixel. std::nullopt if no disc covers the
+// pixel.
 std::optional<Eigen::Vector3d> BlendedAt(const SurfelMap& map, const PinholeCamera& camera, int u,
                                          int v, double share, bool stable) {
   struct Met {
@@ -108,7 +109,7 @@ std::optional<Eigen::Vector3d> BlendedAt(const SurfelMap& map, const PinholeCame
     const Eigen::Vector3d p = s.position_in_world.cast<double>(),
                           n = s.normal_in_world.cast<double>(), ray = camera.Ray(u, v);
     if ((s.confidence >= 10) != stable || p.z() < 0.06 || n.dot(p) > -1e-3) continue;
-    // Pixels farther away than a disc's radius in the image plane are not looked at.
+    // Pixels outside the radius of the disc in the image plane are not drawn.
     const Eigen::Vector2d off = camera.Project(p) - Eigen::Vector2d(u, v);
     if (off.lpNorm<Eigen::Infinity>() > camera.fx * share * s.radius_m / p.z()) continue;
     const double depth_m = n.dot(p) / n.dot(ray);
@@ -130,7 +131,7 @@ std::optional<Eigen::Vector3d> BlendedAt(const SurfelMap& map, const PinholeCame
   return sum / weights;
 }
 
-TEST(DrawBlended, DoesWhatBruteForceDoes) {
+TEST(DrawBlended, AgreesWithBruteForce) {
   std::mt19937_64 rng(3);
   SurfelMap map;
   for (int i = 0; i < 400; ++i) {
@@ -155,14 +156,15 @@ TEST(DrawBlended, DoesWhatBruteForceDoes) {
     if (!expected) continue;
     const Rgb8 color = view.color(u, v);
     const Eigen::Vector3d error = *expected - Eigen::Vector3d(color.r, color.g, color.b);
-    wrong += error.lpNorm<Eigen::Infinity>() > 0.6;  // half a step, and single precision
+    wrong +=
+        error.lpNorm<Eigen::Infinity>() > 0.6;  // rounding to grey values, and single precision
   }
   EXPECT_GT(drawn, 1000);
   EXPECT_GT(empty, 10);
-  EXPECT_LE(wrong, 3);  // of 3072, where rounding decides who is met
+  EXPECT_LE(wrong, 3);  // of 3072, due to rounding at disc borders
 }
 
-TEST(DrawBlendedThreads, GiveTheSameView) {
+TEST(DrawBlendedThreads, AreBitwiseIdentical) {
   std::mt19937_64 rng(5);
   const Rigid3d pose = RandomPose(1, 1, &rng);
   const SurfelMap map = RandomDiscs(4000, 0.05f, pose, &rng);

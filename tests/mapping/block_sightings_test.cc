@@ -67,7 +67,7 @@ void ExpectSame(const SurfelBlock& a, const SurfelBlock& b) {
   }
 }
 
-TEST_F(BlockSightingsTest, MergeAsThoseOfSingleSurfels) {
+TEST_F(BlockSightingsTest, AgreesWithMergeOfSingleSurfels) {
   BlockSightings sightings;
   for (const int count : {1, 7, 63, 64}) {
     SurfelBlock block = Block(count), expected = block;

@@ -12,9 +12,10 @@
 
 namespace surfit::testing {
 
-// Fusion of one frame once more, from its description: double precision, a double loop over points
-// and surfels, no projection tables. Uniform weights, no dormancy. `margin` tells how close the
-// closest decision was: above the rounding of single precision, both must decide alike.
+// Reference implementation of the fusion of one frame: double precision, all pairs of points and
+// surfels, no projection tables, uniform weights, no dormancy. `margin` is the distance of the
+// closest decision to its limit. Above the rounding of single precision, both implementations
+// decide alike.
 class BruteForceFusion {
  public:
   BruteForceFusion(const FrameWithSurface& f, const Rigid3d& world_from_camera,
@@ -53,7 +54,7 @@ class BruteForceFusion {
       if (pixel_of[i] < 0 || seen_through[i] || !SquaredDistance(before[i], pixel_of[i])) continue;
       for (int q = 0; q < pixels; ++q) {
         if (own[q] < 0 || own[q] == i || !AreNeighbours(pixel_of[i], q)) continue;
-        // Of its own pixel, or of a neighbour if it is the nearest of its own.
+        // In its own pixel, or in a neighbour pixel if it is the nearest surfel of its pixel.
         if (q != pixel_of[i] && own[pixel_of[i]] != i) continue;
         if (!AreDoubles(before[i], before[own[q]])) continue;
         const bool worse = before[i].confidence < before[own[q]].confidence;
@@ -67,7 +68,7 @@ class BruteForceFusion {
   double margin() const { return margin_; }
 
  private:
-  // Remembers how far the value is from zero, its limit.
+  // Records the distance of the value to zero, which is the limit.
   bool Positive(double value) {
     margin_ = std::min(margin_, std::fabs(value));
     return value > 0;
@@ -114,7 +115,7 @@ class BruteForceFusion {
   }
   bool AtEdge(int pixel) const { return Vertex(pixel).z() > 0 && !HasOwnNormal(pixel); }
 
-  // Of the neighbours, the one whose plane is nearest and within half a sigma.
+  // Normal of the neighbour with the nearest plane, within half a sigma.
   Eigen::Vector3d NormalOfNeighbour(int pixel) {
     const Eigen::Vector3d p = Vertex(pixel);
     double nearest = f_.surface.noise.SigmaZ(p.z()) / 2;
@@ -137,7 +138,7 @@ class BruteForceFusion {
            std::min(slant, 1. * options_.max_slant_scale);
   }
 
-  // Its squared distance if point and surfel are the same piece of surface.
+  // Squared distance, if point and surfel belong to the same surface.
   std::optional<double> SquaredDistance(const Surfel& s, int pixel) {
     const Eigen::Vector3d n =
         world_from_camera_.rotation.conjugate() * s.normal_in_world.cast<double>();
@@ -153,7 +154,7 @@ class BruteForceFusion {
     return along * along + across * across;
   }
 
-  // Whether they are close together across the surface, by the normal of b.
+  // True if the surfels overlap across the surface, along the normal of b.
   bool AreDoubles(const Surfel& a, const Surfel& b) {
     const Eigen::Vector3d gap = (a.position_in_world - b.position_in_world).cast<double>();
     const Eigen::Vector3d n = b.normal_in_world.cast<double>();
@@ -187,7 +188,7 @@ class BruteForceFusion {
     return std::abs(a % width_ - b % width_) <= 1 && std::abs(a / width_ - b / width_) <= 1;
   }
 
-  // Pixels with even rows and columns come first, then those with odd ones.
+  // Pixels with even rows and columns come first, then pixels with odd rows and columns.
   std::vector<int> NewPixels(const std::vector<int>& chosen) {
     std::vector<int> taken;
     for (const auto& [odd_v, odd_u] :
@@ -206,7 +207,7 @@ class BruteForceFusion {
     return taken;
   }
 
-  // By bilinear interpolation where the point is seen, in a frame that was taken at one moment.
+  // Bilinear interpolation at the projection, for a frame with one capture time.
   SeenColor ColorAt(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
     const PinholeCamera& camera = f_.surface.camera;
     const Eigen::Vector2d at = camera.Project(point);
@@ -299,7 +300,7 @@ class BruteForceFusion {
   const int width_, height_;
   const Rigid3d world_from_camera_;
   const FusionOptions options_;
-  VectorImage normal_;  // of the frame, with those taken from neighbours
+  VectorImage normal_;  // normals of the frame, and normals from neighbours
   double margin_ = std::numeric_limits<double>::infinity();
 };
 

@@ -11,7 +11,8 @@ namespace {
 
 constexpr Rgb8 kColorBefore = {1, 2, 3};
 
-// Looks at a wall at 2 m, and a post before its right half at 1 m, from the world's origin.
+// Map of a wall at 2 m, and of a post at 1 m in front of its right half. The camera is at the
+// origin.
 class ColorAverages : public ::testing::Test {
  protected:
   ColorAverages() {
@@ -33,7 +34,8 @@ class ColorAverages : public ::testing::Test {
     map_.Append(surfel);
   }
 
-  // One frame's colours, from as many metres to the right, with depth but from a column on.
+  // Adds the colours of a frame at `right_m` metres to the right. Columns from `end_of_depth` have
+  // no depth.
   void Add(const Image<Rgb8>& color, float right_m, ColorAverage* average,
            int end_of_depth = 160) const {
     RgbdFrame frame;
@@ -53,7 +55,7 @@ class ColorAverages : public ::testing::Test {
   SurfelMap map_;
 };
 
-TEST_F(ColorAverages, AreOfWhatFramesShowByTheirWeights) {
+TEST_F(ColorAverages, AreMeansOfFrameColors) {
   ColorAverage average(map_);
   Add(Image<Rgb8>(160, 120, {200, 100, 50}), 0, &average);
   Add(Image<Rgb8>(160, 120, {100, 150, 70}), 0, &average);
@@ -71,9 +73,9 @@ TEST_F(ColorAverages, AreOfWhatFramesShowByTheirWeights) {
   EXPECT_GT(seen, 4000);
 }
 
-// From the middle, the post is before what is from 0 to 20 cm to the right on the wall, and a pixel
-// is 12.5 mm there.
-TEST_F(ColorAverages, LeaveWhatIsHidden) {
+// The post occludes the wall between 0 and 20 cm to the right of the middle. A pixel is 12.5 mm on
+// the wall.
+TEST_F(ColorAverages, IgnoreOccludedSurfels) {
   ColorAverage average(map_);
   Add(Image<Rgb8>(160, 120, {200, 100, 50}), 0, &average);
   average.WriteTo(&map_);
@@ -88,9 +90,9 @@ TEST_F(ColorAverages, LeaveWhatIsHidden) {
   }
 }
 
-// What returns no depth may hide the wall, and its colours are not the wall's. Of the wall a pixel
-// is 12.5 mm.
-TEST_F(ColorAverages, LeaveWhatIsSeenWhereThereIsNoDepth) {
+// A surface without depth can occlude the wall, so its colours are not used. A pixel is 12.5 mm on
+// the wall.
+TEST_F(ColorAverages, IgnoreColorsWithoutDepth) {
   ColorAverage average(map_);
   Add(Image<Rgb8>(160, 120, {200, 100, 50}), 0, &average, 40);
   average.WriteTo(&map_);

@@ -5,10 +5,9 @@
 namespace surfit::testing {
 namespace {
 
-// Number i of record k.
 float NumberAt(int k, int i) { return static_cast<float>(10 * k + i); }
 
-TEST(EightRecords, AreLoadedByNumberAndStoredByRecord) {
+TEST(EightRecords, LoadTransposesAndStoreReversesIt) {
   float given[8][8], back[8][8], by_number[8][8];
   const float* from[8];
   float* to[8];

@@ -15,7 +15,8 @@ namespace {
 PinholeCamera ColorCamera() { return {120, 90, 100, 100, 59.5, 44.5, {}}; }
 const Eigen::Vector3f kTowards = {0, 0, -1};
 
-// Red is twice the column, green twice the row, so that colours tell places to half a pixel.
+// The red value is twice the column, and the green value is twice the row. So a colour determines a
+// position to half a pixel.
 RgbdFrame PlaceFrame() {
   RgbdFrame frame = BlankFrame(ColorCamera(), 0).frame;
   for (const auto [u, v] : PixelsOf(frame.color)) {
@@ -36,8 +37,8 @@ TEST(FrameColors, AreBilinear) {
   EXPECT_NEAR(seen.color.z(), 9, 1e-4);
 }
 
-// The place of a point at the time of the row that shows it, found by looking at all rows.
-TEST(FrameColors, AreThoseOfTheMomentWhenTheRowWasRead) {
+// Pixel of a point at the capture time of its row, found by a search over all rows.
+TEST(FrameColors, UseCaptureTimeOfRow) {
   RgbdFrame frame = PlaceFrame();
   frame.stamp_s = 5;
   frame.color_stamp_s = 5.012;
@@ -57,14 +58,15 @@ TEST(FrameColors, AreThoseOfTheMomentWhenTheRowWasRead) {
     }
     ASSERT_LT(least, 0.02);
     const SeenColor seen = ColorAt(frame, motion, point.cast<float>());
-    // The rates are taken as constant: 30 ms of 1 rad/s bend a path of 3 px by about 3 % of it.
+    // The rates are assumed constant: at 1 rad/s for 30 ms, the error of a path of 3 px is about 3
+    // %.
     EXPECT_NEAR(seen.color.x() / 2, place.x(), 0.1);
     EXPECT_NEAR(seen.color.y() / 2, place.y(), 0.1);
     EXPECT_GT((ColorCamera().Project(point) - place).norm(), 0.2);
   }
 }
 
-TEST(FrameColors, TellMoreTheFinerAndTheLessSlantedAndBlurredTheyAre) {
+TEST(FrameColors, WeightDecreasesWithPixelSizeSlantAndBlur) {
   const RgbdFrame frame = PlaceFrame();
   const auto weight = [&](const FrameMotion& motion, float z, const Eigen::Vector3f& normal) {
     return ColorAt(frame, motion, {0, 0, z}, normal).weight;
@@ -72,18 +74,19 @@ TEST(FrameColors, TellMoreTheFinerAndTheLessSlantedAndBlurredTheyAre) {
   EXPECT_NEAR(weight({}, 0.2f, kTowards), 1, 1e-5);  // 500 px/m
   EXPECT_NEAR(weight({}, 0.4f, kTowards), 0.25, 1e-5);
   EXPECT_NEAR(weight({}, 0.2f, {0, 0.8f, -0.6f}), 0.6, 1e-5);
-  // 1 m/s at 0.2 m are 500 px/s: 2.5 px in 5 ms.
+  // 1 m/s at 0.2 m is 500 px/s: 2.5 px in 5 ms.
   EXPECT_NEAR(weight({{{0, 0, 0}, {1, 0, 0}}, 0}, 0.2f, kTowards), 1 / std::pow(7.25, 2), 1e-4);
 }
 
-TEST(FrameColors, AreNoneOutsideTheImage) {
+TEST(FrameColors, HaveZeroWeightOutsideImage) {
   EXPECT_EQ(ColorAt(PlaceFrame(), {}, {0.7f, 0, 1}).weight, 0);
   EXPECT_EQ(ColorAt(PlaceFrame(), {}, {0, -0.5f, 1}).weight, 0);
-  EXPECT_GT(ColorAt(PlaceFrame(), {}, {0.595f, 0.445f, 1}).weight, 0);  // the last pixel's centre
+  EXPECT_GT(ColorAt(PlaceFrame(), {}, {0.595f, 0.445f, 1}).weight,
+            0);  // the centre of the last pixel
 }
 
-// A border 8 px wide on the left and 5 px below, and a black screen in the middle.
-TEST(FrameColors, OfBlackBordersAreNoneButBlackThingsAreBlack) {
+// Black borders of 8 px on the left and 5 px at the bottom, and a black screen in the middle.
+TEST(FrameColors, IgnoreBlackBordersButNotBlackObjects) {
   RgbdFrame frame = PlaceFrame();
   for (const auto [u, v] : PixelsOf(frame.color)) {
     const bool is_screen = std::abs(u - 60) < 15 && std::abs(v - 45) < 15;
@@ -100,8 +103,8 @@ TEST(FrameColors, OfBlackBordersAreNoneButBlackThingsAreBlack) {
   EXPECT_EQ(seen_at(60, 45).color, Eigen::Vector3f(0, 0, 0));
 }
 
-// Of which some are outside of the image, and not as many as are done at once.
-TEST(FrameColors, OfManyPointsAreThoseOfEach) {
+// Some points are outside the image. The count is not a multiple of the batch size.
+TEST(FrameColors, BatchAgreesWithSinglePoints) {
   RgbdFrame frame = PlaceFrame();
   frame.color_stamp_s = frame.stamp_s + 0.01;
   for (const auto [u, v] : PixelsOf(frame.color)) {
@@ -128,7 +131,7 @@ TEST(FrameColors, OfManyPointsAreThoseOfEach) {
   EXPECT_LT(seen, 55);
 }
 
-TEST(Fusion, NeverMapsABlackBorder) {
+TEST(Fusion, IgnoresBlackBorders) {
   FrameWithSurface first = WallFrame(TestCamera(), {}, 2, 0), second = first;
   second.frame.index = 1;
   for (const auto [u, v] : PixelsOf(first.frame.color)) {
@@ -141,7 +144,7 @@ TEST(Fusion, NeverMapsABlackBorder) {
   int unseen = 0;
   for (const std::int32_t id : map.Ids()) {
     if (map[id].color_weight > 0) continue;
-    EXPECT_EQ(map.Color(id), Rgb8());  // black, until a colour is seen
+    EXPECT_EQ(map.Color(id), Rgb8());  // black until a colour is observed
     ++unseen;
   }
   EXPECT_GT(unseen, 0);

@@ -1,4 +1,4 @@
-// Which points merge with which surfels, and which surfels make others superfluous.
+// Tests of the association gates of fusion, and of the removal of overlapping surfels.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,8 +11,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// One surfel and one measured pixel, the middle one of 5 x 5: whether they meet, at 1 m, where a
-// pixel is 1 cm wide.
+// One surfel and one measured pixel, the middle of 5 x 5 pixels. At 1 m a pixel is 1 cm wide.
 struct OnePair {
   Surfel surfel;
   FrameWithSurface f = BlankFrame({5, 5, 100, 100, 2, 2, {}}, 3);
@@ -43,7 +42,7 @@ struct OnePair {
   }
 };
 
-TEST(FusionGates, DistanceAlongTheNormal) {
+TEST(FusionGates, LimitDistanceAlongNormal) {
   for (const float sign : {-1.f, 1.f}) {
     OnePair pair;
     pair.surfel.position_in_world.z() = 1 + sign * 0.0499f;
@@ -55,7 +54,7 @@ TEST(FusionGates, DistanceAlongTheNormal) {
   }
 }
 
-TEST(FusionGates, AngleBetweenTheNormals) {
+TEST(FusionGates, LimitAngleBetweenNormals) {
   OnePair pair;
   const auto tilt = [&](float angle) {
     pair.surfel.normal_in_world = {0, std::sin(angle), -std::cos(angle)};
@@ -68,23 +67,24 @@ TEST(FusionGates, AngleBetweenTheNormals) {
   EXPECT_TRUE(pair.Merges());
 }
 
-TEST(FusionGates, DistanceAcrossIsTheSpacingOrTheRadius) {
+TEST(FusionGates, LimitDistanceAcrossToSpacingOrRadius) {
   OnePair pair;
-  pair.options.max_spacing_m = 0.003f;  // below half a pixel, so that the pixel stays the same
+  pair.options.max_spacing_m = 0.003f;  // below half a pixel: the point projects to the same pixel
   pair.surfel.position_in_world.x() = 0.00299f;
   EXPECT_TRUE(pair.Merges());
   pair.surfel.position_in_world.x() = 0.00301f;
   EXPECT_FALSE(pair.Merges());
 
-  // Finer pixels: the point's radius of sqrt(2) / 1000 rules where it is below the spacing. Beyond
-  // the pixel itself another measured one must have taken the surfel.
+  // With finer pixels, the radius of the point, sqrt(2) / 1000, is the limit if it is below the
+  // spacing. Outside its pixel, another measured pixel would match the surfel.
   OnePair fine;
   fine.f = BlankFrame({5, 5, 1000, 1000, 2, 2, {}}, 3);
   SetPixel(2, 2, 1, {0, 0, -1}, &fine.f);
   fine.options.max_spacing_m = 1;
   fine.surfel.normal_in_world = Vector3f(0, 0.5f, -1).normalized();
-  // The ray meets the plane of a surfel that is below it by y, turned by t, y / cos t off its
-  // centre: a surfel of the same pixel must be turned far for that to be too much.
+  // The surfel is below the ray by y and tilted by t. The ray intersects its plane at the distance
+  // y / cos t from its centre. In the same pixel, the distance exceeds the limit only at a large
+  // tilt.
   fine.options.merge_angle_rad = 1.4f;
   constexpr float kCosine = 0.3f;
   fine.surfel.normal_in_world = {0, std::sqrt(1 - kCosine * kCosine), -kCosine};
@@ -94,19 +94,21 @@ TEST(FusionGates, DistanceAcrossIsTheSpacingOrTheRadius) {
   EXPECT_FALSE(fine.Merges());
 }
 
-// Noise along the ray of a pixel leaves where it passes a slanted surface as it is.
-TEST(FusionGates, NoiseOfTheDepthDoesNotCountAcrossTheSurface) {
+// Depth noise moves a point along its ray. The position of the ray on a slanted surface does not
+// change.
+TEST(FusionGates, IgnoreDepthNoiseAcrossSurface) {
   OnePair pair;
   pair.options.merge_distance_m = 0.02f;
-  pair.surfel.normal_in_world = Vector3f(0, 0.5f, -1).normalized();  // 0.46 rad from the point's
-  // A surfel behind the pixel's centre by h is n_z h = 0.894 h along its normal.
+  pair.surfel.normal_in_world =
+      Vector3f(0, 0.5f, -1).normalized();  // 0.46 rad from the normal of the point
+  // A surfel at the distance h behind the pixel has the distance n_z h = 0.894 h along its normal.
   pair.surfel.position_in_world = {0, 0, 1 + 0.0199f / 0.8944f};
   EXPECT_TRUE(pair.Merges());
   pair.surfel.position_in_world = {0, 0, 1 + 0.0201f / 0.8944f};
   EXPECT_FALSE(pair.Merges());
 }
 
-TEST(FusionGates, CoarsePointsDoNotMoveAFineSurfel) {
+TEST(FusionGates, CoarsePointsDoNotMoveFineSurfel) {
   OnePair pair;
   pair.surfel.position_in_world.z() = 1.01f;
   pair.surfel.radius_m = 0.0142f / 1.49f;
@@ -123,7 +125,7 @@ TEST(FusionGates, CoarsePointsDoNotMoveAFineSurfel) {
   EXPECT_EQ(too_coarse[0].first_seen, 2);
 }
 
-TEST(FusionGates, AFinerPointShrinksTheSurfel) {
+TEST(FusionGates, FinerPointReducesRadius) {
   OnePair pair;
   pair.surfel.radius_m = 0.05f;
   SurfelMap map;
@@ -131,7 +133,7 @@ TEST(FusionGates, AFinerPointShrinksTheSurfel) {
   EXPECT_FLOAT_EQ(map[0].radius_m, StoredLength(std::sqrt(2.f) / 100));
 }
 
-TEST(FusionGates, TheNearestOfTwoSurfelsIsTaken) {
+TEST(FusionGates, MergeWithNearestSurfel) {
   OnePair pair;
   pair.options.duplicate_share = 0;
   SurfelMap map;
@@ -145,9 +147,9 @@ TEST(FusionGates, TheNearestOfTwoSurfelsIsTaken) {
   EXPECT_EQ(Confidences(map), (std::vector<float>{4, 4, 5}));
 }
 
-// Two surfels of one pixel or of two that are side by side, 4 mm apart with radii of sqrt(2) cm.
-TEST(FusionDoubles, TheOneOfLessConfidenceGoes) {
-  for (const float x : {0.f, 0.004f}) {  // a pixel's border is at 5 mm
+// Two surfels of one pixel or of neighbour pixels, at a distance of 4 mm, with radii of sqrt(2) cm.
+TEST(FusionDoubles, RemovesLessConfidentSurfel) {
+  for (const float x : {0.f, 0.004f}) {  // the pixel border is at 5 mm
     OnePair pair;
     SetPixel(3, 2, 1, {0, 0, -1}, &pair.f);
     Surfel other = pair.surfel;
@@ -164,7 +166,7 @@ TEST(FusionDoubles, TheOneOfLessConfidenceGoes) {
   }
 }
 
-TEST(FusionDoubles, OnesThatAreFartherApartOrTurnedAwayStay) {
+TEST(FusionDoubles, KeepsDistantAndRotatedSurfels) {
   const auto removed = [](const Surfel& other, float duplicate_share) {
     OnePair pair;
     pair.options.duplicate_share = duplicate_share;
@@ -176,7 +178,7 @@ TEST(FusionDoubles, OnesThatAreFartherApartOrTurnedAwayStay) {
   };
   Surfel other = OnePair().surfel;
   other.confidence = 7;
-  other.position_in_world.x() = 0.0049f;  // the spacing, 1 cm, is less than the radii
+  other.position_in_world.x() = 0.0049f;  // the spacing of 1 cm is smaller than the radii
   EXPECT_EQ(removed(other, 0.5f), 1);
   EXPECT_EQ(removed(other, 0.48f), 0);
   EXPECT_EQ(removed(other, 0), 0);
@@ -192,8 +194,9 @@ TEST(FusionDoubles, OnesThatAreFartherApartOrTurnedAwayStay) {
   EXPECT_EQ(removed(other, 0.5f), 0);
 }
 
-// Two pixels, one surfel in the first one: the second point has none of its own and takes it.
-TEST(FusionGates, APointTakesTheSurfelOfItsNeighbourWithinReach) {
+// Two pixels, and one surfel in the first pixel. The second point has no surfel and merges with the
+// surfel of the first pixel.
+TEST(FusionGates, MergeWithSurfelOfNeighbourPixel) {
   OnePair pair;
   pair.options.weighting = "uniform";
   pair.options.max_spacing_m = 0.0125f;

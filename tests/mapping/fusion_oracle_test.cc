@@ -10,7 +10,7 @@ namespace {
 
 PinholeCamera TinyCamera() { return {20, 15, 100, 100, 9.3, 7.1, {}}; }
 
-// About 1 m away with holes; normals that need not fit.
+// Random frame at about 1 m, with holes and random normals.
 FrameWithSurface RandomFrame(std::mt19937_64* rng) {
   FrameWithSurface f = BlankFrame(TinyCamera(), 12);
   for (const auto [u, v] : PixelsOf(f.frame.depth_m)) {
@@ -23,7 +23,7 @@ FrameWithSurface RandomFrame(std::mt19937_64* rng) {
   return f;
 }
 
-// Surfels in and around the view, near the points and far from them.
+// Surfels inside and outside the view, near the points and far from the points.
 SurfelMap RandomMap(int count, const Rigid3d& world_from_camera, std::mt19937_64* rng) {
   SurfelMap map;
   for (int i = 0; i < count; ++i) {
@@ -44,17 +44,17 @@ SurfelMap RandomMap(int count, const Rigid3d& world_from_camera, std::mt19937_64
   return map;
 }
 
-// Both maps got the same merges, in single precision from positions that differ by rounding:
-// a few 1e-7 of coordinates of up to 4 m.
+// Both maps have the same merges, in single precision. Their positions differ by rounding: a few
+// 1e-7 of coordinates up to 4 m.
 void ExpectNear(const Surfel& a, const Surfel& b) {
   constexpr float kTolerance = 4e-6f;
   EXPECT_LT((a.position_in_world - b.position_in_world).norm(), kTolerance);
-  // May be the next step on each axis.
+  // One rounding step per axis.
   EXPECT_LT((a.normal_in_world - b.normal_in_world).norm(), kTolerance + 2 * kNormalRounding);
-  // A position that is off by 4e-6 m is by 4e-4 px: 0.1 of a step at most, and then rounded.
+  // A position error of 4e-6 m is 4e-4 px, and changes the colour by at most 0.1 before rounding.
   EXPECT_LE((ColorAsVector(a.color) - ColorAsVector(b.color)).lpNorm<Eigen::Infinity>(), 1);
-  EXPECT_NEAR(a.color_weight, b.color_weight, a.color_weight / 7);  // may be the next byte
-  EXPECT_NEAR(a.radius_m, b.radius_m, b.radius_m / 2048);           // likewise
+  EXPECT_NEAR(a.color_weight, b.color_weight, a.color_weight / 7);  // one rounding step
+  EXPECT_NEAR(a.radius_m, b.radius_m, b.radius_m / 2048);           // one rounding step
   EXPECT_EQ(a.confidence, b.confidence);
   EXPECT_EQ(a.first_seen, b.first_seen);
   EXPECT_EQ(a.last_seen, b.last_seen);
@@ -71,7 +71,7 @@ FusionOptions OptionsOfTrial(int trial) {
   return options;
 }
 
-TEST(Fusion, DoesWhatBruteForceDoes) {
+TEST(Fusion, AgreesWithBruteForce) {
   FusionReport sum;
   int compared = 0;
   for (int trial = 0; trial < 60; ++trial) {
@@ -82,7 +82,8 @@ TEST(Fusion, DoesWhatBruteForceDoes) {
     SurfelMap expected = RandomMap(500, pose, &rng), actual = expected;
     BruteForceFusion brute_force(f, pose, options);
     const FusionReport expected_report = brute_force.Fuse(&expected);
-    // Positions of up to 4 m round by 2.4e-7, a few times: closer decisions may go either way.
+    // Positions up to 4 m have a few rounding errors of 2.4e-7. Trials with closer decisions are
+    // skipped.
     if (brute_force.margin() < 2e-6) continue;
     ++compared;
 
@@ -102,7 +103,7 @@ TEST(Fusion, DoesWhatBruteForceDoes) {
     sum.removed += report.removed;
     sum.covered_points += report.covered_points;
   }
-  // The trials are of use: each thing happens often.
+  // All kinds of changes occur often.
   EXPECT_GT(compared, 15);
   EXPECT_GT(sum.merged_points, 100);
   EXPECT_GT(sum.added, 100);

@@ -1,4 +1,4 @@
-// Which surfels go, or are left alone: dormant, inactive, seen through.
+// Tests of the removal of dormant surfels and of free-space violations, and of inactive surfels.
 #include <gtest/gtest.h>
 
 #include "mapping/plane_frame.h"
@@ -6,7 +6,7 @@
 namespace surfit::testing {
 namespace {
 
-TEST(FusionDormancy, SurfelsOfLowConfidenceGoWhenNotSeenForLongerThanAllowed) {
+TEST(FusionDormancy, RemovesUnstableSurfelsAfterMaxDormantFrames) {
   FusionOptions options;
   options.max_dormant_frames = 5;
   Fusion fusion(options);
@@ -28,9 +28,9 @@ TEST(FusionDormancy, SurfelsOfLowConfidenceGoWhenNotSeenForLongerThanAllowed) {
   EXPECT_EQ(map.size(), 1u);
 }
 
-// A sequence of which every 30th frame is used, or a long one that was lost, must not empty the
-// map: what counts is how often fusion had the chance to see a surfel again.
-TEST(FusionDormancy, CountsTheFramesThatWereFused) {
+// Frames that are not fused do not count. So the map is kept if only every 30th frame is fused, or
+// after a long loss.
+TEST(FusionDormancy, CountsFusedFramesOnly) {
   Fusion fusion({});
   SurfelMap map;
   for (int i = 0; i < 5; ++i) {
@@ -40,8 +40,7 @@ TEST(FusionDormancy, CountsTheFramesThatWereFused) {
   }
 }
 
-// A wall, then nothing for some frames, then the wall again.
-TEST(FusionActiveFrames, WhatWasNotSeenInTheWindowIsMappedOnceMore) {
+TEST(FusionActiveFrames, MapsInactiveSurfacesAgain) {
   for (const int active_frames : {0, 3, 4}) {
     FusionOptions options;
     options.active_frames = active_frames;
@@ -57,7 +56,7 @@ TEST(FusionActiveFrames, WhatWasNotSeenInTheWindowIsMappedOnceMore) {
   }
 }
 
-// A patch of 5 x 5 surfels about the ray of pixel (32, 24), in front of a wall at 2 m.
+// Patch of 5 x 5 surfels around the ray of pixel (32, 24), in front of a wall at 2 m.
 struct FloatingPatch {
   SurfelMap map;
   FrameWithSurface f = WallFrame(TestCamera(), {}, 2, 1);
@@ -80,7 +79,7 @@ struct FloatingPatch {
   }
 };
 
-TEST(FusionFreeSpace, WhatIsSeenThroughIsRemovedEvenIfStable) {
+TEST(FusionFreeSpace, RemovesStableSurfelsInFreeSpace) {
   FloatingPatch patch(1);
   EXPECT_EQ(patch.Removed(), 25);
   for (const std::int32_t id : patch.map.Ids()) {
@@ -88,14 +87,13 @@ TEST(FusionFreeSpace, WhatIsSeenThroughIsRemovedEvenIfStable) {
   }
 }
 
-// All 25 pixels see the missing one but those more than a pixel off.
-TEST(FusionFreeSpace, WhereSomeDepthAroundIsMissingNothingIsRemoved) {
+TEST(FusionFreeSpace, KeepsSurfelsNextToMissingDepth) {
   FloatingPatch patch(1);
   patch.f.frame.depth_m(32, 24) = 0;
   EXPECT_EQ(patch.Removed(), 25 - 9);
 }
 
-TEST(FusionFreeSpace, TheMarginIsFiveCentimetresAndFourSigmas) {
+TEST(FusionFreeSpace, MarginIsFiveCentimetresPlusFourSigmas) {
   const float border = 2 - 0.05f - 4 * 0.002f * 4;
   EXPECT_EQ(FloatingPatch(border - 0.001f).Removed(), 25);
   EXPECT_EQ(FloatingPatch(border + 0.001f).Removed(), 0);
@@ -104,7 +102,7 @@ TEST(FusionFreeSpace, TheMarginIsFiveCentimetresAndFourSigmas) {
   EXPECT_EQ(FloatingPatch(border - 0.001f).Removed(wider), 0);
 }
 
-TEST(FusionFreeSpace, WhatIsHiddenStays) { EXPECT_EQ(FloatingPatch(3).Removed(), 0); }
+TEST(FusionFreeSpace, KeepsOccludedSurfels) { EXPECT_EQ(FloatingPatch(3).Removed(), 0); }
 
 }  // namespace
 }  // namespace surfit::testing

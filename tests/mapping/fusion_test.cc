@@ -23,11 +23,11 @@ namespace {
 
 using Eigen::Vector3f;
 
-TEST(Fusion, TheFirstFrameBecomesTheMap) {
+TEST(Fusion, FirstFrameBecomesMap) {
   const PinholeCamera camera = TestCamera();
   FrameWithSurface f = WallFrame(camera, {}, 2, 7);
   SetPixel(5, 6, 0, {0, 0, 0}, &f);      // no depth
-  SetPixel(10, 20, 1.9, {0, 0, 0}, &f);  // no normal, before the wall
+  SetPixel(10, 20, 1.9, {0, 0, 0}, &f);  // no normal, in front of the wall
   f.frame.color(0, 0) = {1, 2, 3};
   SurfelMap map;
   Fusion fusion({});
@@ -36,7 +36,7 @@ TEST(Fusion, TheFirstFrameBecomesTheMap) {
   EXPECT_EQ(report.added, 64 * 48 - 2);
   EXPECT_EQ(report.merged, 0);
   EXPECT_EQ(report.removed, 0);
-  const Surfel corner = map[0];  // the first one
+  const Surfel corner = map[0];  // the first surfel
   EXPECT_EQ(corner.position_in_world, f.surface.vertex(0, 0));
   EXPECT_EQ(corner.normal_in_world, Vector3f(0, 0, -1));
   EXPECT_EQ(corner.color, (Rgb8{1, 2, 3}));
@@ -46,7 +46,7 @@ TEST(Fusion, TheFirstFrameBecomesTheMap) {
   EXPECT_EQ(corner.last_seen, 7);
 }
 
-TEST(Fusion, TheSameFrameAgainMergesAllAndMovesNothing) {
+TEST(Fusion, SameFrameMergesWithoutMotion) {
   const FrameWithSurface f = WallFrame(TestCamera(), {}, 2, 0);
   SurfelMap map;
   Fusion fusion({});
@@ -72,7 +72,7 @@ TEST(Fusion, TheSameFrameAgainMergesAllAndMovesNothing) {
   }
 }
 
-TEST(Fusion, WithoutColorTheMapIsGreyAndKeepsItsColors) {
+TEST(Fusion, UsesGreyWithoutColorAndKeepsColors) {
   FrameWithSurface colored = WallFrame(TestCamera(), {}, 2, 0), plain = colored;
   plain.frame.color = {};
   SurfelMap grey, kept;
@@ -89,9 +89,9 @@ Rigid3d HandHeldPose(int i) {
           Eigen::Vector3d(0.015 * i, 0.01 * std::sin(i), -0.012 * i)};
 }
 
-// Exact data: all that can leave the plane is the rounding of positions of a few metres, far below
+// Exact data: the deviation from the plane is the rounding of positions of a few metres, far below
 // 1e-5 of the depth.
-TEST(Fusion, AnExactWallStaysExactUnderAMovingCamera) {
+TEST(Fusion, ExactWallStaysExactWithMovingCamera) {
   SurfelMap map;
   Fusion fusion({});
   for (int i = 0; i < 30; ++i) {
@@ -108,9 +108,10 @@ TEST(Fusion, AnExactWallStaysExactUnderAMovingCamera) {
   }
 }
 
-// The mean of N exposures with noise of sigma has sigma / sqrt(N); the RMS of M = W H independent
-// surfels scatters about that by a share of 1 / sqrt(2 M), five of which are allowed.
-TEST(Fusion, NoiseFallsWithTheSquareRootOfTheFrames) {
+// The mean of N exposures with noise sigma has the standard deviation sigma / sqrt(N). The RMS of M
+// = W H independent surfels has a relative standard deviation of 1 / sqrt(2 M). The bound is five
+// times that.
+TEST(Fusion, NoiseDecreasesWithSquareRootOfFrames) {
   const PinholeCamera camera = TestCamera();
   constexpr double kSigma = 0.001;
   constexpr int kFrames = 64;
@@ -140,9 +141,9 @@ TEST(Fusion, NoiseFallsWithTheSquareRootOfTheFrames) {
   }
 }
 
-// A view of a wall with pixels of 2 mm: the first surfel, of an even row and column, stands for the
-// eight points around, all within sqrt(2) pixels but for rounding, and so do the others.
-TEST(Fusion, NewSurfelsStandForThePointsBesideThem) {
+// View of a wall with pixels of 2 mm. A new surfel at an even row and column covers the eight
+// points around it: all are within sqrt(2) pixels, except for rounding.
+TEST(Fusion, NewSurfelsCoverNeighbourPoints) {
   const PinholeCamera camera = {40, 30, 1000, 1000, 19.5, 14.5, {}};
   FusionOptions options;
   Fusion fusion(options);
@@ -150,7 +151,7 @@ TEST(Fusion, NewSurfelsStandForThePointsBesideThem) {
   const FusionReport report = Fuse(WallFrame(camera, {}, 2, 0), {}, &fusion, &map);
   EXPECT_EQ(report.added + report.covered_points, 40 * 30);
   EXPECT_GE(report.added, 20 * 15);      // even rows and columns
-  EXPECT_LE(report.added, 2 * 20 * 15);  // and odd ones, where rounding says so
+  EXPECT_LE(report.added, 2 * 20 * 15);  // plus odd rows and columns, due to rounding
   for (const auto [u, v] : PixelsOf(camera)) {
     const Eigen::Vector3f point = (2 * camera.Ray(u, v)).cast<float>();
     float nearest = 1;
@@ -161,7 +162,7 @@ TEST(Fusion, NewSurfelsStandForThePointsBesideThem) {
   }
 }
 
-TEST(Fusion, WeightsFollowTheCamera) {
+TEST(Fusion, WeightsDependOnCamera) {
   PinholeCamera camera = TestCamera();
   Fusion fusion({});
   SurfelMap map, other;
@@ -172,7 +173,7 @@ TEST(Fusion, WeightsFollowTheCamera) {
   EXPECT_EQ(other[0].confidence, 1);
 }
 
-TEST(Fusion, AFullMapRefusesSurfelsAndCountsThem) {
+TEST(Fusion, RejectsAndCountsSurfelsOfFullMap) {
   const PinholeCamera camera = TestCamera();
   constexpr int kPixels = 64 * 48, kMost = 1000;
   FusionOptions options;
@@ -189,40 +190,32 @@ TEST(Fusion, AFullMapRefusesSurfelsAndCountsThem) {
   EXPECT_EQ(map.size(), std::size_t{kMost});
 }
 
-TEST(FusionOptions, RefuseWhatMakesNoSense) {
-  const auto expect_refused = [](auto change, const char* message) {
+TEST(FusionOptions, RejectInvalidValues) {
+  const auto expect_refused = [](auto change, const std::string& field, const std::string& value) {
     FusionOptions options;
     change(options);
-    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
-    ExpectInputError([&] { Fusion fusion(options); }, HasSubstr(message));
+    ExpectInputError([&] { Validate(options); }, Names(field, value));
+    ExpectInputError([&] { Fusion fusion(options); }, Names(field, value));
   };
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   Validate(FusionOptions());
-  expect_refused([](auto& o) { o.weighting = "best"; },
-                 "weighting is 'best', must be one of: confidence, uniform");
-  expect_refused([](auto& o) { o.merge_distance_m = 0; },
-                 "merge_distance_m is 0, must be positive");
-  expect_refused([](auto& o) { o.merge_distance_m = kNan; }, "merge_distance_m is nan");
-  expect_refused([](auto& o) { o.merge_angle_rad = 1.6f; },
-                 "merge_angle_rad is 1.6, must be positive and below 1.5708");
-  expect_refused([](auto& o) { o.active_frames = -1; },
-                 "active_frames is -1, must be zero (no limit) or positive");
-  expect_refused([](auto& o) { o.duplicate_share = -1; },
-                 "duplicate_share is -1, must be zero (none) or positive");
-  expect_refused([](auto& o) { o.max_spacing_m = -1; }, "max_spacing_m is -1, must be positive");
-  expect_refused([](auto& o) { o.max_slant_scale = 0.5f; },
-                 "max_slant_scale is 0.5, must be at least 1");
-  expect_refused([](auto& o) { o.max_radius_ratio = 0; }, "max_radius_ratio is 0");
-  expect_refused([](auto& o) { o.lasting_confidence = -1; }, "lasting_confidence is -1");
-  expect_refused([](auto& o) { o.max_dormant_frames = -1; },
-                 "max_dormant_frames is -1, must be zero or positive");
-  expect_refused([](auto& o) { o.max_confidence = 0; }, "max_confidence is 0, must be positive");
-  expect_refused([](auto& o) { o.max_map_points = -1; },
-                 "max_map_points is -1, must be zero (no limit) or positive");
-  expect_refused([](auto& o) { o.free_space_margin_m = 0; }, "free_space_margin_m is 0");
+  expect_refused([](auto& o) { o.weighting = "best"; }, "weighting", "best");
+  expect_refused([](auto& o) { o.merge_distance_m = 0; }, "merge_distance_m", "0");
+  expect_refused([](auto& o) { o.merge_distance_m = kNan; }, "merge_distance_m", "nan");
+  expect_refused([](auto& o) { o.merge_angle_rad = 1.6f; }, "merge_angle_rad", "1.6");
+  expect_refused([](auto& o) { o.active_frames = -1; }, "active_frames", "-1");
+  expect_refused([](auto& o) { o.duplicate_share = -1; }, "duplicate_share", "-1");
+  expect_refused([](auto& o) { o.max_spacing_m = -1; }, "max_spacing_m", "-1");
+  expect_refused([](auto& o) { o.max_slant_scale = 0.5f; }, "max_slant_scale", "0.5");
+  expect_refused([](auto& o) { o.max_radius_ratio = 0; }, "max_radius_ratio", "0");
+  expect_refused([](auto& o) { o.lasting_confidence = -1; }, "lasting_confidence", "-1");
+  expect_refused([](auto& o) { o.max_dormant_frames = -1; }, "max_dormant_frames", "-1");
+  expect_refused([](auto& o) { o.max_confidence = 0; }, "max_confidence", "0");
+  expect_refused([](auto& o) { o.max_map_points = -1; }, "max_map_points", "-1");
+  expect_refused([](auto& o) { o.free_space_margin_m = 0; }, "free_space_margin_m", "0");
 }
 
-TEST(FusionThreads, MapsAreTheSameBitForBitAtAnyNumberOfThreads) {
+TEST(FusionThreads, MapsAreBitwiseIdenticalAtAnyNumberOfThreads) {
   const PinholeCamera camera{160, 120, 131, 131, 79.5, 59.5, {}};
   const Scene scene = MakeScene("room", 1);
   const Trajectory path = MakePath(scene, 5, 1);
@@ -240,7 +233,7 @@ TEST(FusionThreads, MapsAreTheSameBitForBitAtAnyNumberOfThreads) {
     }
     return map;
   });
-  // More than a few cells, so that threads share the work.
+  // The map has more than a few cells, so that threads share the work.
   EXPECT_GT(maps[0].cell_count(), 10);
   ExpectSameMap(maps[1], maps[0]);
   ExpectSameMap(maps[2], maps[0]);

@@ -39,10 +39,10 @@ RgbdFrame FrameOf(const PinholeCamera& camera, float depth_m) {
 
 PinholeCamera SevenByFive() { return {7, 5, 100, 100, 3, 2, {}}; }
 
-// The relative error of a few float operations.
+// Relative error of a few float operations.
 constexpr float kRounding = 5e-7f;
 
-TEST(MeasurePoints, RadiusCoversTheFootprintOfAPixel) {
+TEST(MeasurePoints, RadiusCoversFootprintOfPixel) {
   const PinholeCamera camera = SevenByFive();
   const RgbdFrame frame = FrameOf(camera, 2);
   for (const float tilt : {0.f, 0.3f, 0.9f, 1.04f}) {
@@ -53,7 +53,7 @@ TEST(MeasurePoints, RadiusCoversTheFootprintOfAPixel) {
   }
 }
 
-TEST(MeasurePoints, RadiusOfASlantedSurfaceIsClamped) {
+TEST(MeasurePoints, LimitsRadiusOfSlantedSurface) {
   const PinholeCamera camera = SevenByFive();
   const RgbdFrame frame = FrameOf(camera, 2);
   FusionOptions options;
@@ -66,7 +66,7 @@ TEST(MeasurePoints, RadiusOfASlantedSurfaceIsClamped) {
   }
 }
 
-TEST(MeasurePoints, WithoutDepthOrNormalThereIsNoPoint) {
+TEST(MeasurePoints, SkipsPixelsWithoutDepthOrNormal) {
   const PinholeCamera camera = SevenByFive();
   RgbdFrame frame = FrameOf(camera, 2);
   FrameLevel surface = Surface(camera, {0, 0, -1}, 2);
@@ -74,15 +74,15 @@ TEST(MeasurePoints, WithoutDepthOrNormalThereIsNoPoint) {
   surface.normal = VectorImage(camera.width, camera.height);
   surface.normal.Set(3, 1, {0, 0, -1});
   EXPECT_EQ(PointAt(1, 1, frame, surface).radius_m, 0);
-  EXPECT_EQ(PointAt(5, 1, frame, surface).radius_m, 0);  // nor has any neighbour a normal
+  EXPECT_EQ(PointAt(5, 1, frame, surface).radius_m, 0);  // neighbours have no normal either
   EXPECT_GT(PointAt(3, 1, frame, surface).radius_m, 0);
   EXPECT_EQ(PointAt(3, 1, frame, surface).position(), surface.vertex(3, 1));
   EXPECT_EQ(PointAt(3, 1, frame, surface).normal(), surface.normal(3, 1));
   EXPECT_FALSE(PointAt(3, 1, frame, surface).at_edge);
 }
 
-// At 2 m sigma is 8 mm: a point up to 4 mm off the plane of a neighbour lies in it.
-TEST(MeasurePoints, AtADepthEdgeThePlaneOfANeighbourServesIfThePointLiesInIt) {
+// Sigma is 8 mm at 2 m. A point within 4 mm of the plane of a neighbour is in the plane.
+TEST(MeasurePoints, UsesNormalOfNeighbourAtDepthEdgeIfPointIsInItsPlane) {
   const PinholeCamera camera = SevenByFive();
   for (const float off_m : {-0.0042f, -0.0038f, 0.f, 0.0038f, 0.0042f}) {
     RgbdFrame frame = FrameOf(camera, 2);
@@ -98,9 +98,9 @@ TEST(MeasurePoints, AtADepthEdgeThePlaneOfANeighbourServesIfThePointLiesInIt) {
   }
 }
 
-// A step of 10 cm between the columns 2 and 3, where normals are missing on both sides; on its left
-// the floor, on its right a steep wall.
-TEST(MeasurePoints, OfTwoNeighboursTheOneWhosePlaneIsNearerGivesTheNormal) {
+// Step of 10 cm between columns 2 and 3, where both sides have no normals. The floor is on the
+// left, and a steep wall is on the right.
+TEST(MeasurePoints, UsesNormalOfNeighbourWithNearestPlane) {
   const PinholeCamera camera = SevenByFive();
   const Eigen::Vector3f near_normal(0, 0, -1), far_normal = Eigen::Vector3f(0, -1, -1).normalized();
   RgbdFrame frame = FrameOf(camera, 2);
@@ -117,9 +117,8 @@ TEST(MeasurePoints, OfTwoNeighboursTheOneWhosePlaneIsNearerGivesTheNormal) {
   EXPECT_EQ(PointAt(3, 2, frame, surface).normal(), far_normal);
 }
 
-// sigma_z = 0.002 z^2: what is measured at 2 m leaves free what is nearer than 2 - 0.05 - 4 *
-// 0.008.
-TEST(FreeDepths, EndAMarginAndFourSigmasBeforeTheNearestDepthAround) {
+// sigma_z = 0.002 z^2: a depth of 2 m frees space nearer than 2 - 0.05 - 4 * 0.008.
+TEST(FreeDepths, EndBeforeNearestNeighbourDepth) {
   const PinholeCamera camera = SevenByFive();
   RgbdFrame frame = FrameOf(camera, 3);
   frame.depth_m(2, 2) = 2;
@@ -131,7 +130,7 @@ TEST(FreeDepths, EndAMarginAndFourSigmasBeforeTheNearestDepthAround) {
   }
 }
 
-TEST(FreeDepths, BesideAMissingDepthNothingIsFree) {
+TEST(FreeDepths, AreZeroNextToMissingDepth) {
   const PinholeCamera camera = SevenByFive();
   RgbdFrame frame = FrameOf(camera, 3);
   frame.depth_m(6, 0) = 0;
@@ -141,18 +140,18 @@ TEST(FreeDepths, BesideAMissingDepthNothingIsFree) {
   }
 }
 
-TEST(FreeDepths, TheMarginNeverReachesBehindTheCamera) {
+TEST(FreeDepths, AreNeverNegative) {
   const PinholeCamera camera = SevenByFive();
   const Image<float> free_depth_m = FreeDepths(FrameOf(camera, 0.04f).depth_m, {}, {});
   EXPECT_EQ(free_depth_m(3, 2), 0);
 }
 
-TEST(PointWeights, FallFromOneAtThePrincipalPointToTheFarthestCorner) {
+TEST(PointWeights, DecreaseFromPrincipalPointToFarthestCorner) {
   const PinholeCamera camera{9, 7, 100, 100, 3, 4, {}};  // the farthest corner is (8, 0)
   const Image<float> weights = PointWeights(camera, {});
   EXPECT_EQ(weights(3, 4), 1);
   EXPECT_NEAR(weights(8, 0), std::exp(-1 / 0.72), kRounding);
-  // At (0, 0) the distance is 5, that of the farthest corner sqrt(25 + 16).
+  // The distance of (0, 0) is 5, and the distance of the farthest corner is sqrt(25 + 16).
   EXPECT_NEAR(weights(0, 0), std::exp(-25. / 41 / (2 * 0.6 * 0.6)), kRounding);
   for (const float weight : weights) {
     EXPECT_GE(weight, weights(8, 0));

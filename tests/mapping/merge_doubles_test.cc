@@ -16,7 +16,7 @@ constexpr float kSpacing = 0.01f;  // between the surfels of a wall
 constexpr float kRadius = 0.01f;
 constexpr int kSide = 40;
 
-// A wall at a depth, shifted along itself, seen from `first` for ten frames.
+// Adds a wall at this depth, shifted along itself and observed in ten frames starting with `first`.
 void AddWall(float depth_m, float shift_m, int first, float confidence, SurfelMap* map) {
   for (int i = 0; i < kSide * kSide; ++i) {
     Surfel surfel;
@@ -32,7 +32,7 @@ void AddWall(float depth_m, float shift_m, int first, float confidence, SurfelMa
 
 constexpr std::size_t kWall = kSide * kSide;
 
-TEST(MergeDoubles, MakesOneWallOfTwo) {
+TEST(MergeDoubles, MergesTwoWalls) {
   SurfelMap map;
   AddWall(2, 0, 0, 3, &map);
   AddWall(2.02f, 0.3f * kSpacing, 500, 1, &map);
@@ -47,7 +47,7 @@ TEST(MergeDoubles, MakesOneWallOfTwo) {
   }
 }
 
-TEST(MergeDoubles, MakesOneWallOfThree) {
+TEST(MergeDoubles, MergesThreeWalls) {
   SurfelMap map;
   AddWall(2, 0, 0, 1, &map);
   AddWall(2.01f, 0, 500, 1, &map);
@@ -58,7 +58,7 @@ TEST(MergeDoubles, MakesOneWallOfThree) {
   }
 }
 
-TEST(MergeDoubles, KeepsWhatIsNoDouble) {
+TEST(MergeDoubles, KeepsSurfelsThatDoNotOverlap) {
   struct Case {
     const char* name;
     float depth_m, shift_m;
@@ -76,7 +76,7 @@ TEST(MergeDoubles, KeepsWhatIsNoDouble) {
   }
 }
 
-TEST(MergeDoubles, LeavesAloneWhatIsNotAskedFor) {
+TEST(MergeDoubles, RespectsFirstFrameOfOptions) {
   SurfelMap map;
   AddWall(2, 0, 0, 1, &map);
   AddWall(2.02f, 0, 500, 1, &map);
@@ -84,7 +84,7 @@ TEST(MergeDoubles, LeavesAloneWhatIsNotAskedFor) {
   EXPECT_EQ(MergeDoubles({}, {kApart, 500}, &map), kWall);
 }
 
-TEST(MergeDoubles, KeepsTheOtherSideOfABoard) {
+TEST(MergeDoubles, KeepsBackSideOfBoard) {
   SurfelMap map;
   AddWall(2, 0, 0, 1, &map);
   Surfel behind;
@@ -97,8 +97,8 @@ TEST(MergeDoubles, KeepsTheOtherSideOfABoard) {
   EXPECT_EQ(MergeDoubles({}, {kApart}, &map), 0u);
 }
 
-// Every newer surfel has gone into the nearest older one that the gate allows: pair by pair.
-TEST(MergeDoubles, FindsWhatBruteForceFinds) {
+// Brute force: each newer surfel merges if an older surfel passes the gates.
+TEST(MergeDoubles, AgreesWithBruteForce) {
   std::mt19937_64 rng(3);
   SurfelMap map;
   for (int i = 0; i < 2000; ++i) {
@@ -129,7 +129,7 @@ TEST(MergeDoubles, FindsWhatBruteForceFinds) {
   EXPECT_EQ(MergeDoubles(options, {kApart}, &map), expected);
 }
 
-TEST(MergeDoublesThreads, GiveTheSameMap) {
+TEST(MergeDoublesThreads, AreBitwiseIdentical) {
   const auto merged = [](int threads) {
     const ThreadLimit limit(threads);
     SurfelMap map;

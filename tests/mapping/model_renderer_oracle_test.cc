@@ -1,4 +1,4 @@
-// The views of ModelRenderer, held against all discs at every pixel.
+// Compares model views with all discs at every pixel.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace surfit::testing {
 namespace {
 
-// The documented rule in double precision, for one disc and one pixel.
+// Rule of the header in double precision, for one disc and one pixel.
 class DiscAtPixel {
  public:
   DiscAtPixel(const Surfel& s, const PinholeCamera& camera, const Rigid3d& world_from_view, int u,
@@ -29,18 +29,18 @@ class DiscAtPixel {
     back_ = depth_ + options.surface_thickness_m + 4 * DepthNoise().SigmaZ(depth_);
     const double window = std::min(camera.fx * radius / p.z(), 1. * options.max_half_window_px);
     const Eigen::Vector2d off = camera.Project(p) - Eigen::Vector2d(u, v);
-    // All are positive where the disc covers the pixel.
+    // All values are positive if the disc covers the pixel.
     margin_ =
         std::min({-n.dot(p.normalized()), depth_, radius / p.z() - (point_ - p).norm() / p.z(),
                   (window - off.lpNorm<Eigen::Infinity>()) / camera.fx});
   }
 
-  // Single precision decides differently only within a few roundings of the limits: the rounding
-  // of a position of up to 10 m at 0.05 m or more, on rays that steep discs stretch.
+  // Single precision decides differently only within a few roundings of the limits. This is the
+  // rounding of positions up to 10 m at depths of at least 0.05 m, amplified by steep discs.
   static constexpr double kEpsilon = 3e-5;
   bool Covers() const { return margin_ > kEpsilon; }
   bool MayCover() const { return margin_ > -kEpsilon; }
-  // The other is behind the surface that this one belongs to.
+  // True if the other disc is certainly behind the surface of this disc.
   bool CertainlyHides(const DiscAtPixel& other) const {
     if (stable_ != other.stable_) return stable_;
     return back_ * (1 + kEpsilon) + kEpsilon < other.depth_;
@@ -58,8 +58,8 @@ class DiscAtPixel {
   bool stable_ = false;
   double margin_ = -1;
   double depth_ = 0;
-  double back_ = 0;    // of the surface that starts here
-  double offset_ = 0;  // share of the radius
+  double back_ = 0;    // back of the surface that starts at this disc
+  double offset_ = 0;  // relative to the radius
   Eigen::Vector3d point_;
 };
 
@@ -68,7 +68,7 @@ struct Coverage {
   int empty = 0;
 };
 
-// Holds a view against all discs, pixel by pixel.
+// Compares a view with all discs, pixel by pixel.
 Coverage CheckView(const SurfelMap& map, const ModelView& view, const RenderOptions& options) {
   const PinholeCamera& camera = view.surface.camera;
   Coverage coverage;
@@ -76,7 +76,7 @@ Coverage CheckView(const SurfelMap& map, const ModelView& view, const RenderOpti
     for (int u = 0; u < camera.width; ++u) {
       std::vector<DiscAtPixel> discs;
       for (std::int32_t id = 0; id < map.id_end(); ++id) {
-        const Surfel s = map.Has(id) ? map[id] : Surfel();  // which covers nothing
+        const Surfel s = map.Has(id) ? map[id] : Surfel();  // covers no pixel
         discs.emplace_back(s, camera, view.world_from_view, u, v, options);
       }
       const std::int32_t drawn = view.surfel_index(u, v);
@@ -91,13 +91,12 @@ Coverage CheckView(const SurfelMap& map, const ModelView& view, const RenderOpti
         if (!disc.Covers()) continue;
         EXPECT_FALSE(disc.CertainlyHides(discs[drawn])) << u << " " << v;
         if (!disc.IsCertainlyCloserToTheRay(discs[drawn])) continue;
-        // It must be hidden itself.
         EXPECT_TRUE(std::any_of(
             discs.begin(), discs.end(),
             [&](const DiscAtPixel& other) { return other.MayCover() && other.MayHide(disc); }))
             << u << " " << v;
       }
-      // On the disc, which may be so steep that its slope multiplies the rounding.
+      // The vertex is on the disc. The slope of a steep disc amplifies the rounding.
       EXPECT_THAT(view.surface.vertex(u, v).cast<double>(),
                   VectorNear(discs[drawn].point(), 1e-3 * discs[drawn].point().norm()));
     }
@@ -105,7 +104,7 @@ Coverage CheckView(const SurfelMap& map, const ModelView& view, const RenderOpti
   return coverage;
 }
 
-TEST(ModelRenderer, DrawsWhatBruteForceFinds) {
+TEST(ModelRenderer, AgreesWithBruteForce) {
   std::mt19937_64 rng(1);
   for (int trial = 0; trial < 6; ++trial) {
     const Rigid3d world_from_view = RandomPose(2, 2, &rng);
@@ -120,8 +119,8 @@ TEST(ModelRenderer, DrawsWhatBruteForceFinds) {
   }
 }
 
-// Close to the camera some pixels' rays meet a steep disc's plane behind the camera.
-TEST(ModelRenderer, DrawsWhatBruteForceFindsOfLargeDiscsCloseBy) {
+// Close to the camera, some rays intersect the plane of a steep disc behind the camera.
+TEST(ModelRenderer, AgreesWithBruteForceForLargeNearDiscs) {
   std::mt19937_64 rng(2);
   RenderOptions options;
   options.max_half_window_px = 64;

@@ -16,7 +16,7 @@
 namespace surfit::testing {
 namespace {
 
-TEST(ModelRenderer, WritesTheDiscThatTheIndexNames) {
+TEST(ModelRenderer, WritesDiscOfSurfelIndex) {
   std::mt19937_64 rng(3);
   const Rigid3d world_from_view = RandomPose(2, 2, &rng);
   const SurfelMap map = RandomDiscs(500, 0.15f, world_from_view, &rng);
@@ -37,8 +37,8 @@ TEST(ModelRenderer, WritesTheDiscThatTheIndexNames) {
     EXPECT_EQ(colors(u, v), map.Color(i));
     EXPECT_NEAR(normal.norm(), 1, 1e-6);
     EXPECT_LT(normal.dot(view.surface.vertex(u, v)), 0) << "seen from behind";
-    // The vertex is on its pixel's ray, which is linear in it, so this holds to rounding. Against
-    // the plane: positions of up to 5 m in single precision, times a few.
+    // The vertex is on the ray of its pixel, up to rounding. The distance to the plane has a few
+    // roundings of positions up to 5 m in single precision.
     EXPECT_THAT(camera.Project(vertex), VectorNear(Eigen::Vector2d(u, v), 1e-4));
     const Eigen::Vector3d in_world = world_from_view * vertex;
     const Eigen::Vector3d gap = in_world - map[i].position_in_world.cast<double>();
@@ -47,7 +47,7 @@ TEST(ModelRenderer, WritesTheDiscThatTheIndexNames) {
   }
 }
 
-TEST(ModelRenderer, OfAnEmptyMapSeesNothing) {
+TEST(ModelRenderer, IsEmptyForEmptyMap) {
   const ModelView view = ModelRenderer({}).Render({}, {SmallCamera(), {}}, {});
   EXPECT_EQ(view.surfel_index, Image<std::int32_t>(64, 48, ModelView::kNoSurfel));
   EXPECT_THAT(view.surface.vertex.z, Each(0.f));
@@ -71,7 +71,7 @@ TEST(ModelRenderer, DrawsActiveSurfelsOnly) {
   EXPECT_THAT(seen(8), Each(ModelView::kNoSurfel));
 }
 
-TEST(ModelRenderer, ForgetsTheViewBefore) {
+TEST(ModelRenderer, DoesNotKeepLastView) {
   SurfelMap map;
   map.Append(Disc({0, 0, 1}, {0, 0, -1}, 0.1f, 20));
   ModelRenderer renderer({});
@@ -81,7 +81,7 @@ TEST(ModelRenderer, ForgetsTheViewBefore) {
   EXPECT_EQ(renderer.Render({}, {{5, 3, 60, 60, 2, 1, {}}, {}}, {}).surfel_index.size(), 15u);
 }
 
-// A wall of surfels, one for each pixel that a camera at the origin sees at this depth.
+// Adds a wall with one surfel per pixel of a camera at the origin, at this depth.
 template <typename Change>
 void AppendWall(float depth_m, float confidence, const PinholeCamera& camera, SurfelMap* map,
                 const Change& change) {
@@ -97,7 +97,7 @@ void AppendWall(float depth_m, float confidence, const PinholeCamera& camera, Su
   AppendWall(depth_m, confidence, camera, map, [](Surfel*) {});
 }
 
-TEST(ModelRenderer, TheNearerOfTwoWallsHidesTheOther) {
+TEST(ModelRenderer, NearerWallOccludesFartherWall) {
   const PinholeCamera camera = SmallCamera();
   SurfelMap map;
   AppendWall(2, 20, camera, &map);
@@ -106,8 +106,8 @@ TEST(ModelRenderer, TheNearerOfTwoWallsHidesTheOther) {
   for (const float z : view.surface.vertex.z) EXPECT_NEAR(z, 1.5, 1e-6);
 }
 
-// The mean depth error of what is drawn of two walls in one place, M surfels in all with noise of
-// sigma; most rays meet several.
+// Mean depth error of the rendering of two walls at the same depth, with M surfels and noise sigma.
+// Most rays intersect several discs.
 double MeanErrorOfNoisyWall(float sigma, const RenderOptions& options, const DepthNoise& noise) {
   const PinholeCamera camera = SmallCamera();
   std::mt19937_64 rng(5);
@@ -122,10 +122,9 @@ double MeanErrorOfNoisyWall(float sigma, const RenderOptions& options, const Dep
   return sum / static_cast<double>(view.surface.vertex.z.size());
 }
 
-// The standard error is that of M values, counted as if only a quarter of them were drawn, five
-// times which is allowed. If the first disc were always drawn, the nearer of two it would mostly
-// be, whose mean is sigma / sqrt(pi) nearer.
-TEST(ModelRenderer, NoiseDoesNotMakeSurfacesNearer) {
+// The bound is five standard errors of M / 4 values. If the first disc were always drawn, the mean
+// would be nearer by sigma / sqrt(pi).
+TEST(ModelRenderer, NoiseDoesNotBiasDepth) {
   constexpr float kSigma = 0.005f;
   EXPECT_NEAR(MeanErrorOfNoisyWall(kSigma, {}, {}), 0, 5 * kSigma / std::sqrt(2 * 64 * 48 / 4));
   RenderOptions first_disc;
@@ -133,7 +132,7 @@ TEST(ModelRenderer, NoiseDoesNotMakeSurfacesNearer) {
   EXPECT_LT(MeanErrorOfNoisyWall(kSigma, first_disc, {0}), -kSigma / std::sqrt(M_PI));
 }
 
-TEST(ModelRenderer, AStableWallIsSeenThroughAnUnstableOne) {
+TEST(ModelRenderer, PrefersStableWallToUnstableWall) {
   const PinholeCamera camera = SmallCamera();
   SurfelMap map;
   AppendWall(1.5f, 0.999f * RenderOptions().stable_confidence, camera, &map);
@@ -144,7 +143,7 @@ TEST(ModelRenderer, AStableWallIsSeenThroughAnUnstableOne) {
   for (const float z : view.surface.vertex.z) EXPECT_NEAR(z, 2, 1e-6);
 }
 
-TEST(ModelRenderer, WhatWasSeenAtDepthEdgesAloneIsNotDrawn) {
+TEST(ModelRenderer, DoesNotDrawSurfelsOfDepthEdges) {
   const PinholeCamera camera = SmallCamera();
   SurfelMap map;
   AppendWall(1.5f, RenderOptions().stable_confidence, camera, &map,
@@ -154,9 +153,9 @@ TEST(ModelRenderer, WhatWasSeenAtDepthEdgesAloneIsNotDrawn) {
   for (const float z : view.surface.vertex.z) EXPECT_NEAR(z, 2, 1e-6);
 }
 
-// Discs of radius sqrt(2) pixels times 0.6 close the gaps of the grid that they come from, also
-// from between its points and from nearer.
-TEST(ModelRenderer, AWallMadeFromPixelsHasNoHoles) {
+// Discs with 0.6 times the radius of sqrt(2) pixels cover the gaps of the pixel grid, also in views
+// between its points and in nearer views.
+TEST(ModelRenderer, WallOfPixelsHasNoHoles) {
   const PinholeCamera camera = SmallCamera();
   SurfelMap map;
   AppendWall(2, 20, camera, &map);
@@ -170,7 +169,7 @@ TEST(ModelRenderer, AWallMadeFromPixelsHasNoHoles) {
   }
 }
 
-TEST(ModelRenderer, DoesNotDrawWhatIsTurnedAwayOrBehindTheCamera) {
+TEST(ModelRenderer, DoesNotDrawBackFacesAndDiscsBehindCamera) {
   SurfelMap map;
   map.Append(Disc({0, 0, 1}, {0, 0, 1}, 0.2f, 20));
   map.Append(Disc({0, 0, -1}, {0, 0, -1}, 0.2f, 20));
@@ -180,7 +179,7 @@ TEST(ModelRenderer, DoesNotDrawWhatIsTurnedAwayOrBehindTheCamera) {
   EXPECT_THAT(view.surfel_index, Each(ModelView::kNoSurfel));
 }
 
-TEST(ModelRendererThreads, ViewsAreTheSameBitForBitAtAnyNumberOfThreads) {
+TEST(ModelRendererThreads, ViewsAreBitwiseIdenticalAtAnyNumberOfThreads) {
   std::mt19937_64 rng(4);
   const Rigid3d pose = RandomPose(2, 2, &rng);
   const SurfelMap map = RandomDiscs(60000, 0.1f, pose, &rng);
@@ -198,24 +197,21 @@ TEST(ModelRendererThreads, ViewsAreTheSameBitForBitAtAnyNumberOfThreads) {
   }
 }
 
-TEST(RenderOptions, RefuseWhatMakesNoSense) {
-  const auto expect_refused = [](auto change, const char* message) {
+TEST(RenderOptions, RejectInvalidValues) {
+  const auto expect_refused = [](auto change, const std::string& field, const std::string& value) {
     RenderOptions options;
     change(options);
-    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
-    ExpectInputError([&] { ModelRenderer renderer(options); }, HasSubstr(message));
+    ExpectInputError([&] { Validate(options); }, Names(field, value));
+    ExpectInputError([&] { ModelRenderer renderer(options); }, Names(field, value));
   };
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   Validate(RenderOptions());
-  expect_refused([](auto& o) { o.stable_confidence = -1; },
-                 "stable_confidence is -1, must be zero or positive");
-  expect_refused([](auto& o) { o.radius_share = 0; }, "radius_share is 0, must be positive");
-  expect_refused([](auto& o) { o.radius_share = kNan; }, "radius_share is nan, must be positive");
-  expect_refused([](auto& o) { o.max_half_window_px = -1; },
-                 "max_half_window_px is -1, must be from 0 to 64");
-  expect_refused([](auto& o) { o.max_half_window_px = 65; }, "max_half_window_px is 65");
-  expect_refused([](auto& o) { o.surface_thickness_m = -1; },
-                 "surface_thickness_m is -1, must be zero or positive");
+  expect_refused([](auto& o) { o.stable_confidence = -1; }, "stable_confidence", "-1");
+  expect_refused([](auto& o) { o.radius_share = 0; }, "radius_share", "0");
+  expect_refused([](auto& o) { o.radius_share = kNan; }, "radius_share", "nan");
+  expect_refused([](auto& o) { o.max_half_window_px = -1; }, "max_half_window_px", "-1");
+  expect_refused([](auto& o) { o.max_half_window_px = 65; }, "max_half_window_px", "65");
+  expect_refused([](auto& o) { o.surface_thickness_m = -1; }, "surface_thickness_m", "-1");
 }
 
 }  // namespace

@@ -11,14 +11,14 @@
 namespace surfit::testing {
 namespace {
 
-constexpr int kFrames = 50;  // that RandomSurfel() is first seen in
+constexpr int kFrames = 50;  // maximum of first_seen of RandomSurfel()
 
 Rigid3d Turn(double angle_rad, const Eigen::Vector3d& shift) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d(1, 2, 3).normalized())),
           shift};
 }
 
-// Of frame i: turns and shifts that grow with i.
+// Corrections with rotations and translations that increase with the frame.
 FrameCorrections GrowingCorrections() {
   std::vector<Rigid3d> corrections;
   for (int i = 0; i < kFrames; ++i) {
@@ -34,7 +34,7 @@ SurfelMap RandomMap(int count) {
   return map;
 }
 
-// A surfel 1 m before the camera of its frame, which stands at (0.1 frame, 0, 0).
+// Surfel 1 m in front of the camera of its frame. The camera is at (0.1 frame, 0, 0).
 Surfel SurfelOfFrame(int frame) {
   Surfel surfel;
   surfel.position_in_world = {0.1f * frame, 0, 1};
@@ -46,7 +46,7 @@ Surfel SurfelOfFrame(int frame) {
   return surfel;
 }
 
-TEST(FrameCorrections, GivesFramesBeyondItsEndsTheNearest) {
+TEST(FrameCorrections, UsesNearestCorrectionBeyondEnds) {
   const FrameCorrections corrections(10, {Turn(0, {1, 0, 0}), Turn(0, {2, 0, 0})});
   EXPECT_EQ(corrections.At(3).translation.x(), 1);
   EXPECT_EQ(corrections.At(10).translation.x(), 1);
@@ -54,9 +54,9 @@ TEST(FrameCorrections, GivesFramesBeyondItsEndsTheNearest) {
   EXPECT_EQ(corrections.At(99).translation.x(), 2);
 }
 
-// Drift has bent a straight wall into an arc; the poses' correction straightens it.
-TEST(MoveMap, StraightensABentWall) {
-  constexpr double kBend = 0.01;  // rad a frame
+// Drift has bent a straight wall to an arc. The correction of the poses straightens it.
+TEST(MoveMap, StraightensBentWall) {
+  constexpr double kBend = 0.01;  // rad per frame
   std::vector<Rigid3d> straight_from_bent;
   SurfelMap map;
   for (int frame = 0; frame < kFrames; ++frame) {
@@ -71,20 +71,20 @@ TEST(MoveMap, StraightensABentWall) {
     map.Append(surfel);
   }
   const MoveReport report = MoveMap({0, straight_from_bent}, &map);
-  EXPECT_EQ(report.moved, kFrames - 1u);  // all but frame 0's
+  EXPECT_EQ(report.moved, kFrames - 1u);  // all surfels except the surfel of frame 0
   EXPECT_GT(report.changed_cell, 0u);
   EXPECT_EQ(map.size(), static_cast<std::size_t>(kFrames));
   ExpectConsistent(map);
   for (const std::int32_t id : map.Ids()) {
     const Surfel expected = SurfelOfFrame(map[id].first_seen);
-    // Single precision, at a distance of 5 m.
+    // Single precision at a distance of 5 m.
     EXPECT_LT((map[id].position_in_world - expected.position_in_world).norm(), 3e-6);
     EXPECT_LT((map[id].normal_in_world - expected.normal_in_world).norm(), 2 * kNormalRounding);
     EXPECT_EQ(map[id].last_seen, expected.last_seen);
   }
 }
 
-TEST(MoveMap, PutsEachSurfelIntoTheCellWhereItLies) {
+TEST(MoveMap, MovesSurfelsToTheirCells) {
   SurfelMap map = RandomMap(3000);
   MoveMap(GrowingCorrections(), &map);
   ExpectConsistent(map);
@@ -96,7 +96,7 @@ TEST(MoveMap, PutsEachSurfelIntoTheCellWhereItLies) {
   EXPECT_EQ(cells_in_use, cells_anew);
 }
 
-TEST(MoveMap, KeepsAllElseOfASurfel) {
+TEST(MoveMap, KeepsOtherFieldsOfSurfels) {
   SurfelMap map = RandomMap(500);
   const SurfelMap before = map;
   MoveMap({0, {Turn(0, {0.001, 0, 0})}}, &map);
@@ -107,20 +107,20 @@ TEST(MoveMap, KeepsAllElseOfASurfel) {
   EXPECT_NEAR(sum, sum_before, 1e-9 * sum_before);
 }
 
-TEST(MoveMap, LeavesAMapAloneThatNothingMoves) {
+TEST(MoveMap, KeepsMapWithIdentityCorrections) {
   SurfelMap map = RandomMap(500);
   const SurfelMap before = map;
   EXPECT_EQ(MoveMap({0, std::vector<Rigid3d>(kFrames)}, &map).moved, 0u);
   ExpectSameMap(map, before);
 }
 
-// A slanted plane as a camera measures it: the other calibration tilts and shifts it.
-TEST(MoveMap, ShowsASurfaceByAnotherCalibration) {
+// Slanted plane in camera measurements: the other calibration tilts and shifts it.
+TEST(MoveMap, AppliesNewCalibration) {
   const DepthCalibration from = {{160, 120, 131, 131, 79.5, 59.5, {}}, {{0.01, 0, 0.02, 0, 0, 0}}};
   const DepthCalibration to = {{160, 120, 135, 134, 77, 61, {}}, {{0, -0.03, 0, 0, 0, 0}}};
   const Rigid3d world_from_camera = Turn(0.4, {1, 2, 3});
   const Rigid3d correction = Turn(-0.1, {0.1, 0, 0.2});
-  // Inverse depth is linear in the pixels: a plane is one by both.
+  // Inverse depth is linear in the pixels, so both calibrations give a plane.
   const auto point_at = [](const DepthCalibration& calibration, double u, double v) {
     const Eigen::Vector3d ray = calibration.camera.Ray(u, v);
     return Eigen::Vector3d(ray /
@@ -150,7 +150,7 @@ TEST(MoveMap, ShowsASurfaceByAnotherCalibration) {
   }
 }
 
-TEST(MoveMapThreads, GiveTheSameMap) {
+TEST(MoveMapThreads, AreBitwiseIdentical) {
   SurfelMap expected = RandomMap(5000);
   {
     const ThreadLimit one(1);
@@ -164,7 +164,7 @@ TEST(MoveMapThreads, GiveTheSameMap) {
   }
 }
 
-TEST(WakeSurfels, RaisesTheLastSightOfThoseFramesAlone) {
+TEST(WakeSurfels, UpdatesLastSeenOfGivenFramesOnly) {
   SurfelMap map;
   for (int frame = 0; frame < kFrames; ++frame) map.Append(SurfelOfFrame(frame));
   EXPECT_EQ(WakeSurfels(10, 12, 90, &map), 3u);

@@ -13,7 +13,6 @@
 
 namespace surfit::testing {
 
-// A frame with its exact vertex and normal map.
 struct FrameWithSurface {
   RgbdFrame frame;
   FrameLevel surface;
@@ -26,7 +25,6 @@ inline void SetPixel(int u, int v, double depth_m, const Eigen::Vector3d& normal
   f->surface.normal.Set(u, v, normal_in_camera.cast<float>());
 }
 
-// A frame in which nothing is measured.
 inline FrameWithSurface BlankFrame(const PinholeCamera& camera, int index) {
   const int width = camera.width, height = camera.height;
   FrameWithSurface f;
@@ -37,7 +35,7 @@ inline FrameWithSurface BlankFrame(const PinholeCamera& camera, int index) {
   return f;
 }
 
-// The plane z = depth_m of the world, seen from a pose; all rays must meet it from its -z side.
+// Frame of the world plane z = depth_m. All rays must intersect the plane from its -z side.
 inline FrameWithSurface WallFrame(const PinholeCamera& camera, const Rigid3d& world_from_camera,
                                   double depth_m, int index) {
   FrameWithSurface f = BlankFrame(camera, index);
@@ -51,7 +49,7 @@ inline FrameWithSurface WallFrame(const PinholeCamera& camera, const Rigid3d& wo
 
 inline PinholeCamera TestCamera() { return {64, 48, 80, 80, 31.5, 23.5, {}}; }
 
-// Fuses a frame, and checks that the report adds up.
+// Fuses a frame and checks that the numbers of the report are consistent.
 inline FusionReport Fuse(const FrameWithSurface& f, const Rigid3d& pose, Fusion* fusion,
                          SurfelMap* map) {
   const int before = static_cast<int>(map->size());

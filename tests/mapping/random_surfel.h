@@ -13,7 +13,7 @@ inline float Uniform(float low, float high, std::mt19937_64* rng) {
   return std::uniform_real_distribution<float>(low, high)(*rng);
 }
 
-// A unit vector, evenly over the sphere's cap of this half angle about -z: towards a camera.
+// Uniform unit vector in the spherical cap with this half angle around -z, towards the camera.
 inline Eigen::Vector3f RandomNormal(float max_angle_rad, std::mt19937_64* rng) {
   const float z = -Uniform(std::cos(max_angle_rad), 1.f, rng);
   const float turn = Uniform(0.f, 6.2831853f, rng), across = std::sqrt(1 - z * z);
@@ -26,7 +26,7 @@ inline Rgb8 RandomColor(std::mt19937_64* rng) {
           static_cast<std::uint8_t>(bits >> 40)};
 }
 
-// What a map gives back of a radius and of a normal.
+// Radius and normal after storage in a map.
 inline float StoredLength(float length_m) {
   return SmallLength::ToFloat(SmallLength::From(length_m));
 }
@@ -35,11 +35,10 @@ inline Eigen::Vector3f StoredNormal(const Eigen::Vector3f& normal) {
   block.SetNormal(0, normal);
   return block.Normal(0);
 }
-// How far that is from the normal at most.
+// Maximum error of a stored normal.
 inline constexpr double kNormalRounding = 0.87 / 32767;
 
-// A surfel that a map gives back as it is, whose values all differ from those of any other, as far
-// as chance goes.
+// Random surfel whose values are exact in storage.
 inline Surfel RandomSurfel(std::mt19937_64* rng) {
   Surfel s;
   for (float& x : s.position_in_world) x = Uniform(-3, 3, rng);
@@ -56,7 +55,7 @@ inline Surfel RandomSurfel(std::mt19937_64* rng) {
 
 inline PinholeCamera SmallCamera() { return {64, 48, 60, 61, 30.5, 24.25, {}}; }
 
-// The surfel of a disc given in the camera's frame.
+// Surfel of a disc in the camera frame.
 inline Surfel Disc(const Eigen::Vector3f& position, const Eigen::Vector3f& normal, float radius_m,
                    float confidence, const Rigid3d& world_from_camera = {}) {
   Surfel s;
@@ -68,7 +67,8 @@ inline Surfel Disc(const Eigen::Vector3f& position, const Eigen::Vector3f& norma
   return s;
 }
 
-// Discs in, beside and behind the view, some of them turned away, half of them unstable.
+// Discs inside the view, outside and behind the camera. Some face away, and half of them are
+// unstable.
 inline SurfelMap RandomDiscs(int count, float max_radius_m, const Rigid3d& world_from_camera,
                              std::mt19937_64* rng) {
   SurfelMap map;
@@ -83,7 +83,7 @@ inline SurfelMap RandomDiscs(int count, float max_radius_m, const Rigid3d& world
   return map;
 }
 
-inline constexpr float kNoCap = 1e9f;  // of confidence
+inline constexpr float kNoCap = 1e9f;  // no limit of confidence
 
 inline Eigen::Vector3d ColorAsVector(Rgb8 color) {
   return {1. * color.r, 1. * color.g, 1. * color.b};
@@ -99,7 +99,7 @@ inline SurfelObservation RandomObservation(std::mt19937_64* rng) {
   return seen;
 }
 
-// The stored colour in steps of a byte.
+// Stored colour in byte steps.
 inline Eigen::Vector3d StoredColor(const SurfelMap& map, std::int32_t id) {
   const SurfelBlock& block = map.block(id / SurfelBlock::kCapacity);
   const int k = id % SurfelBlock::kCapacity;

@@ -9,7 +9,6 @@
 
 namespace surfit::testing {
 
-// All that a surfel says, to compare and to sort.
 inline auto AsTuple(const Surfel& s) {
   const auto& p = s.position_in_world;
   const auto& n = s.normal_in_world;
@@ -17,7 +16,7 @@ inline auto AsTuple(const Surfel& s) {
                          s.radius_m, s.confidence, s.first_seen, s.last_seen, s.at_edge);
 }
 
-// Expects what the map promises about its cells, blocks and bounds.
+// Checks the invariants of cells, blocks and bounds.
 inline void ExpectConsistent(const SurfelMap& map) {
   std::size_t count = 0;
   for (std::int32_t c = 0; c < map.cell_count(); ++c) {
@@ -46,7 +45,7 @@ inline void ExpectConsistent(const SurfelMap& map) {
   EXPECT_EQ(count, map.size());
 }
 
-// Expects all surfels of two maps to be the same in the same order, value for value.
+// Expects equal surfels in the same order.
 inline void ExpectSameMap(const SurfelMap& a, const SurfelMap& b) {
   const std::vector<std::int32_t> ids = a.Ids();
   ASSERT_EQ(ids, b.Ids());

@@ -16,7 +16,7 @@ namespace {
 constexpr float kPointsApart = 0.006f, kPointRadius = 0.006f;
 constexpr int kPointsAside = 60;
 
-// A pixel is as large as kPointRadius / sqrt(2) at 2 m, where the noise of a depth is 8 mm.
+// At 2 m, a pixel has the size kPointRadius / sqrt(2), and the depth noise is 8 mm.
 DepthSensor Sensor() { return {{640, 480, 471.4, 471.4, 319.5, 239.5, {}}, {0.002}}; }
 
 Surfel At(float x, float y, float z, const Eigen::Vector3f& normal) {
@@ -28,7 +28,7 @@ Surfel At(float x, float y, float z, const Eigen::Vector3f& normal) {
   return surfel;
 }
 
-// A wall at z(x), with noise along its normal, and of its normals, about (0, 0, -1).
+// Wall at z(x) with noise along its normal, and noisy normals near (0, 0, -1).
 template <typename F>
 SurfelMap WallAt(const F& z, float noise_m, float noise_rad) {
   std::mt19937_64 random(1);
@@ -42,7 +42,7 @@ SurfelMap WallAt(const F& z, float noise_m, float noise_rad) {
   return map;
 }
 
-// Root of the mean square of z - z(x), where x is not within a margin of the wall's ends.
+// RMS of z - z(x), except within a margin of the ends of the wall.
 template <typename F>
 double DeviationFrom(const SurfelMap& map, const F& z) {
   double sum = 0, count = 0;
@@ -61,8 +61,8 @@ double MeanTilt(const SurfelMap& map) {
   return sum / static_cast<double>(map.size());
 }
 
-// Within 18 mm are 28 surfels, and by the Gaussian they count as about 14.
-TEST(SmoothMap, LeavesLittleOfAWallsNoise) {
+// 28 surfels are within 18 mm. Their Gaussian weights correspond to about 14 surfels.
+TEST(SmoothMap, ReducesNoiseOfWall) {
   const auto flat = [](float) { return 2.f; };
   const SurfelMap noisy = WallAt(flat, 0.003f, 0.05f);
   SurfelMap map = noisy;
@@ -72,8 +72,8 @@ TEST(SmoothMap, LeavesLittleOfAWallsNoise) {
   ExpectConsistent(map);
 }
 
-// The step is 5 of the noise that four measurements leave.
-TEST(SmoothMap, LeavesAStepAsItIs) {
+// The step is 5 sigma of the noise after four measurements.
+TEST(SmoothMap, KeepsStep) {
   const auto step = [](float x) { return x < 0.18f ? 2.f : 2.02f; };
   SurfelMap map = WallAt(step, 0, 0);
   SmoothMap(Sensor(), &map);
@@ -84,7 +84,7 @@ TEST(SmoothMap, LeavesAStepAsItIs) {
   }
 }
 
-TEST(SmoothMap, LeavesACreaseAsItIs) {
+TEST(SmoothMap, KeepsCrease) {
   SurfelMap map;
   for (int i = 0; i < kPointsAside * kPointsAside; ++i) {
     const float a = kPointsApart * (i % kPointsAside), y = kPointsApart * (i / kPointsAside);
@@ -98,7 +98,7 @@ TEST(SmoothMap, LeavesACreaseAsItIs) {
   }
 }
 
-TEST(SmoothMap, TakesNothingFromSurfelsWithoutANormalOfTheirOwn) {
+TEST(SmoothMap, IgnoresSurfelsOfDepthEdges) {
   const auto flat = [](float) { return 2.f; };
   SurfelMap map = WallAt(flat, 0, 0);
   for (int i = 0; i < 200; ++i) {
@@ -112,7 +112,7 @@ TEST(SmoothMap, TakesNothingFromSurfelsWithoutANormalOfTheirOwn) {
   }
 }
 
-// What one pass makes of a surfel, by all others.
+// Result of one pass for a surfel, over all surfels.
 Surfel ByAll(const Surfel& surfel, const std::vector<Surfel>& all, const DepthSensor& sensor) {
   const auto sigma = [&](const Surfel& of) {
     const double z = of.radius_m * sensor.camera.fx / std::sqrt(2);
@@ -141,9 +141,9 @@ Surfel ByAll(const Surfel& surfel, const std::vector<Surfel>& all, const DepthSe
   return moved;
 }
 
-// Over the cells' borders, which are half a metre apart. Coordinates of 2 m have errors of 1.2e-7
-// m, which change h / s by 1e-4 and weights of normals that are up to 0.45 rad apart by 2e-4.
-TEST(SmoothMap, DoesAsBruteForceDoesTwice) {
+// Includes the borders of cells, which have a size of 0.5 m. Coordinates of 2 m have errors of
+// 1.2e-7 m. They change h / s by 1e-4, and weights of normals with angles up to 0.45 rad by 2e-4.
+TEST(SmoothMap, AgreesWithTwoBruteForcePasses) {
   const auto wave = [](float x) { return 2 + 0.02f * std::sin(20 * x); };
   SurfelMap map = WallAt(wave, 0.003f, 0.1f);
   std::vector<Surfel> all;
@@ -174,7 +174,7 @@ TEST(SmoothMap, DoesAsBruteForceDoesTwice) {
   }
 }
 
-TEST(SmoothMapThreads, GiveTheSameMap) {
+TEST(SmoothMapThreads, AreBitwiseIdentical) {
   const auto wave = [](float x) { return 2 + 0.02f * std::sin(20 * x); };
   SurfelMap one = WallAt(wave, 0.003f, 0.1f), many = one;
   {

@@ -10,7 +10,7 @@
 namespace surfit::testing {
 namespace {
 
-TEST(SurfelMap, GivesBackWhatWasAppended) {
+TEST(SurfelMap, ReturnsAppendedSurfels) {
   std::mt19937_64 rng(1);
   SurfelMap map;
   EXPECT_EQ(map.size(), 0u);
@@ -29,11 +29,11 @@ TEST(SurfelMap, GivesBackWhatWasAppended) {
   ExpectSameMap(at_once, map);
 }
 
-TEST(SurfelMap, KeepsSurfelsOfOneCellTogether) {
+TEST(SurfelMap, StoresSurfelsByCell) {
   std::mt19937_64 rng(9);
   SurfelMap map;
   for (int i = 0; i < 5000; ++i) map.Append(RandomSurfel(&rng));
-  EXPECT_LE(map.cell_count(), 13 * 13 * 13);  // half a cell at each end of the 6 m
+  EXPECT_LE(map.cell_count(), 13 * 13 * 13);  // a range of 6 m, plus half a cell at each end
   ExpectConsistent(map);
   for (std::int32_t c = 0; c < map.cell_count(); ++c) {
     const SurfelBounds& bounds = map.cell(c).bounds;
@@ -43,8 +43,8 @@ TEST(SurfelMap, KeepsSurfelsOfOneCellTogether) {
   }
 }
 
-// One that fusion has made of noise, far outside of the world, costs nothing but its cell.
-TEST(SurfelMap, TakesPositionsFarOutside) {
+// A surfel of noise far outside the world needs only its cell.
+TEST(SurfelMap, SupportsPositionsFarOutside) {
   SurfelMap map;
   Surfel s;
   for (const float x : {-1e30f, 1e30f, 1e6f}) {
@@ -54,9 +54,9 @@ TEST(SurfelMap, TakesPositionsFarOutside) {
   ExpectConsistent(map);
 }
 
-// Blocks are full but for the last of each cell, so that a map of a thousand surfels to the cell,
-// which is few, needs little more than their 47 bytes each.
-TEST(SurfelMap, HoldsASurfelIn48Bytes) {
+// All blocks of a cell except the last block are full. So a map with only 1000 surfels per cell
+// needs little more than 47 bytes per surfel.
+TEST(SurfelMap, NeedsAtMost48BytesPerSurfel) {
   std::mt19937_64 rng(10);
   SurfelMap map;
   for (int i = 0; i < 400000; ++i) {
@@ -69,7 +69,7 @@ TEST(SurfelMap, HoldsASurfelIn48Bytes) {
   EXPECT_LE(bytes / static_cast<double>(map.size()), 48);
 }
 
-TEST(SurfelMap, EveryByteOfColorSurvives) {
+TEST(SurfelMap, KeepsEveryByteOfColor) {
   SurfelMap map;
   for (int byte = 0; byte < 256; ++byte) {
     Surfel s;
@@ -78,7 +78,7 @@ TEST(SurfelMap, EveryByteOfColorSurvives) {
   }
 }
 
-// RemoveMarked() against sets: the kept surfels, each once.
+// Compares RemoveMarked() with sets: each kept surfel once.
 void CheckRemoval(int size, float share, float spread, std::mt19937_64* rng) {
   SurfelMap map;
   std::vector<decltype(AsTuple(Surfel()))> expected, actual;
@@ -99,7 +99,7 @@ void CheckRemoval(int size, float share, float spread, std::mt19937_64* rng) {
   EXPECT_EQ(actual, expected);
 }
 
-TEST(RemoveMarked, KeepsExactlyWhatItShould) {
+TEST(RemoveMarked, RemovesMarkedSurfelsOnly) {
   std::mt19937_64 rng(6);
   for (int trial = 0; trial < 300; ++trial) {
     const float spread = trial % 2 == 0 ? 0.01f : 0.2f;  // one cell, or a few
@@ -111,7 +111,7 @@ TEST(RemoveMarked, KeepsExactlyWhatItShould) {
   }
 }
 
-TEST(RemoveMarked, KeepsColorsFinerThanBytes) {
+TEST(RemoveMarked, KeepsFractionsOfColors) {
   std::mt19937_64 rng(7);
   SurfelMap map;
   for (int i = 0; i < 3; ++i) {
@@ -126,8 +126,7 @@ TEST(RemoveMarked, KeepsColorsFinerThanBytes) {
   EXPECT_EQ(StoredColor(map, 0), last);
 }
 
-// What is removed makes room for what comes.
-TEST(RemoveMarked, MemoryIsUsedAgain) {
+TEST(RemoveMarked, ReusesMemory) {
   std::mt19937_64 rng(8);
   SurfelMap map;
   std::int32_t id_end = 0;

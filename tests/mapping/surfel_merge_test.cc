@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kUlp = 6e-8;  // relative rounding of a float, 2^-24
 
-TEST(Merge, IsTheWeightedAverage) {
+TEST(Merge, IsWeightedAverage) {
   std::mt19937_64 rng(2);
   for (int trial = 0; trial < 200; ++trial) {
     SurfelMap map;
@@ -28,13 +28,13 @@ TEST(Merge, IsTheWeightedAverage) {
     const double wc = q.color_weight, ac = p.color_weight;
     const Eigen::Vector3d color =
         (wc * ColorAsVector(q.color) + ac * p.color.cast<double>()) / (wc + ac);
-    // A difference of up to 6, its product with the share (itself rounded twice) and a sum: not
-    // more than five roundings of 6 on each axis.
+    // A difference up to 6, its product with the weight (two roundings), and a sum: at most five
+    // roundings of 6 per axis.
     EXPECT_THAT(map[0].position_in_world.cast<double>(), VectorNear(position, 30 * kUlp * 2));
     EXPECT_THAT(map[0].normal_in_world.cast<double>(),
                 VectorNear(normal, 10 * kUlp * 2 + kNormalRounding));
     EXPECT_NEAR(map[0].normal_in_world.norm(), 1, 4 * kUlp + kNormalRounding);
-    // Rounded to the next of 32 parts of a byte's step, on each of three channels.
+    // Colours are stored in steps of 1/32 of a byte step, in three channels.
     EXPECT_THAT(StoredColor(map, 0), VectorNear(color, std::sqrt(3) * 0.501 / 32));
     EXPECT_LE(map[0].color_weight, (wc + ac) * (1 + kUlp));
     EXPECT_GE(map[0].color_weight, (wc + ac) * 8 / 9);
@@ -45,7 +45,7 @@ TEST(Merge, IsTheWeightedAverage) {
   }
 }
 
-TEST(Merge, WithoutShapeWeightKeepsTheShapeAndTakesColorAndWeight) {
+TEST(Merge, KeepsGeometryWithoutShapeWeight) {
   std::mt19937_64 rng(3);
   SurfelMap map;
   map.Append(RandomSurfel(&rng));
@@ -63,7 +63,7 @@ TEST(Merge, WithoutShapeWeightKeepsTheShapeAndTakesColorAndWeight) {
   EXPECT_THAT(StoredColor(map, 0), VectorNear(color, std::sqrt(3) * 0.501 / 32));
 }
 
-TEST(Merge, OneObservationWithinASurfaceIsEnough) {
+TEST(Merge, OneObservationInsideSurfaceClearsEdgeFlag) {
   std::mt19937_64 rng(6);
   for (const bool at_edge : {false, true}) {
     SurfelMap map;
@@ -80,12 +80,12 @@ TEST(Merge, OneObservationWithinASurfaceIsEnough) {
   }
 }
 
-TEST(Merge, TouchesNoOtherSurfel) {
+TEST(Merge, KeepsOtherSurfels) {
   std::mt19937_64 rng(4);
   SurfelMap map;
   for (int i = 0; i < 3; ++i) {
     Surfel surfel = RandomSurfel(&rng);
-    surfel.position_in_world *= 0.01f;  // in one cell
+    surfel.position_in_world *= 0.01f;  // all in one cell
     map.Append(surfel);
   }
   const Surfel first = map[0], last = map[2];
@@ -95,7 +95,7 @@ TEST(Merge, TouchesNoOtherSurfel) {
   ExpectConsistent(map);
 }
 
-TEST(Merge, ConfidenceStopsAtTheCapAndTheMapStillMoves) {
+TEST(Merge, LimitsConfidenceAndStillMovesSurfel) {
   SurfelMap map;
   Surfel s;
   s.normal_in_world = {0, 0, -1};
@@ -114,8 +114,9 @@ TEST(Merge, ConfidenceStopsAtTheCapAndTheMapStillMoves) {
   EXPECT_FLOAT_EQ(map[0].position_in_world.z(), 1 / 200.5f + (1 - 1 / 200.5f) / 201);
 }
 
-// With w = 1 for the first and a = 1 for each further observation, the average is the mean.
-TEST(Merge, EqualWeightsGiveTheArithmeticMean) {
+// With w = 1 for the first and a = 1 for each further observation, the weighted average is the
+// mean.
+TEST(Merge, EqualWeightsGiveMean) {
   constexpr int kCount = 150;
   std::mt19937_64 rng(5);
   SurfelMap map;
@@ -133,16 +134,16 @@ TEST(Merge, EqualWeightsGiveTheArithmeticMean) {
   }
   EXPECT_EQ(map[0].confidence, kCount);
   EXPECT_EQ(map[0].radius_m, smallest);
-  // Merge n rounds by e and damps older errors by (n - 1) / n, so that n E_n = (n - 1) E_(n-1) +
-  // n e and E_N <= e (N + 1) / 2. For positions of up to 3 m, e is about 3 roundings of 3 m on each
-  // axis.
+  // Merge n has the rounding error e and scales older errors by (n - 1) / n: n E_n = (n - 1)
+  // E_(n-1) + n e, so E_N <= e (N + 1) / 2. For positions up to 3 m, e is about 3 roundings of 3 m
+  // per axis.
   constexpr double kGrowth = (kCount + 1) / 2.;
   EXPECT_THAT(map[0].position_in_world.cast<double>(),
               VectorNear(position_sum / kCount, std::sqrt(3) * 9 * kUlp * kGrowth));
 }
 
-// Sums of weights up to 8 are exact in a byte: as many as the first eight colours are averaged.
-TEST(Merge, TheFirstColorsOfEqualWeightGiveTheirMean) {
+// Sums of weights up to 8 are exact in a byte, so the first eight colours are averaged.
+TEST(Merge, FirstColorsOfEqualWeightGiveMean) {
   std::mt19937_64 rng(6);
   SurfelMap map;
   Surfel first = RandomSurfel(&rng);
@@ -159,8 +160,8 @@ TEST(Merge, TheFirstColorsOfEqualWeightGiveTheirMean) {
   }
 }
 
-// The sum of weights of 1 stays at 16, and each further colour counts for a seventeenth.
-TEST(Merge, ColorsGoOnChangingHoweverManyThereWere) {
+// The sum of weights of 1 is limited to 16, so each further colour has the weight 1/17.
+TEST(Merge, ColorsChangeAfterManyObservations) {
   SurfelMap map;
   Surfel s = Disc({0, 0, 1}, {0, 0, -1}, 0.01f, 1);
   s.color = {0, 100, 0};
@@ -175,8 +176,9 @@ TEST(Merge, ColorsGoOnChangingHoweverManyThereWere) {
   EXPECT_NEAR(map.Color(0).r, 200 * (1 - std::pow(16. / 17, 48)), 1);
 }
 
-// Coarse colours of weight 1/100 hardly change one of weight 1, and one replaces them.
-TEST(Merge, SharpColorsCountForMost) {
+// Coarse colours of weight 1/100 hardly change a colour of weight 1, and a colour of weight 1
+// replaces them.
+TEST(Merge, SharpColorsHaveLargestWeight) {
   for (const bool sharp_first : {true, false}) {
     SurfelMap map;
     Surfel s = Disc({0, 0, 1}, {0, 0, -1}, 0.01f, 1);
@@ -192,7 +194,7 @@ TEST(Merge, SharpColorsCountForMost) {
   }
 }
 
-TEST(WeightByte, IsRightToAnEighth) {
+TEST(WeightByte, HasRelativeErrorBelowOneEighth) {
   EXPECT_EQ(WeightByte::ToFloat(WeightByte::From(0)), 0);
   float before = 0;
   for (float weight = 1.1e-6f; weight < 2000; weight *= 1.013f) {
@@ -209,7 +211,7 @@ TEST(WeightByte, IsRightToAnEighth) {
   EXPECT_GT(WeightByte::ToFloat(WeightByte::From(1e30f)), 2000);
 }
 
-TEST(SmallLength, IsRightToATwoThousandth) {
+TEST(SmallLength, HasRelativeErrorBelow1In2048) {
   EXPECT_EQ(SmallLength::ToFloat(SmallLength::From(0)), 0);
   for (float length_m = 1.1e-6f; length_m < 4000; length_m *= 1.00013f) {
     const float stored = SmallLength::ToFloat(SmallLength::From(length_m));
@@ -222,7 +224,7 @@ TEST(SmallLength, IsRightToATwoThousandth) {
   }
 }
 
-TEST(SmallUnit, IsTheNearest) {
+TEST(SmallUnit, RoundsToNearest) {
   for (const float exact : {-1.f, 0.f, 1.f}) {
     EXPECT_EQ(SmallUnit::ToFloat(SmallUnit::From(exact)), exact);
   }
@@ -237,9 +239,9 @@ TEST(SmallUnit, IsTheNearest) {
   EXPECT_EQ(SmallUnit::ToFloat(SmallUnit::From(-7)), -1);
 }
 
-// The stored normal moves as long as share * difference is at least half of 1 / 32767, with a share
-// of 1 / 201 here.
-TEST(Merge, NormalsComeToWhatIsSeen) {
+// The stored normal changes if share * difference is at least half of 1 / 32767. The share is 1 /
+// 201.
+TEST(Merge, NormalsConvergeToObservations) {
   SurfelMap map;
   map.Append(Disc({0, 0, 1}, {0, 0, -1}, 0.01f, 200));
   SurfelObservation seen;
@@ -250,9 +252,9 @@ TEST(Merge, NormalsComeToWhatIsSeen) {
   EXPECT_THAT(map[0].normal_in_world, VectorNear(seen.normal_in_world, 201 * kNormalRounding));
 }
 
-// The stored colour moves as long as share * difference is at least half of 1/32: with a share of a
-// seventeenth or more it comes within 17 / 64 of a byte's step, which rounds to the byte.
-TEST(Merge, AColorAtTheCapStillComesToTheObservedByte) {
+// The stored colour changes if share * difference is at least half of 1/32. With a share of at
+// least 1/17, the error is below 17/64 of a byte step, which rounds to the byte.
+TEST(Merge, ColorsConvergeToObservedByte) {
   for (const int goal : {0, 255}) {
     SurfelMap map;
     Surfel s;

@@ -8,7 +8,7 @@
 namespace surfit::testing {
 namespace {
 
-// The bounds of a box about a point that is seen at a pixel.
+// Bounds of a box around a point that projects to a pixel.
 SurfelBounds BoxAt(double u, double v, double depth_m, float half_m, const Rigid3d& pose) {
   const Eigen::Vector3f middle = (pose * (depth_m * SmallCamera().Ray(u, v))).cast<float>();
   SurfelBounds bounds;
@@ -17,24 +17,24 @@ SurfelBounds BoxAt(double u, double v, double depth_m, float half_m, const Rigid
   return bounds;
 }
 
-TEST(ViewFrustum, SeesBoxesThatHoldAPixelsPoint) {
+TEST(ViewFrustum, SeesBoxesAroundVisiblePoints) {
   std::mt19937_64 rng(1);
   for (int trial = 0; trial < 2000; ++trial) {
     const Rigid3d pose = RandomPose(2, 5, &rng);
     const ViewFrustum frustum(PosedCamera(SmallCamera(), pose), 3);
-    // To the very border of the margin, but for rounding; half of the boxes are points.
+    // Up to the border of the margin, except for rounding. Half of the boxes are points.
     const double u = Uniform(-2.99f, 66.99f, &rng), v = Uniform(-2.99f, 50.99f, &rng);
     const float half_m = trial % 2 == 0 ? 0 : Uniform(0, 1, &rng);
     EXPECT_TRUE(frustum.MaySee(BoxAt(u, v, Uniform(0.051f, 8, &rng), half_m, pose)));
   }
 }
 
-TEST(ViewFrustum, DoesNotSeeBoxesBesideOrBehind) {
+TEST(ViewFrustum, DoesNotSeeBoxesOutsideOrBehind) {
   std::mt19937_64 rng(2);
   for (int trial = 0; trial < 2000; ++trial) {
     const Rigid3d pose = RandomPose(2, 5, &rng);
     const ViewFrustum frustum(PosedCamera(SmallCamera(), pose), 3);
-    // A centimetre is at least a pixel up to 0.6 m.
+    // Up to 0.6 m, a centimetre is at least one pixel.
     const double depth_m = Uniform(0.1f, 0.6f, &rng), near = Uniform(-2, 66, &rng);
     EXPECT_FALSE(frustum.MaySee(BoxAt(-30, near, depth_m, 0.01f, pose)));
     EXPECT_FALSE(frustum.MaySee(BoxAt(97, near, depth_m, 0.01f, pose)));
@@ -44,7 +44,7 @@ TEST(ViewFrustum, DoesNotSeeBoxesBesideOrBehind) {
   }
 }
 
-TEST(VisibleCells, AreThoseInViewInTheirOrder) {
+TEST(VisibleCells, AreCellsInViewInOrder) {
   SurfelMap map;
   Surfel s;
   for (const float x : {-9.f, 0.f, 9.f, 0.5f}) {

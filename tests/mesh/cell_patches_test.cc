@@ -13,7 +13,7 @@ bool IsCut(int pattern, int edge) {
   return (pattern >> from & 1) != (pattern >> to & 1);
 }
 
-TEST(CellPatches, EachCutEdgeHasAPatchAndNoOtherDoes) {
+TEST(CellPatches, OnlyCutEdgesHavePatches) {
   for (int pattern = 0; pattern < 256; ++pattern) {
     const CellPatches& patches = AllCellPatches()[pattern];
     std::array<int, 4> edges = {};
@@ -27,9 +27,10 @@ TEST(CellPatches, EachCutEdgeHasAPatchAndNoOtherDoes) {
   }
 }
 
-// One patch around each group of corners behind the surface that hang together by edges, as those
-// that meet in a face's diagonal alone are kept apart, less where what is in front is in two parts.
-TEST(CellPatches, KeepsCornersApartThatMeetInADiagonal) {
+// There is one patch per group of corners behind the surface that are connected by edges. Corners
+// that share only a face diagonal are in separate groups. There are fewer patches if the corners in
+// front form two groups.
+TEST(CellPatches, SeparatesCornersConnectedByDiagonalOnly) {
   EXPECT_EQ(AllCellPatches()[0].count, 0);
   EXPECT_EQ(AllCellPatches()[255].count, 0);
   EXPECT_EQ(AllCellPatches()[0b00000001].count, 1);
@@ -37,7 +38,7 @@ TEST(CellPatches, KeepsCornersApartThatMeetInADiagonal) {
   EXPECT_EQ(AllCellPatches()[0b00001001].count, 2);  // across a face
   EXPECT_EQ(AllCellPatches()[0b10000001].count, 2);  // across the cell
   EXPECT_EQ(AllCellPatches()[0b01101001].count, 4);  // every other corner
-  EXPECT_EQ(AllCellPatches()[0b11110110].count, 1);  // the others of 0b00001001: they are joined
+  EXPECT_EQ(AllCellPatches()[0b11110110].count, 1);  // complement of 0b00001001: connected
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace surfit::testing {
 namespace {
 
-// Each side of a triangle is met by one in the other direction.
+// Each side of a triangle has exactly one neighbour with the opposite direction.
 void ExpectWatertight(const TriangleMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
   for (const TriangleMesh::Triangle& t : mesh.triangles)
@@ -34,7 +34,7 @@ MeshSummary Close(TriangleMesh* mesh) {
   return summary;
 }
 
-// A square grid in the plane z = 0, without cells whose centre is nearer to its middle than this.
+// Square grid in the plane z = 0, without cells whose centre is closer to the middle than `hole`.
 TriangleMesh Grid(int cells, float hole) {
   TriangleMesh mesh;
   for (int v = 0; v <= cells; ++v)
@@ -63,9 +63,9 @@ double AreaOf(const TriangleMesh& mesh, std::size_t from) {
   return area;
 }
 
-// A sheet has one rim, its outline; with a hole it has two. Both are filled by what lies in the
-// plane: the sheet's back of 40 x 40 and the hole's 4 r^2 at the least.
-TEST(CloseHoles, FillsASheetsHoleAndGivesItABack) {
+// The boundary of a sheet is one loop, and a hole adds a second loop. Both are filled in the plane:
+// 40 x 40 for the outline, and at least 4 r^2 for the hole.
+TEST(CloseHoles, FillsHoleAndOutlineOfSheet) {
   TriangleMesh mesh = Grid(40, 10);
   const std::size_t seen = mesh.triangles.size();
   const double hole = 1600 - AreaOf(mesh, 0);
@@ -77,11 +77,11 @@ TEST(CloseHoles, FillsASheetsHoleAndGivesItABack) {
   EXPECT_NEAR(AreaOf(mesh, seen), 1600 + hole, 0.02 * 1900);
   for (const Eigen::Vector3f& vertex : mesh.vertices) EXPECT_EQ(vertex.z(), 0);
   for (const Rgb8 color : mesh.colors) EXPECT_TRUE(color == Rgb8({10, 20, 30}));
-  // Rings have fewer and fewer vertices: about as many triangles as vertices of rims, three times.
+  // Successive rings have fewer vertices: about three times as many triangles as boundary vertices.
   EXPECT_LT(summary.triangles_added, 4 * (160 + 80u));
 }
 
-TEST(CloseHoles, LeavesAClosedSurfaceAsItIs) {
+TEST(CloseHoles, KeepsClosedSurface) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
@@ -92,7 +92,7 @@ TEST(CloseHoles, LeavesAClosedSurfaceAsItIs) {
   EXPECT_EQ(summary.triangles_added, 0u);
 }
 
-TEST(CloseHoles, SeparatesWhatTouchesInAVertex) {
+TEST(CloseHoles, SplitsSharedVertex) {
   TriangleMesh mesh;  // two triangles
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
@@ -102,8 +102,8 @@ TEST(CloseHoles, SeparatesWhatTouchesInAVertex) {
   EXPECT_EQ(mesh.triangles.size(), 4u);
 }
 
-// A wall on a floor, and a triangle that is turned over.
-TEST(CloseHoles, CutsOutWhatMeetsAtAnEdge) {
+// Three triangles at one edge, and one triangle with reversed orientation.
+TEST(CloseHoles, RemovesTrianglesAtNonManifoldEdge) {
   TriangleMesh mesh = Grid(4, 0);
   mesh.vertices.emplace_back(2.f, 2.f, 1.f);
   mesh.triangles.push_back({12, 13, 25});
@@ -113,7 +113,7 @@ TEST(CloseHoles, CutsOutWhatMeetsAtAnEdge) {
   EXPECT_LE(summary.triangles_cut, 8u);
 }
 
-TEST(CloseHoles, ClosesRimsOfAnyLength) {
+TEST(CloseHoles, ClosesBoundaryLoopsOfAnyLength) {
   for (int cells = 1; cells < 12; ++cells) {
     TriangleMesh mesh = Grid(cells, 0);
     EXPECT_EQ(Close(&mesh).holes_filled, 1u) << cells;

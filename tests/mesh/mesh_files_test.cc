@@ -18,7 +18,6 @@ namespace {
 
 using ::testing::ElementsAre;
 
-// Two triangles of a square.
 TriangleMesh Square() {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 1}, {0.5f, 0, 1}, {0.5f, 0.25f, 1}, {0, 0.25f, 1}};
@@ -28,7 +27,7 @@ TriangleMesh Square() {
   return mesh;
 }
 
-TEST(MeshFiles, PlyHasWhatWasWritten) {
+TEST(MeshFiles, PlyContainsMesh) {
   const TempFolder folder;
   const TriangleMesh mesh = Square();
   WriteMesh(mesh, folder / "mesh.ply");
@@ -48,7 +47,7 @@ TEST(MeshFiles, PlyHasWhatWasWritten) {
   }
 }
 
-TEST(MeshFiles, ObjCountsFromOneAndHasColorsBesidePositions) {
+TEST(MeshFiles, ObjHasOneBasedIndicesAndVertexColors) {
   const TempFolder folder;
   WriteMesh(Square(), folder / "mesh.obj");
   std::istringstream file(ReadBytes(folder / "mesh.obj"));
@@ -67,8 +66,8 @@ std::uint32_t WordAt(const std::string& file, std::size_t at) {
   return word;
 }
 
-// By the specification's table of the header and of chunks.
-TEST(MeshFiles, GlbHasItsPartsWhereItsHeaderSays) {
+// Header and chunks as defined in the specification of glTF 2.0.
+TEST(MeshFiles, GlbAgreesWithItsHeader) {
   const TempFolder folder;
   const TriangleMesh mesh = Square();
   WriteMesh(mesh, folder / "mesh.glb");
@@ -95,14 +94,14 @@ TEST(MeshFiles, GlbHasItsPartsWhereItsHeaderSays) {
   ASSERT_EQ(indices.size(), 2 * 12u);
   EXPECT_EQ(std::memcmp(indices.data(), mesh.triangles.data(), indices.size()), 0);
   EXPECT_THAT(json["accessors"][0]["max"], ElementsAre(0.5, 0.25, 1));
-  // sRGB 128 is 0.2158605 of the linear scale.
+  // sRGB 128 is 0.2158605 in linear intensity.
   const std::string colors = bytes(primitive["attributes"]["COLOR_0"]);
   ASSERT_EQ(colors.size(), 4 * 8u);
   EXPECT_EQ(WordAt(colors, 2 * 8) >> 16,
             static_cast<std::uint32_t>(std::lround(0.2158605 * 65535)));
 }
 
-// The square with a picture of two halves; corners 0 and 2 are two places each.
+// Square with a texture of two halves. Corners 0 and 2 have two texture coordinates each.
 MeshTexture TwoHalves() {
   MeshTexture texture;
   texture.vertices = {0, 2, 1, 0, 3, 2};
@@ -122,8 +121,8 @@ void ExpectTwoHalves(const Image<Rgb8>& image) {
   EXPECT_NEAR(image(60, 20).g, 255, 3);
 }
 
-// From an OBJ file to its MTL, and from that to the picture.
-TEST(MeshFiles, ObjNamesItsMaterialAndThatItsPicture) {
+// The OBJ file names its MTL file, and the MTL file names the texture.
+TEST(MeshFiles, ObjNamesMaterialAndTexture) {
   const TempFolder folder;
   WriteMesh(Square(), TwoHalves(), folder / "a.room.obj");
   std::istringstream file(ReadBytes(folder / "a.room.obj"));
@@ -142,7 +141,7 @@ TEST(MeshFiles, ObjNamesItsMaterialAndThatItsPicture) {
   ExpectTwoHalves(ReadColorImage(folder / "a.room.jpg"));
 }
 
-TEST(MeshFiles, GlbHasThePictureInIt) {
+TEST(MeshFiles, GlbContainsTexture) {
   const TempFolder folder;
   const MeshTexture texture = TwoHalves();
   WriteMesh(Square(), texture, folder / "mesh.glb");
@@ -175,21 +174,21 @@ TEST(MeshFiles, GlbHasThePictureInIt) {
   ExpectTwoHalves(DecodeJpeg(view(json["images"][source]["bufferView"]), "picture"));
 }
 
-TEST(MeshFiles, PlyHasNoPicture) {
+TEST(MeshFiles, RejectsTextureInPly) {
   const TempFolder folder;
   EXPECT_THAT([&] { WriteMesh(Square(), TwoHalves(), folder / "mesh.ply"); },
-              ThrowsMessage<InputError>(HasSubstr("mesh.ply, must end in .obj or .glb")));
+              ThrowsNaming<InputError>("mesh.ply", ".obj", ".glb"));
 }
 
-TEST(MeshFiles, RefusesOtherEndingsAndFoldersThatAreNotThere) {
+TEST(MeshFiles, RejectsUnknownExtensionAndMissingFolder) {
   const TempFolder folder;
   EXPECT_THAT([&] { WriteMesh(Square(), folder / "mesh.stl"); },
-              ThrowsMessage<InputError>(HasSubstr("must end in .ply, .obj or .glb")));
+              ThrowsNaming<InputError>("mesh.stl", ".ply", ".obj", ".glb"));
   EXPECT_THAT([&] { WriteMesh(Square(), folder.path() + "/none/mesh.ply"); },
-              ThrowsMessage<InputError>(HasSubstr("none/mesh.ply")));
+              ThrowsNaming<InputError>("none/mesh.ply"));
 }
 
-TEST(TriangleMesh, KeepsTheVerticesOfTrianglesThatStay) {
+TEST(TriangleMesh, KeepTrianglesRemovesUnusedVertices) {
   TriangleMesh mesh = Square();
   KeepTriangles({0, 1}, &mesh);
   EXPECT_THAT(mesh.triangles, ElementsAre(TriangleMesh::Triangle{0, 2, 1}));

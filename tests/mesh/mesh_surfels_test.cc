@@ -15,7 +15,7 @@
 namespace surfit::testing {
 namespace {
 
-// Surfels of a surface whose places, heights and normals are random.
+// Surfels of a surface with random noise of positions and normals.
 class NoisySurfels {
  public:
   NoisySurfels(float noise_m, float tilt) : height_(0, noise_m), tilt_(0, tilt) {}
@@ -42,11 +42,11 @@ class NoisySurfels {
 
 constexpr float kSphereRadius = 0.3f;
 
-// A whole sphere, 40000 surfels about 5 mm apart.
+// Sphere of 40000 surfels, with a spacing of about 5 mm.
 PointCloud Sphere(float noise_m, float tilt) {
   NoisySurfels surfels(noise_m, tilt);
   const int count = 40000;
-  for (int i = 0; i < count; ++i) {  // a spiral of even steps in z
+  for (int i = 0; i < count; ++i) {  // a spiral with constant steps in z
     const float z = 2 * (static_cast<float>(i) + 0.5f) / count - 1, r = std::sqrt(1 - z * z);
     const float angle = 2.3999632f * static_cast<float>(i);
     const Eigen::Vector3f normal(r * std::cos(angle), r * std::sin(angle), z);
@@ -55,8 +55,8 @@ PointCloud Sphere(float noise_m, float tilt) {
   return surfels.cloud;
 }
 
-// A square of 1 m x 1 m on z = 0, seen from above, surfels 5 mm apart, but for a disc of this
-// radius in its middle.
+// Square of 1 m x 1 m at z = 0, seen from above, with a spacing of 5 mm and a circular hole in the
+// middle.
 PointCloud TornPlane(float noise_m, float tilt, float hole_m) {
   NoisySurfels surfels(noise_m, tilt);
   for (float x = -0.5f; x < 0.5f; x += 0.005f) {
@@ -90,7 +90,7 @@ std::vector<MeshTriangle> TrianglesOf(const TriangleMesh& mesh) {
   return triangles;
 }
 
-// By how many triangles each edge is shared, whichever way they go round it: +1 and -1 from either.
+// Counts the triangles of each edge: in the direction of the edge, and in the opposite direction.
 std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> EdgesOf(
     const TriangleMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> edges;
@@ -104,15 +104,15 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> EdgesOf(
   return edges;
 }
 
-TEST(MeshSurfels, MakesAClosedSphereOfExactSurfels) {
+TEST(MeshSurfels, MakesClosedSphereFromExactSurfels) {
   const TriangleMesh mesh = Mesh(Sphere(0, 0));
   const auto edges = EdgesOf(mesh);
   for (const auto& [edge, count] : edges) ASSERT_EQ(count, std::make_pair(1, 1));
   // Euler's formula: vertices - edges + faces = 2.
   EXPECT_EQ(mesh.vertices.size() + mesh.triangles.size(), edges.size() + 2);
-  // Weights that fall to zero at 2 cells and a half = 20 mm average planes up to 0.02^2 / (2 * 0.3)
-  // = 0.7 mm above the sphere, by (1 - d^2 / s^2)^2 a quarter of that; smoothing, twice, over as
-  // much again.
+  // The kernel ends at 2.5 cells = 20 mm. It averages planes up to 0.02^2 / (2 * 0.3) = 0.7 mm
+  // above the sphere. The weight (1 - d^2 / s^2)^2 reduces this to a quarter. Each of the two
+  // smoothing passes adds the same error.
   const float most_m = 0.0007f;
   for (const Eigen::Vector3f& vertex : mesh.vertices)
     ASSERT_NEAR(vertex.norm(), kSphereRadius, most_m);
@@ -124,10 +124,9 @@ TEST(MeshSurfels, MakesAClosedSphereOfExactSurfels) {
   }
 }
 
-// Noise of 2 mm and of 0.1 on each axis of normals comes out as less than half of that: among about
-// 20 surfels that smooth each other it would be less than a quarter, but for what the sphere's
-// curvature adds.
-TEST(MeshSurfels, HalvesTheNoiseOfASphere) {
+// The mesh has less than half of the noise of 2 mm and of 0.1 per axis of normals. An average over
+// 20 surfels would leave a quarter. The curvature of the sphere causes the remaining error.
+TEST(MeshSurfels, HalvesNoiseOfSphere) {
   const float noise_m = 0.002f, tilt = 0.1f;
   const TriangleMesh mesh = Mesh(Sphere(noise_m, tilt));
   double squares = 0, tilt_squares = 0;
@@ -144,7 +143,7 @@ TEST(MeshSurfels, HalvesTheNoiseOfASphere) {
   EXPECT_LT(std::sqrt(tilt_squares / count), std::sqrt(2.) * tilt / 2);
 }
 
-TEST(MeshSurfels, LeavesTheHoleOfAPlaneAndNothingElse) {
+TEST(MeshSurfels, KeepsOnlyHoleOfPlane) {
   const float noise_m = 0.002f, hole_m = 0.1f;
   const TriangleMesh mesh = Mesh(TornPlane(noise_m, 0.1f, hole_m));
   double squares = 0, area = 0;
@@ -153,12 +152,12 @@ TEST(MeshSurfels, LeavesTheHoleOfAPlaneAndNothingElse) {
                           &c = mesh.vertices[t[2]];
     area += (b - a).cross(c - a).norm() / 2;
     const Eigen::Vector3f center = (a + b + c) / 3;
-    // Two radii of a surfel.
+    // Margin of two surfel radii.
     ASSERT_GT(center.head<2>().norm(), hole_m - 0.01f);
     squares += center.z() * center.z();
   }
   EXPECT_LT(std::sqrt(squares / static_cast<double>(mesh.triangles.size())), noise_m / 3);
-  // Both borders are off by at most two radii.
+  // Error of both borders: at most two surfel radii.
   EXPECT_NEAR(area, 1 - M_PI * hole_m * hole_m, 4 * 0.01 + 2 * M_PI * hole_m * 0.01);
 }
 
@@ -175,8 +174,7 @@ TEST(MeshSurfels, IsTheSameAtAnyNumberOfThreads) {
   }
 }
 
-// A patch of 5 cm beside the plane.
-TEST(MeshSurfels, CountsTheLoosePiecesThatItDrops) {
+TEST(MeshSurfels, CountsRemovedPieces) {
   PointCloud cloud = TornPlane(0, 0, 0);
   NoisySurfels loose(0, 0);
   for (float x = 0; x < 0.05f; x += 0.005f)
@@ -201,8 +199,8 @@ TEST(MeshSurfels, CountsTheLoosePiecesThatItDrops) {
   EXPECT_GT(with_it.triangles.size(), mesh.triangles.size());
 }
 
-// Between planes that face the same way, 3 cm apart, the field changes its sign once more.
-TEST(MeshSurfels, MakesNothingBetweenLayers) {
+// Between two planes with equal normals, at a distance of 3 cm, the field has another sign change.
+TEST(MeshSurfels, HasNoSurfaceBetweenLayers) {
   PointCloud cloud = TornPlane(0, 0, 0);
   const PointCloud other = cloud;
   for (const Eigen::Vector3f& point : other.points) {
@@ -224,7 +222,7 @@ TEST(MeshSurfels, MakesNothingBetweenLayers) {
   EXPECT_GT(upper, 1000u);
 }
 
-TEST(MeshSurfels, HasAsFewTrianglesAsAsked) {
+TEST(MeshSurfels, HasAtMostMaxTriangles) {
   MeshOptions options;
   MeshSummary summary;
   options.max_triangles = 2000;
@@ -232,17 +230,17 @@ TEST(MeshSurfels, HasAsFewTrianglesAsAsked) {
   EXPECT_LE(mesh.triangles.size(), 2000u);
   EXPECT_GT(mesh.triangles.size(), 1000u);
   EXPECT_GT(summary.triangles_found, 10000u);
-  // A sphere of 2000 triangles has sides of a = 36 mm: their middles are a^2 / (6 R) = 0.7 mm below
-  // it, beside the 0.7 mm that the finer mesh may be off.
+  // The sides of the triangles are a = 36 mm. Their centres are a^2 / (6 R) = 0.7 mm below the
+  // sphere. The error of the finer mesh is another 0.7 mm.
   EXPECT_GT(summary.decimation_m, 0);
   EXPECT_LT(summary.decimation_m, 0.003);
   for (const MeshTriangle& triangle : TrianglesOf(mesh))
     ASSERT_NEAR(triangle.center.norm(), kSphereRadius, 0.004);
 }
 
-// Between surfels that are farther apart than two of their radii, but not than trim_distance_m,
-// there is mesh only where nothing tells the radii.
-TEST(MeshSurfels, ReachesAsFarAsRadiiDo) {
+// A gap wider than two surfel radii, but narrower than trim_distance_m, is closed only if the radii
+// are unknown.
+TEST(MeshSurfels, ExtendsToSurfelRadii) {
   PointCloud cloud = TornPlane(0, 0, 0.015f);
   MeshOptions options;
   options.cell_m = 0.004;
@@ -257,23 +255,23 @@ TEST(MeshSurfels, ReachesAsFarAsRadiiDo) {
   EXPECT_GT(count_in_hole(), 0);
 }
 
-TEST(MeshSurfels, RefusesBadInput) {
+TEST(MeshSurfels, RejectsInvalidOptionsAndClouds) {
   PointCloud cloud = TornPlane(0, 0, 0);
-  const auto expect = [&](const MeshOptions& options, const char* message) {
-    EXPECT_THAT([&] { Mesh(cloud, options); }, ThrowsMessage<InputError>(HasSubstr(message)));
+  const auto expect = [&](const MeshOptions& options, const auto&... names) {
+    EXPECT_THAT([&] { Mesh(cloud, options); }, ThrowsNaming<InputError>(names...));
   };
   MeshOptions options;
   options.cell_m = 0;
-  expect(options, "cell_m is 0, must be positive");
+  expect(options, "cell_m", 0);
   options.cell_m = 1e-9;
-  expect(options, "too far for cells of this size");
+  expect(options, "cell_m");
   options = {};
   options.min_piece_m = 5;
-  expect(options, "supports no triangle");
+  expect(options, "cell_m", "trim_distance_m", "min_piece_m");
   cloud.normals.assign(cloud.points.size(), Eigen::Vector3f::Zero());
-  expect({}, "no points with normals");
+  EXPECT_THROW(Mesh(cloud), InputError);
   cloud.normals.clear();
-  expect({}, "no points with normals");
+  EXPECT_THROW(Mesh(cloud), InputError);
 }
 
 }  // namespace

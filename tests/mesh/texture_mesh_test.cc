@@ -15,14 +15,14 @@ namespace {
 constexpr Rgb8 kGrey = {128, 128, 128};
 using Texture = std::function<Rgb8(float x, float y)>;
 
-// Waves of 12 and 15 mm, too fine for the triangles' corners.
+// Waves of 12 and 15 mm, which are finer than the triangles.
 Rgb8 Waves(float x, float y) {
   const double a = std::sin(2 * M_PI * x / 0.012), b = std::sin(2 * M_PI * y / 0.015);
   const auto byte = [](double value) { return static_cast<std::uint8_t>(128 + 90 * value + 0.5); };
   return {byte(a * b), byte(a), byte(b)};
 }
 
-// A square of triangles at this depth, seen from z = 0, about (x, y).
+// Adds a square of triangles that faces z = 0.
 void AddSquare(Eigen::Vector3f center, float side, Rgb8 color, TriangleMesh* mesh) {
   constexpr int kCells = 20;
   const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
@@ -49,7 +49,7 @@ TriangleMesh Wall() {
   return mesh;
 }
 
-// What a camera at a place, which looks along z, shows of a wall at z = 1.
+// Frame of a camera at `place` that looks along z at a wall at z = 1.
 TextureFrame FrameAt(const Eigen::Vector3d& place, const Texture& texture) {
   TextureFrame frame;
   frame.camera = {320, 240, 300, 300, 159.5, 119.5, {}};
@@ -72,7 +72,7 @@ TextureFrames Of(const std::vector<TextureFrame>& frames) {
   };
 }
 
-// The texture near 0.4 m of the wall in 2 x 2 pieces, and from afar.
+// Four near views of a wall of 0.4 m, and one far view.
 std::vector<TextureFrame> FourNearAndOneFar() {
   std::vector<TextureFrame> frames = {FrameAt({0, 0, 0}, Waves)};
   for (const double x : {-0.1, 0.1})
@@ -80,7 +80,6 @@ std::vector<TextureFrame> FourNearAndOneFar() {
   return frames;
 }
 
-// Bilinear, as viewers show it.
 Rgb8 PixelAt(const Image<Rgb8>& image, const Eigen::Vector2f& place) {
   const float u = place.x() * static_cast<float>(image.width()) - 0.5f;
   const float v = place.y() * static_cast<float>(image.height()) - 0.5f;
@@ -95,7 +94,6 @@ Rgb8 PixelAt(const Image<Rgb8>& image, const Eigen::Vector2f& place) {
   return {mix(&Rgb8::r), mix(&Rgb8::g), mix(&Rgb8::b)};
 }
 
-// At the middle of a triangle: where it is, and what the picture shows there.
 Eigen::Vector3f MiddleOf(const TriangleMesh& mesh, std::size_t i) {
   const TriangleMesh::Triangle& t = mesh.triangles[i];
   return (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3;
@@ -122,11 +120,11 @@ double PsnrOfWaves(const TriangleMesh& mesh, const MeshTexture& texture) {
   return 10 * std::log10(255 * 255 * 3 * static_cast<double>(mesh.triangles.size()) / squares);
 }
 
-// The waves are 13 dB from grey. Pixels are h = 1.3 mm wide: straight lines between them are off by
-// up to h^2 / 8 (2 pi / 12 mm)^2 = 6 % of 90 steps, half of it in the mean square, in each of two
-// directions and twice, for the picture's texels lie between pixels: 5 steps, 34 dB. From the far
-// frame alone, h = 3.3 mm, it would be 20 dB.
-TEST(TextureMesh, ShowsWhatIsFinerThanTriangles) {
+// The PSNR of grey is 13 dB. Pixels have the width h = 1.3 mm. The error of linear interpolation is
+// at most h^2 / 8 (2 pi / 12 mm)^2 = 6 % of 90 grey values, and half of it in the RMS. It occurs in
+// two directions, and twice because texels are between pixels: 5 grey values, 34 dB. The far frame
+// alone (h = 3.3 mm) has 20 dB.
+TEST(TextureMesh, ShowsDetailsFinerThanTriangles) {
   const TriangleMesh mesh = Wall();
   TextureSummary summary;
   const MeshTexture texture = TextureOf(mesh, FourNearAndOneFar(), &summary);
@@ -138,9 +136,9 @@ TEST(TextureMesh, ShowsWhatIsFinerThanTriangles) {
   EXPECT_EQ(summary.pixel_share, 1);
 }
 
-TEST(TextureMesh, TakesTheSharpestFrames) {
+TEST(TextureMesh, UsesSharpestFrames) {
   const auto plain = [](Rgb8 color) { return [=](float, float) { return color; }; };
-  // Colours as the mesh's in the mean, so that nothing is added to them.
+  // The mean colour equals the colour of the mesh, so no offset is added.
   const TriangleMesh mesh = Wall();
   const TextureFrame far = FrameAt({0, 0, 0}, plain({128, 128, 128}));
   TextureFrame near = FrameAt({0, 0, 0.3}, Waves);
@@ -149,13 +147,13 @@ TEST(TextureMesh, TakesTheSharpestFrames) {
   EXPECT_EQ(summary.frames_shown, 1);
   EXPECT_EQ(summary.charts, 1u);
   EXPECT_GT(PsnrOfWaves(mesh, TextureOf(mesh, {far, near}, &summary)), 20);
-  // 300 / 0.7 px per metre: 2 m/s are 860 px/s, 4 px in 5 ms.
+  // 300 / 0.7 px per metre: 2 m/s is 860 px/s, 4 px in 5 ms.
   near.motion.velocity_m_per_s.x() = 2;
   EXPECT_LT(PsnrOfWaves(mesh, TextureOf(mesh, {far, near}, &summary)), 14);
 }
 
-// Colour that is taken when the camera has gone on by 2 cm shows the waves where they were then.
-TEST(TextureMesh, LooksColorsUpWhereTheyWereSeenAtTheirMoment) {
+// The colour image is captured after the camera has moved by 2 cm.
+TEST(TextureMesh, UsesPoseAtCaptureTimeOfColor) {
   const TriangleMesh mesh = Wall();
   const Eigen::Vector3d velocity(0.2, 0, 0);
   TextureFrame frame = FrameAt({0.02, 0, 0.5}, Waves);
@@ -167,13 +165,14 @@ TEST(TextureMesh, LooksColorsUpWhereTheyWereSeenAtTheirMoment) {
   EXPECT_GT(PsnrOfWaves(mesh, TextureOf(mesh, {frame}, &summary)), 20);
 }
 
-TEST(TextureMesh, PlacesAreInsideThePictureAndCornersOfTheMeshsTriangles) {
+TEST(TextureMesh, TextureCoordinatesAreInsideImage) {
   const TriangleMesh mesh = Wall();
   TextureSummary summary;
   const MeshTexture texture = TextureOf(mesh, FourNearAndOneFar(), &summary);
   ASSERT_EQ(texture.triangles.size(), mesh.triangles.size());
   ASSERT_EQ(texture.vertices.size(), texture.places.size());
-  EXPECT_GT(texture.places.size(), mesh.vertices.size());  // at seams
+  EXPECT_GT(texture.places.size(),
+            mesh.vertices.size());  // vertices at seams have several texture coordinates
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t place = texture.triangles[i][k];
@@ -186,9 +185,9 @@ TEST(TextureMesh, PlacesAreInsideThePictureAndCornersOfTheMeshsTriangles) {
   }
 }
 
-// A small square in front hides a part of the wall from the first frame; the second one is at its
-// side. The frames are red where they show it.
-TEST(TextureMesh, HidesWhatIsBehindSomething) {
+// A small red square in front occludes a part of the wall in the first frame. The second frame
+// views the wall from the side.
+TEST(TextureMesh, RespectsOcclusion) {
   TriangleMesh mesh = Wall();
   const std::size_t wall = mesh.triangles.size();
   AddSquare({0, 0, 0.7f}, 0.1f, {255, 0, 0}, &mesh);
@@ -206,7 +205,7 @@ TEST(TextureMesh, HidesWhatIsBehindSomething) {
   }
   TextureSummary summary;
   const MeshTexture texture = TextureOf(mesh, frames, &summary);
-  EXPECT_LT(summary.triangles_unseen, 30u);  // where both shadows have their rims
+  EXPECT_LT(summary.triangles_unseen, 30u);  // triangles at the borders of both occluded regions
   for (std::size_t i = 0; i < wall; ++i) {
     ASSERT_LT(ShownAt(texture, i).r, 140) << MiddleOf(mesh, i).transpose();
     ASSERT_GT(ShownAt(texture, i).g, 110);
@@ -214,8 +213,8 @@ TEST(TextureMesh, HidesWhatIsBehindSomething) {
   for (std::size_t i = wall; i < mesh.triangles.size(); ++i) ASSERT_GT(ShownAt(texture, i).r, 200);
 }
 
-// Colours that frames have of what was measured in front of the mesh, as of people, are not its.
-TEST(TextureMesh, TakesNoColorsWhereSomethingElseWasMeasured) {
+// Colours of occluders in front of the mesh, for example people, are not used.
+TEST(TextureMesh, IgnoresColorsOfOccluders) {
   const TriangleMesh mesh = Wall();
   TextureFrame frame = FrameAt({0, 0, 0.5}, Waves);
   for (int v = 0; v < 240; ++v)
@@ -230,7 +229,7 @@ TEST(TextureMesh, TakesNoColorsWhereSomethingElseWasMeasured) {
   }
 }
 
-TEST(TextureMesh, GivesWhatNoFrameShowsTheMeshsColors) {
+TEST(TextureMesh, UsesMeshColorsOfUnseenTriangles) {
   TriangleMesh mesh = Wall();
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
     mesh.colors[i] = {static_cast<std::uint8_t>(200 * (0.5f + mesh.vertices[i].x())), 50, 100};
@@ -239,14 +238,14 @@ TEST(TextureMesh, GivesWhatNoFrameShowsTheMeshsColors) {
   EXPECT_EQ(summary.triangles_unseen, mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Rgb8 shown = ShownAt(texture, i);
-    // Half a texel is a quarter of a cell: 1 step; rounding twice.
+    // Half a texel is a quarter of a cell: 1 grey value, plus two roundings.
     ASSERT_NEAR(shown.r, 200 * (0.5f + MiddleOf(mesh, i).x()), 4);
     ASSERT_EQ(shown.g, 50);
   }
 }
 
-// One frame is half as bright: its half of the wall ends up as bright as the other's.
-TEST(TextureMesh, EvensOutBrightness) {
+// One frame has half the brightness. Its half of the wall gets the brightness of the other frame.
+TEST(TextureMesh, EqualisesBrightnessOfFrames) {
   const TriangleMesh mesh = Wall();
   std::vector<TextureFrame> frames;
   for (const double x : {-0.13, 0.13}) {
@@ -260,7 +259,7 @@ TEST(TextureMesh, EvensOutBrightness) {
     ASSERT_NEAR(ShownAt(texture, i).r, 128, 2);
 }
 
-TEST(TextureMesh, FitsIntoASmallPicture) {
+TEST(TextureMesh, ScalesDownToMaxTextureSize) {
   const TriangleMesh mesh = Wall();
   TextureOptions options;
   options.max_texture_px = 100;
@@ -271,10 +270,10 @@ TEST(TextureMesh, FitsIntoASmallPicture) {
   EXPECT_LT(summary.pixel_share, 0.5);
   options.max_texture_px = 4;
   EXPECT_THAT([&] { TextureOf(mesh, FourNearAndOneFar(), &summary, options); },
-              ThrowsMessage<InputError>(HasSubstr("max_texture_px is 4, which is too small")));
+              ThrowsNaming<InputError>("max_texture_px", 4));
   options.least_sharpness = 2;
   EXPECT_THAT([&] { TextureOf(mesh, {}, &summary, options); },
-              ThrowsMessage<InputError>(HasSubstr("least_sharpness is 2")));
+              ThrowsNaming<InputError>("least_sharpness", 2));
 }
 
 TEST(TextureMesh, IsTheSameAtAnyNumberOfThreads) {

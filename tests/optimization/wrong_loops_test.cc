@@ -22,34 +22,35 @@ double OptimizedAte(TrueGraph graph, const PoseGraphOptions& options, PoseGraphS
   return Ate(graph.graph, graph.truth);
 }
 
-// One loop in ten is wrong.
+// Adds 10 % wrong loops and expects that GNC rejects them.
 void ExpectWrongLoopsAreFound(const TrueGraph& clean) {
   PoseGraphOptions options;
-  options.max_iterations = 50;  // that with wrong loops counted might take hundreds
+  options.max_iterations = 50;  // without GNC, wrong loops can need hundreds
   PoseGraphSummary summary;
   const double clean_ate = OptimizedAte(clean, options, &summary);
 
   TrueGraph wrong = clean;
   const std::vector<std::size_t> planted = PlantWrongLoops(0.1, &wrong);
   ASSERT_GT(planted.size(), 10u);
-  EXPECT_GT(OptimizedAte(wrong, options, &summary), 2 * clean_ate);  // they do harm
+  EXPECT_GT(OptimizedAte(wrong, options, &summary),
+            2 * clean_ate);  // wrong loops increase the error
   EXPECT_TRUE(summary.outlier_edges.empty());
 
   options.loop_robustness = "gnc";
   EXPECT_LT(OptimizedAte(wrong, options, &summary), 1.1 * clean_ate);
   EXPECT_EQ(summary.termination, PoseGraphTermination::kConverged);
   EXPECT_THAT(summary.outlier_edges, ::testing::IsSupersetOf(planted));
-  // The threshold costs one right loop of 1000; 1 % is far from that for so few.
+  // The threshold rejects one correct loop of 1000. The bound of 1 % has a margin for small counts.
   EXPECT_LE(summary.outlier_edges.size(), planted.size() + 0.01 * summary.loop_count);
 }
 
-TEST(WrongLoops, AreLeftOutOnASphere) { ExpectWrongLoopsAreFound(MakeSphere(20, 25)); }
+TEST(WrongLoops, AreRejectedOnSphere) { ExpectWrongLoopsAreFound(MakeSphere(20, 25)); }
 
-TEST(WrongLoops, AreLeftOutOnATorus) { ExpectWrongLoopsAreFound(MakeTorus(20, 25)); }
+TEST(WrongLoops, AreRejectedOnTorus) { ExpectWrongLoopsAreFound(MakeTorus(20, 25)); }
 
-TEST(WrongLoops, AreLeftOutInAGrid) { ExpectWrongLoopsAreFound(MakeGrid(7)); }
+TEST(WrongLoops, AreRejectedInGrid) { ExpectWrongLoopsAreFound(MakeGrid(7)); }
 
-TEST(WrongLoops, AreTheSameWithEveryBackend) {
+TEST(WrongLoops, AreRejectedAlikeByEachBackend) {
   TrueGraph wrong = MakeTorus(12, 12);
   PlantWrongLoops(0.1, &wrong);
   PoseGraphOptions options;
@@ -65,10 +66,10 @@ TEST(WrongLoops, AreTheSameWithEveryBackend) {
   }
 }
 
-TEST(WrongLoops, CostNothingWhereThereAreNone) {
+TEST(WrongLoops, GncKeepsResultWithoutWrongLoops) {
   PoseGraphOptions options;
   options.loop_robustness = "gnc";
-  options.max_loop_squared_error = 1e3;  // above any of noise
+  options.max_loop_squared_error = 1e3;  // above all errors of noise
   const TrueGraph clean = MakeTorus(12, 12);
   PoseGraphSummary robust, plain;
   const double robust_ate = OptimizedAte(clean, options, &robust);
@@ -84,7 +85,7 @@ class LargePoseGraphs : public ::testing::TestWithParam<const char*> {
   }
 };
 
-TEST_P(LargePoseGraphs, ConvergeToOneCostWithEveryBackend) {
+TEST_P(LargePoseGraphs, ConvergeToSameCostWithEachBackend) {
   const TrueGraph given = Make(GetParam());
   std::vector<double> costs;
   for (const std::string& backend : SparseBackendNames()) {

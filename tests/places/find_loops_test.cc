@@ -13,7 +13,8 @@ Rigid3d SmallMotion() {
   return Rigid3d(QuaternionExp<double>({0.03, 0.1, -0.05}), {0.1, 0.04, 0.1});
 }
 
-// A room's keyframes, and one more that is back near the fifth, its estimated pose off by drift.
+// Keyframes of a room. The last keyframe revisits keyframe kTarget, and its estimated pose has a
+// drift error.
 struct Return {
   std::vector<Keyframe> keyframes;
   PlaceIndex index;
@@ -43,7 +44,7 @@ const LoopAttempt* AttemptAt(const std::vector<LoopAttempt>& attempts, int targe
   return nullptr;
 }
 
-TEST(FindLoops, JoinsAReturnByItsLooksHoweverFarItDrifted) {
+TEST(FindLoops, FindsRevisitAtSmallAndLargeDrift) {
   for (const double drift_m : {0.05, 10.}) {
     const Return back(drift_m);
     const auto attempts = FindLoops(back.source, back.keyframes, back.index, FindLoopsOptions());
@@ -57,7 +58,7 @@ TEST(FindLoops, JoinsAReturnByItsLooksHoweverFarItDrifted) {
   }
 }
 
-TEST(ProposeLoops, ProposesTheNearestWhereNothingLooksAlike) {
+TEST(ProposeLoops, ProposesNearestKeyframeWithoutFeatures) {
   Return back(0.05);
   back.keyframes[back.source].view.features.clear();
   FindLoopsOptions options;
@@ -78,7 +79,7 @@ TEST(ProposeLoops, ProposesTheNearestWhereNothingLooksAlike) {
   }
 }
 
-TEST(ProposeLoops, LeavesOutKeyframesOfJustBeforeAndWithoutViews) {
+TEST(ProposeLoops, IgnoresRecentKeyframesAndKeyframesWithoutViews) {
   Return back(0.05);
   FindLoopsOptions options;
   options.min_gap = 1000;
@@ -90,7 +91,7 @@ TEST(ProposeLoops, LeavesOutKeyframesOfJustBeforeAndWithoutViews) {
   EXPECT_TRUE(ProposeLoops(back.source, back.keyframes, back.index, options).empty());
 }
 
-// How many frames of the room's path, each seen from a little off it, it takes until one is found.
+// Number of frames of a path near the path of the room until relocalisation succeeds.
 int FramesToRelocalize(const RoomOfKeyframes& room, const PlaceIndex& index, int first, int most) {
   for (int i = 0; i < most; ++i) {
     const Rigid3d pose = room.path[first + i].world_from_camera * SmallMotion();
@@ -104,7 +105,7 @@ int FramesToRelocalize(const RoomOfKeyframes& room, const PlaceIndex& index, int
   return most;
 }
 
-TEST(Relocalize, FindsAKidnappedCameraWithinTenFrames) {
+TEST(Relocalize, FindsKidnappedCameraWithinTenFrames) {
   for (const std::uint64_t seed : {1, 2}) {
     const RoomOfKeyframes& room = MakeRoomOfKeyframes(seed);
     const PlaceIndex index = IndexOf(room.keyframes);
@@ -123,12 +124,12 @@ TEST(Relocalize, FindsNothingInAnotherRoom) {
   }
 }
 
-TEST(FindLoopsOptions, RefuseWhatMakesNoSense) {
+TEST(FindLoopsOptions, RejectInvalidValues) {
   const auto expect_refused = ExpectOptionsRefused<FindLoopsOptions>;
-  expect_refused([](auto& o) { o.min_gap = 0; }, "min_gap is 0, must be at least 1");
-  expect_refused([](auto& o) { o.max_near_m = -1; }, "max_near_m is -1");
-  ExpectOptionsRefused<RelocalizeOptions>([](auto& o) { o.max_candidates = 0; },
-                                          "max_candidates is 0");
+  expect_refused([](auto& o) { o.min_gap = 0; }, "min_gap", "0");
+  expect_refused([](auto& o) { o.max_near_m = -1; }, "max_near_m", "-1");
+  ExpectOptionsRefused<RelocalizeOptions>([](auto& o) { o.max_candidates = 0; }, "max_candidates",
+                                          "0");
 }
 
 }  // namespace

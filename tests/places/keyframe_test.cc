@@ -12,7 +12,7 @@ namespace surfit::testing {
 
 namespace {
 
-// A wall 2 m away, of one colour but for its upper left quarter, whose colour is unknown.
+// Wall of one colour at 2 m. The colour of the upper left quarter is unknown.
 struct Wall {
   FramePyramid pyramid =
       PreprocessDepth(Image<float>(320, 240, 2.f), {PlaceCamera(), {}}, PreprocessOptions());
@@ -23,7 +23,7 @@ struct Wall {
   }
 };
 
-TEST(MakePlaceView, KeepsDepthAndIntensityToTheirRounding) {
+TEST(MakePlaceView, KeepsDepthAndIntensityUpToRounding) {
   const Wall wall;
   const PlaceView view = MakePlaceView(wall.pyramid, wall.color, PlaceViewOptions());
   const FramePyramid again = PyramidOf(view, PreprocessOptions());
@@ -42,7 +42,7 @@ TEST(MakePlaceView, KeepsDepthAndIntensityToTheirRounding) {
   }
 }
 
-TEST(MakePlaceView, HalvesImagesThatAreTooWide) {
+TEST(MakePlaceView, HalvesWideImages) {
   const Wall wall;
   PlaceViewOptions options;
   options.max_width = 160;
@@ -53,7 +53,7 @@ TEST(MakePlaceView, HalvesImagesThatAreTooWide) {
   EXPECT_EQ(view.intensity.height(), 120);
 }
 
-TEST(MakePlaceView, LeavesOutDepthBeyondItsRange) {
+TEST(MakePlaceView, RemovesDepthBeyondRange) {
   const FramePyramid far =
       PreprocessDepth(Image<float>(320, 240, 14.f), {PlaceCamera(), {}}, PreprocessOptions());
   for (const std::uint16_t units : MakePlaceView(far, {}, PlaceViewOptions()).depth) {
@@ -61,7 +61,7 @@ TEST(MakePlaceView, LeavesOutDepthBeyondItsRange) {
   }
 }
 
-TEST(MakePlaceView, FindsNoFeaturesOnAnEvenWallNorWithoutColor) {
+TEST(MakePlaceView, HasNoFeaturesWithoutTextureOrColor) {
   const Wall wall;
   const Image<Rgb8> even(320, 240, Rgb8{90, 90, 90});
   EXPECT_TRUE(MakePlaceView(wall.pyramid, even, PlaceViewOptions()).features.empty());
@@ -71,8 +71,8 @@ TEST(MakePlaceView, FindsNoFeaturesOnAnEvenWallNorWithoutColor) {
   EXPECT_TRUE(PyramidOf(colorless, PreprocessOptions()).levels.front().intensity.empty());
 }
 
-// 320 x 240 pixels of three bytes, and at most 500 features of 48.
-TEST(MakePlaceView, IsAsSmallAsItSays) {
+// 320 x 240 pixels of three bytes, and at most 500 features of 48 bytes.
+TEST(MakePlaceView, HasSizeOfBytes) {
   const PlaceView& view = MakeRoomOfKeyframes(1).keyframes.front().view;
   EXPECT_GT(view.features.size(), 100);
   EXPECT_LE(view.features.size(), 500);
@@ -80,7 +80,7 @@ TEST(MakePlaceView, IsAsSmallAsItSays) {
   EXPECT_LT(view.Bytes(), 260'000);
 }
 
-TEST(MakePlaceView, LiftsFeaturesOntoTheSurface) {
+TEST(MakePlaceView, FeaturesAreOnSurface) {
   const PlaceView& view = MakeRoomOfKeyframes(1).keyframes.front().view;
   int near = 0;
   for (const PlaceFeature& feature : view.features) {
@@ -91,14 +91,14 @@ TEST(MakePlaceView, LiftsFeaturesOntoTheSurface) {
     const double depth_m = view.depth(u, v) / PlaceView::kDepthUnitsPerMetre;
     near += std::abs(depth_m - feature.point.z()) < 0.05;
   }
-  // At edges the median of the neighbours may be the other surface's.
+  // At edges the median of the neighbours can be on the other surface.
   EXPECT_GT(near, 0.8 * static_cast<double>(view.features.size()));
 }
 
-TEST(PlaceViewOptions, RefuseWhatMakesNoSense) {
+TEST(PlaceViewOptions, RejectInvalidValues) {
   const auto expect_refused = ExpectOptionsRefused<PlaceViewOptions>;
-  expect_refused([](auto& o) { o.max_width = 79; }, "max_width is 79");
-  expect_refused([](auto& o) { o.max_features = 47; }, "max_features is 47");
+  expect_refused([](auto& o) { o.max_width = 79; }, "max_width", "79");
+  expect_refused([](auto& o) { o.max_features = 47; }, "max_features", "47");
 }
 
 FrameLevel WallAt(float depth_m) {
@@ -106,7 +106,6 @@ FrameLevel WallAt(float depth_m) {
       .levels.front();
 }
 
-// Sees a wall 2 m away from the origin.
 Keyframe KeyframeAtOrigin() {
   return {100, 0, Rigid3d(), MakePlaceView({{WallAt(2)}}, {}, PlaceViewOptions())};
 }
@@ -118,7 +117,7 @@ bool IsKeyframeAt(const Rigid3d& pose, int frames_later = 1) {
   return IsKeyframe(KeyframeAtOrigin(), 100 + frames_later, WallAt(2), pose, KeyframeOptions());
 }
 
-TEST(IsKeyframe, GoesByMotion) {
+TEST(IsKeyframe, DependsOnMotion) {
   const KeyframeOptions options;
   EXPECT_FALSE(IsKeyframeAt(Shifted(0.95 * options.max_distance_m)));
   EXPECT_TRUE(IsKeyframeAt(Shifted(1.05 * options.max_distance_m)));
@@ -126,51 +125,51 @@ TEST(IsKeyframe, GoesByMotion) {
   EXPECT_TRUE(IsKeyframeAt(Turned(1.05 * options.max_angle_rad)));
 }
 
-TEST(IsKeyframe, GoesByTimeUnlessTheCameraRests) {
+TEST(IsKeyframe, DependsOnFrameCountOfMovingCamera) {
   const int frames = KeyframeOptions().max_frames;
   EXPECT_FALSE(IsKeyframeAt(Shifted(0.05), frames - 1));
   EXPECT_TRUE(IsKeyframeAt(Shifted(0.05), frames));
   EXPECT_FALSE(IsKeyframeAt(Shifted(0.01), 10 * frames));
 }
 
-TEST(IsKeyframe, GoesByOverlap) {
+TEST(IsKeyframe, DependsOnOverlap) {
   KeyframeOptions options;
   options.max_distance_m = options.max_angle_rad = 100;
   options.min_overlap_share = 0.7;
-  // A turn by t moves the image by f tan t = 0.3 of its width.
+  // A rotation by t shifts the image by f tan t = 0.3 of its width.
   const double turn = std::atan(0.3 * 320 / 262);
   const auto is_keyframe = [&](double rad) {
     return IsKeyframe(KeyframeAtOrigin(), 101, WallAt(2), Turned(rad), options);
   };
   EXPECT_FALSE(is_keyframe(0.9 * turn));
-  options.max_angle_rad = 1;  // so that the turn is not little
+  options.max_angle_rad = 1;  // the rotation exceeds the small-motion threshold
   EXPECT_TRUE(is_keyframe(1.3 * turn));
 }
 
-TEST(OverlapShare, CountsWhatIsInTheImageAndNotHidden) {
+TEST(OverlapShare, CountsVisiblePoints) {
   const Keyframe keyframe = KeyframeAtOrigin();
   EXPECT_EQ(OverlapShare(keyframe, WallAt(2), Rigid3d()), 1);
   EXPECT_EQ(OverlapShare(keyframe, WallAt(1), Rigid3d()), 0);
   EXPECT_EQ(OverlapShare(keyframe, WallAt(3), Rigid3d()), 1);
-  // A quarter of the width, f 2 m / z: half a pixel column in eight may fall to either side.
+  // A quarter of the width, f 2 m / z. The error is half a pixel column of the grid of eight.
   EXPECT_NEAR(OverlapShare(keyframe, WallAt(2), Shifted(0.25 * 320 * 2 / 262)), 0.75, 8. / 320);
   EXPECT_EQ(OverlapShare(Keyframe(), WallAt(2), Rigid3d()), 0);
 }
 
-// The camera goes 1 m towards the wall at 2 m. The wall is then twice as large in the image, so a
-// quarter of the points stay in it. One row or column in eight pixels may fall to either side.
-TEST(OverlapShare, IsAQuarterAtHalfTheDistance) {
+// The camera moves 1 m towards the wall at 2 m. The wall is twice as large in the image, so a
+// quarter of the points stay in the image. The error is one row or column of eight pixels.
+TEST(OverlapShare, IsQuarterAtHalfDistance) {
   const Rigid3d nearer(Eigen::Quaterniond::Identity(), {0, 0, 1});
   EXPECT_NEAR(OverlapShare(KeyframeAtOrigin(), WallAt(1), nearer), 0.25, 8. / 240);
 }
 
-TEST(KeyframeOptions, RefuseWhatMakesNoSense) {
+TEST(KeyframeOptions, RejectInvalidValues) {
   const auto expect_refused = ExpectOptionsRefused<KeyframeOptions>;
   Validate(KeyframeOptions());
-  expect_refused([](auto& o) { o.max_distance_m = 0; }, "max_distance_m is 0, must be positive");
-  expect_refused([](auto& o) { o.max_angle_rad = -1; }, "max_angle_rad is -1, must be positive");
-  expect_refused([](auto& o) { o.min_overlap_share = 2; }, "min_overlap_share is 2");
-  expect_refused([](auto& o) { o.max_frames = 0; }, "max_frames is 0");
+  expect_refused([](auto& o) { o.max_distance_m = 0; }, "max_distance_m", "0");
+  expect_refused([](auto& o) { o.max_angle_rad = -1; }, "max_angle_rad", "-1");
+  expect_refused([](auto& o) { o.min_overlap_share = 2; }, "min_overlap_share", "2");
+  expect_refused([](auto& o) { o.max_frames = 0; }, "max_frames", "0");
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ PlaceView RandomView(std::uint64_t seed, int features = 100) {
   return view;
 }
 
-// Some of the view's features, each with some of its bits changed.
+// A subset of the features of the view, each with some random bit flips.
 PlaceView Changed(const PlaceView& view, int features, int bits) {
   std::mt19937_64 generator(1);
   PlaceView changed;
@@ -46,23 +46,23 @@ PlaceIndex IndexOfTen() {
   return index;
 }
 
-TEST(PlaceIndex, FindsTheSameViewAndNoOther) {
+TEST(PlaceIndex, FindsOnlyIdenticalView) {
   const auto candidates = IndexOfTen().Query(RandomView(3), 5, Any);
   ASSERT_EQ(candidates.size(), 1);
   EXPECT_EQ(candidates[0].keyframe, 3);
   EXPECT_NEAR(candidates[0].similarity, 1, 1e-12);
 }
 
-// With 14 bits of 256 and 8 tables, one with 10 of its bits changed is found with a chance of
-// 1 - (1 - (1 - 14/256)^10)^8 = 0.999.
-TEST(PlaceIndex, FindsFeaturesThatAreAlike) {
+// With 14 of 256 bits and 8 tables, a feature with 10 flipped bits is found with probability 1 - (1
+// - (1 - 14/256)^10)^8 = 0.999.
+TEST(PlaceIndex, FindsSimilarFeatures) {
   const auto candidates = IndexOfTen().Query(Changed(RandomView(3), 50, 10), 5, Any);
   ASSERT_EQ(candidates.size(), 1);
   EXPECT_EQ(candidates[0].keyframe, 3);
   EXPECT_GT(candidates[0].similarity, 0.95);
 }
 
-TEST(PlaceIndex, OrdersBySimilarityAndGivesNoMoreThanAskedFor) {
+TEST(PlaceIndex, SortsBySimilarityAndLimitsCount) {
   PlaceIndex index;
   const PlaceView view = RandomView(1);
   index.Add(7, Changed(view, 30, 0));
@@ -75,10 +75,10 @@ TEST(PlaceIndex, OrdersBySimilarityAndGivesNoMoreThanAskedFor) {
   EXPECT_EQ(index.Query(view, 1, [](int keyframe) { return keyframe == 7; })[0].keyframe, 7);
 }
 
-// Ten keyframes share 60 features, and each has 40 of its own. A feature of k of 10 keyframes has
-// the weight log(11 / k). So another keyframe has 60 log(11 / 10) of 60 log(11 / 10) + 40 log(11)
-// votes.
-TEST(PlaceIndex, WeighsFeaturesByTheirRarity) {
+// Ten keyframes share 60 features, and each has 40 unique features. A feature of k of 10 keyframes
+// has the weight log(11 / k). So the score of another keyframe is 60 log(11 / 10) / (60 log(11 /
+// 10) + 40 log(11)).
+TEST(PlaceIndex, WeightsFeaturesByRarity) {
   const auto view = [](int keyframe) {
     PlaceView both = RandomView(keyframe, 40);
     const PlaceView shared = RandomView(1000, 60);
@@ -97,7 +97,7 @@ TEST(PlaceIndex, WeighsFeaturesByTheirRarity) {
   EXPECT_NEAR(candidates[1].similarity, common / (common + own), 1e-12);
 }
 
-TEST(PlaceIndex, ForgetsWhatIsRemoved) {
+TEST(PlaceIndex, DoesNotFindRemovedKeyframes) {
   PlaceIndex index = IndexOfTen();
   const std::size_t bytes = index.Bytes();
   index.Remove(3);
@@ -114,7 +114,8 @@ TEST(PlaceIndex, HasNoCandidatesWithoutFeatures) {
   EXPECT_TRUE(PlaceIndex().Query(RandomView(1), 5, Any).empty());
 }
 
-// Views 15 cm and 8 degrees from every third keyframe; consecutive keyframes show almost the same.
+// Query views are 15 cm and 8 degrees from every third keyframe. Consecutive keyframes show almost
+// the same view.
 TEST(PlaceIndex, FindsPlacesOfARoom) {
   for (const std::uint64_t seed : {1, 2}) {
     const RoomOfKeyframes& room = MakeRoomOfKeyframes(seed);
@@ -135,16 +136,16 @@ TEST(PlaceIndex, FindsPlacesOfARoom) {
   }
 }
 
-TEST(PlaceIndexOptions, RefuseWhatMakesNoSense) {
+TEST(PlaceIndexOptions, RejectInvalidValues) {
   const auto expect_refused = ExpectOptionsRefused<PlaceIndexOptions>;
   Validate(PlaceIndexOptions());
-  expect_refused([](auto& o) { o.tables = 0; }, "tables is 0, must be from 1 to 64");
-  expect_refused([](auto& o) { o.bits = 21; }, "bits is 21, must be from 1 to 20");
-  expect_refused([](auto& o) { o.max_hamming = 257; }, "max_hamming is 257");
-  expect_refused([](auto& o) { o.min_similarity = -1; }, "min_similarity is -1");
+  expect_refused([](auto& o) { o.tables = 0; }, "tables", "0");
+  expect_refused([](auto& o) { o.bits = 21; }, "bits", "21");
+  expect_refused([](auto& o) { o.max_hamming = 257; }, "max_hamming", "257");
+  expect_refused([](auto& o) { o.min_similarity = -1; }, "min_similarity", "-1");
 }
 
-// Along a line at these places, each with a view of 1000 features that no other has.
+// Keyframes along a line, each with a view of 1000 unique features.
 std::vector<Keyframe> KeyframesAt(const std::vector<double>& x_m) {
   std::vector<Keyframe> keyframes;
   for (const double x : x_m) {
@@ -159,7 +160,7 @@ std::vector<Keyframe> KeyframesAt(const std::vector<double>& x_m) {
   return keyframes;
 }
 
-TEST(LimitKeyframes, LeavesAllWhatIsWithinTheLimit) {
+TEST(LimitKeyframes, KeepsAllKeyframesWithinLimit) {
   std::vector<Keyframe> keyframes = KeyframesAt({0, 1, 2});
   PlaceIndex index = IndexOf(keyframes);
   const std::size_t bytes = 3 * keyframes[0].view.Bytes();
@@ -167,11 +168,11 @@ TEST(LimitKeyframes, LeavesAllWhatIsWithinTheLimit) {
   EXPECT_EQ(index.keyframe_count(), 3);
 }
 
-TEST(LimitKeyframes, GivesUpTheOlderViewOfThePairThatIsMostAlike) {
+TEST(LimitKeyframes, RemovesOlderViewOfMostSimilarPair) {
   std::vector<Keyframe> keyframes = KeyframesAt({0, 1, 2.5, 2.6, 1.2});
   PlaceIndex index = IndexOf(keyframes);
   const std::size_t bytes = 3 * keyframes[0].view.Bytes();
-  // 2.5 and 2.6 m are 0.1 m apart, then 1 and 1.2 m are nearest.
+  // 2.5 and 2.6 m have a distance of 0.1 m. The next pair is 1 and 1.2 m.
   EXPECT_THAT(LimitKeyframes(bytes, &keyframes, &index), ElementsAre(2, 1));
   EXPECT_TRUE(keyframes[2].view.empty());
   EXPECT_TRUE(keyframes[1].view.empty());
@@ -180,7 +181,7 @@ TEST(LimitKeyframes, GivesUpTheOlderViewOfThePairThatIsMostAlike) {
   EXPECT_EQ(index.keyframe_count(), 3);
 }
 
-TEST(LimitKeyframes, CountsATurnAsWay) {
+TEST(LimitKeyframes, CountsRotationAsDistance) {
   std::vector<Keyframe> keyframes = KeyframesAt({0, 0.1, 5, 5.2});
   keyframes[1].world_from_camera.rotation = QuaternionExp<double>({0, 0.5, 0});
   PlaceIndex index = IndexOf(keyframes);
@@ -188,7 +189,7 @@ TEST(LimitKeyframes, CountsATurnAsWay) {
   EXPECT_THAT(LimitKeyframes(bytes, &keyframes, &index), ElementsAre(2));
 }
 
-TEST(LimitKeyframes, GivesUpAllWhereNothingIsAllowed) {
+TEST(LimitKeyframes, RemovesAllViewsAtZeroLimit) {
   std::vector<Keyframe> keyframes = KeyframesAt({0, 1});
   PlaceIndex index = IndexOf(keyframes);
   EXPECT_THAT(LimitKeyframes(0, &keyframes, &index), ElementsAre(0, 1));

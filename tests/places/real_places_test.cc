@@ -15,7 +15,7 @@ namespace {
 
 constexpr char kKitchen[] = "seven_scenes_kitchen";
 
-// Frames of the kitchen as keyframes at their pseudo true poses.
+// Frames of the kitchen as keyframes at the poses of its ground truth.
 std::vector<Keyframe> KitchenFrames(int first, int last, int stride) {
   SequenceOptions options;
   options.path = SharedData(kKitchen);
@@ -34,8 +34,8 @@ std::vector<Keyframe> KitchenFrames(int first, int last, int stride) {
   return keyframes;
 }
 
-// The kitchen's poses come from another system's tracking, good to some centimetres.
-TEST(RealPlaces, JoinsTheKitchensReturn) {
+// The ground truth is from another SLAM system, with errors of centimetres.
+TEST(RealPlaces, VerifiesRevisitOfKitchen) {
   SURFIT_REQUIRE_SHARED_DATA(kKitchen);
   const std::vector<Keyframe> before = KitchenFrames(270, 280, 10);
   const std::vector<Keyframe> after = KitchenFrames(980, 990, 10);
@@ -56,8 +56,8 @@ bool IsKnown(const Keyframe& frame, const std::vector<Keyframe>& keyframes) {
   });
 }
 
-// How many frames it takes from the first that sees a known place to the one that is found.
-// Nothing if no frame of `frames` sees one for so long.
+// Number of frames from the first frame of a known place to the first relocalised frame.
+// std::nullopt: too few frames after a known place.
 std::optional<int> FramesToRelocalize(const std::vector<Keyframe>& frames, std::size_t first,
                                       const std::vector<Keyframe>& keyframes,
                                       const PlaceIndex& index, int most) {
@@ -74,7 +74,7 @@ std::optional<int> FramesToRelocalize(const std::vector<Keyframe>& frames, std::
   return most;
 }
 
-TEST(RealPlaces, RelocalisesAKidnappedCamera) {
+TEST(RealPlaces, RelocalisesKidnappedCamera) {
   SURFIT_REQUIRE_SHARED_DATA(kKitchen);
   const std::vector<Keyframe> keyframes = KitchenFrames(200, 320, 15);
   const std::vector<Keyframe> later = KitchenFrames(960, 975, 1);
@@ -83,8 +83,8 @@ TEST(RealPlaces, RelocalisesAKidnappedCamera) {
   EXPECT_LT(*frames, 10);
 }
 
-// As if the camera had been carried from frame 450 to any later one.
-TEST(RealPlacesSweep, RelocalisesWhereverTheCameraIsCarried) {
+// Simulates a camera that is carried from frame 450 to a later frame.
+TEST(RealPlacesSweep, RelocalisesCameraAtEveryPlace) {
   SURFIT_REQUIRE_SHARED_DATA(kKitchen);
   constexpr int kMost = 10, kStride = 25;
   const std::vector<Keyframe> keyframes = KitchenFrames(0, 450, 15);

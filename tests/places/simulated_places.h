@@ -15,7 +15,6 @@ namespace surfit::testing {
 
 inline PinholeCamera PlaceCamera() { return {320, 240, 262, 262, 159.5, 119.5, {}}; }
 
-// What a Kinect-like camera sees from a pose.
 inline RgbdFrame SeenFrom(const Scene& scene, const Rigid3d& world_from_camera, int index = 0) {
   RgbdFrame frame = RenderFrame(scene, PlaceCamera(), world_from_camera, index, index / 30.);
   frame.depth_m = KinectDepth(frame.depth_m, PlaceCamera(), 100 + index);
@@ -35,8 +34,8 @@ inline PlaceIndex IndexOf(const std::vector<Keyframe>& keyframes) {
   return index;
 }
 
-// A furnished room with keyframes at every tenth of the first 300 frames of a hand-held path, made
-// once for all tests.
+// Furnished room with a keyframe at every tenth of the first 300 frames of a hand-held path. Rooms
+// are created once and shared by all tests.
 struct RoomOfKeyframes {
   Scene scene;
   Trajectory path;
@@ -58,7 +57,7 @@ inline const RoomOfKeyframes& MakeRoomOfKeyframes(std::uint64_t seed) {
   return room;
 }
 
-// The view of the room from near one of its keyframes, and what is true of it.
+// View near a keyframe of the room, with its true pose.
 struct ViewNearby {
   PlaceView view;
   Rigid3d keyframe_from_view;

@@ -16,7 +16,7 @@ Rigid3d NearbyPose() {
   return Rigid3d(QuaternionExp<double>({0.03, 0.15, -0.05}), {0.15, 0.04, 0.1});
 }
 
-// (w, v)^T information (w, v) of the verdict's error.
+// Squared Mahalanobis distance of the pose error.
 double SquaredError(const FarVerdict& verdict, const Rigid3d& truth) {
   const Rigid3d off = truth * verdict.target_from_source.Inverse();
   Vector6d error;
@@ -24,9 +24,9 @@ double SquaredError(const FarVerdict& verdict, const Rigid3d& truth) {
   return error.dot(verdict.information * error);
 }
 
-// Of 20 views of two rooms near to keyframes. Three sigmas in six dimensions, by the chance that a
-// single normal variable leaves them: chi-square 20.
-TEST(VerifyLoop, AcceptsRightLoopsWithinTheirCovariance) {
+// 20 views of two rooms, near keyframes. The threshold is chi-square 20 with six degrees of
+// freedom: the probability of three sigmas of a normal variable.
+TEST(VerifyLoop, AcceptsCorrectLoopsWithinTheirCovariance) {
   int tried = 0, accepted = 0;
   for (const std::uint64_t seed : {1, 2}) {
     const RoomOfKeyframes& room = MakeRoomOfKeyframes(seed);
@@ -43,7 +43,7 @@ TEST(VerifyLoop, AcceptsRightLoopsWithinTheirCovariance) {
   EXPECT_GE(accepted, 0.7 * tried);
 }
 
-TEST(VerifyLoop, APriorReplacesFeatures) {
+TEST(VerifyLoop, AcceptsPriorInsteadOfFeatures) {
   const RoomOfKeyframes& room = MakeRoomOfKeyframes(2);
   auto [view, truth] = SeeNearby(room, 3, NearbyPose());
   view.features.clear();
@@ -56,7 +56,7 @@ TEST(VerifyLoop, APriorReplacesFeatures) {
   EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.01, 0.5 * kRadPerDeg));
 }
 
-TEST(VerifyLoop, RefusesWithoutDepth) {
+TEST(VerifyLoop, RejectsViewsWithoutDepth) {
   const PlaceView& view = MakeRoomOfKeyframes(1).keyframes[0].view;
   EXPECT_EQ(VerifyLoop(PlaceView(), view, kOptions).reason, FarReason::kNoView);
   EXPECT_EQ(VerifyLoop(view, PlaceView(), kOptions).reason, FarReason::kNoView);
@@ -65,7 +65,7 @@ TEST(VerifyLoop, RefusesWithoutDepth) {
   EXPECT_EQ(VerifyLoop(missing, view, kOptions, Rigid3d()).reason, FarReason::kNotRegistered);
 }
 
-TEST(VerifyLoop, RefusesAnEvenWall) {
+TEST(VerifyLoop, RejectsWallWithoutTexture) {
   const FramePyramid pyramid =
       PreprocessDepth(Image<float>(320, 240, 2.f), {PlaceCamera(), {}}, PreprocessOptions());
   const PlaceView wall =
@@ -74,7 +74,7 @@ TEST(VerifyLoop, RefusesAnEvenWall) {
   EXPECT_FALSE(VerifyLoop(wall, wall, kOptions, Rigid3d()).accepted());
 }
 
-TEST(VerifyLoop, RefusesTheSameShapesOfAnotherLook) {
+TEST(VerifyLoop, RejectsSameGeometryWithOtherTexture) {
   const RoomOfKeyframes& room = MakeRoomOfKeyframes(1);
   PlaceView other = room.keyframes[0].view;
   other.intensity = room.keyframes[15].view.intensity;
@@ -85,8 +85,8 @@ TEST(VerifyLoop, RefusesTheSameShapesOfAnotherLook) {
             FarReason::kLooksDifferent);
 }
 
-// Rooms of two seeds share walls and a floor; with poses as if they were the same place.
-TEST(VerifyLoop, RefusesOtherPlaces) {
+// Rooms of two seeds have similar walls and floors. The prior claims the same place.
+TEST(VerifyLoop, RejectsOtherPlaces) {
   const RoomOfKeyframes &room = MakeRoomOfKeyframes(1), &other = MakeRoomOfKeyframes(2);
   for (int i = 0; i < 30; i += 3) {
     for (int j = 0; j < 30; j += 6) {
@@ -97,8 +97,8 @@ TEST(VerifyLoop, RefusesOtherPlaces) {
   }
 }
 
-// From priors that are off by up to 30 cm and 15 degrees only right fits may be accepted.
-TEST(VerifyLoop, APriorMayBeWrong) {
+// With prior errors up to 30 cm and 15 degrees, only correct registrations are accepted.
+TEST(VerifyLoop, AcceptsOnlyCorrectFitsWithWrongPriors) {
   const RoomOfKeyframes& room = MakeRoomOfKeyframes(2);
   int refused = 0;
   for (int i = 0; i < 30; i += 5) {
@@ -118,14 +118,14 @@ TEST(VerifyLoop, APriorMayBeWrong) {
   EXPECT_GT(refused, 0);
 }
 
-// A corridor is alike all along: what its shapes leave free only its pictures may tell. With
-// stripes that repeat every 10 cm they tell several places alike.
+// Wall of a corridor with stripes every 10 cm: geometry does not constrain the translation along
+// the wall, and the texture is ambiguous.
 PlaceView StripedWall(double shift_m) {
   constexpr double kDepthM = 2, kPeriodM = 0.1;
   Image<float> depth_m(320, 240, static_cast<float>(kDepthM));
   Image<Rgb8> color(320, 240);
   for (const auto [u, v] : PixelsOf(320, 240)) {
-    // A step in depth across the stripes' direction holds all but the way along.
+    // A depth step across the stripes constrains all directions except along the wall.
     if (v > 160) depth_m(u, v) = 1.6f;
     const double x_m = PlaceCamera().Ray(u, v).x() * depth_m(u, v) + shift_m;
     const double wave = std::sin(2 * M_PI * x_m / kPeriodM);
@@ -136,7 +136,7 @@ PlaceView StripedWall(double shift_m) {
                        PlaceViewOptions());
 }
 
-TEST(VerifyLoop, RefusesWhatRepeats) {
+TEST(VerifyLoop, RejectsRepetitiveTexture) {
   const FarVerdict verdict = VerifyLoop(StripedWall(0), StripedWall(0.5), kOptions, Rigid3d());
   EXPECT_FALSE(verdict.accepted()) << ToString(verdict.reason);
   EXPECT_THAT(ToString(verdict.reason), ::testing::AnyOf("ambiguous", "degenerate"));
@@ -155,15 +155,15 @@ TEST(VerifyLoop, IsTheSameAtAnyNumberOfThreads) {
   }
 }
 
-TEST(VerifyLoopOptions, RefuseWhatMakesNoSense) {
+TEST(VerifyLoopOptions, RejectInvalidValues) {
   const auto expect_refused = ExpectOptionsRefused<VerifyLoopOptions>;
   Validate(VerifyLoopOptions());
-  expect_refused([](auto& o) { o.min_agreeing_features = 3; }, "min_agreeing_features is 3");
-  expect_refused([](auto& o) { o.fit.min_inlier_share = 2; }, "min_inlier_share is 2");
-  expect_refused([](auto& o) { o.fit.max_rmse_m = 0; }, "max_rmse_m is 0, must be positive");
-  expect_refused([](auto& o) { o.fit.min_overlap_share = -1; }, "min_overlap_share is -1");
-  expect_refused([](auto& o) { o.fit.max_sigma_m = 0; }, "max_sigma_m is 0");
-  expect_refused([](auto& o) { o.fit.max_disagreement_rad = 0; }, "max_disagreement_rad is 0");
+  expect_refused([](auto& o) { o.min_agreeing_features = 3; }, "min_agreeing_features", "3");
+  expect_refused([](auto& o) { o.fit.min_inlier_share = 2; }, "fit.min_inlier_share", "2");
+  expect_refused([](auto& o) { o.fit.max_rmse_m = 0; }, "fit.max_rmse_m", "0");
+  expect_refused([](auto& o) { o.fit.min_overlap_share = -1; }, "fit.min_overlap_share", "-1");
+  expect_refused([](auto& o) { o.fit.max_sigma_m = 0; }, "fit.max_sigma_m", "0");
+  expect_refused([](auto& o) { o.fit.max_disagreement_rad = 0; }, "fit.max_disagreement_rad", "0");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Comparison of a calibration with the given calibration, and its scaling to whole images.
+// Tests of the comparison of two calibrations, and of scaling a calibration to full resolution.
 #include <gtest/gtest.h>
 
 #include "optimization/refinement/joint_state.h"
@@ -9,14 +9,16 @@ namespace {
 
 PinholeCamera WholeCamera() { return {320, 240, 260, 250, 159.5, 119.5, {}}; }
 
-// The squared distance has the mean n and the variance 2 n for n numbers (chi squared).
-TEST(CalibrationChange, LimitIsSomeStandardDeviationsAboveTheMean) {
+// The squared Mahalanobis distance of n parameters has the mean n and the variance 2 n
+// (chi-square).
+TEST(CalibrationChange, LimitIsMeanPlusStandardDeviations) {
   EXPECT_DOUBLE_EQ((CalibrationChange{0, 8}.Limit(0)), 8);
   EXPECT_DOUBLE_EQ((CalibrationChange{0, 8}.Limit(3)), 8 + 3 * 4);
 }
 
-// The focal lengths are off by two sigmas and one sigma. Numbers without a variance were held.
-TEST(CalibrationChange, CountsTheNumbersThatHaveAVariance) {
+// The errors of the focal lengths are two sigmas and one sigma. Parameters without variance are
+// fixed.
+TEST(CalibrationChange, CountsEstimatedParameters) {
   const DepthCalibration given = {WholeCamera(), {}, 0};
   DepthCalibration found = given;
   found.camera.fx += 2;
@@ -30,9 +32,9 @@ TEST(CalibrationChange, CountsTheNumbersThatHaveAVariance) {
   EXPECT_NEAR(change.squared_distance, 4 + 1, 1e-12);
 }
 
-// The calibration of every second pixel has half the px. The scale multiplies covariances of px and
-// inverse depth, and its square multiplies variances of px.
-TEST(ScaleUp, ScalesPixelsAndTheirCovariance) {
+// At every second pixel, the parameters in px are halved. The scale multiplies covariances of px
+// and inverse depth, and its square multiplies variances of px.
+TEST(ScaleUp, ScalesPixelsAndCovariance) {
   constexpr int kStride = 2;
   RefinementSummary summary;
   summary.calibration = Subsampled({WholeCamera(), {}, 0.01}, kStride);

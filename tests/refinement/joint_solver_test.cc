@@ -1,5 +1,5 @@
-// Our descent against Ceres' over all rows, by autodiff, displacements included.
-// The prior's normal equations against RelativePose, derived by autodiff.
+// Compares the joint solver with Ceres over all rows, including displacements. The reference uses
+// autodiff. Compares the normal equations of the prior with autodiff of RelativePose.
 #include "optimization/refinement/joint_solver.h"
 
 #include <ceres/autodiff_cost_function.h>
@@ -20,7 +20,6 @@ namespace {
 
 constexpr int kPoses = 12, kSurfels = 600;
 
-// The least cost, by Ceres.
 double CeresCost(const RandomProblem& problem) {
   using Plane = ceres::AutoDiffCostFunction<PlaneInverseDepth, 1, kPoseSize, kCalibrationSize, 1>;
   using Texture = ceres::AutoDiffCostFunction<SurfelTexture, 2, kPoseSize, kCalibrationSize, 1, 2>;
@@ -55,7 +54,7 @@ double CeresCost(const RandomProblem& problem) {
           textures[s].data());
     }
   }
-  // Only the offset of inverse depth is free: the other ten are held.
+  // Only the offset of inverse depth is estimated. The other ten parameters are fixed.
   std::vector<int> held(kCalibrationSize);
   for (int i = 0; i < kCalibrationSize; ++i) held[i] = i;
   held.erase(held.begin() + kFieldBegin);
@@ -69,7 +68,7 @@ double CeresCost(const RandomProblem& problem) {
   return summary.final_cost;
 }
 
-TEST(MinimizeJointly, ReachesTheCostOfCeresOverAllRows) {
+TEST(MinimizeJointly, ReachesCostOfCeres) {
   for (const int reach : {1, kPoses}) {
     RandomProblem problem = MakeRandomProblem(kPoses, kSurfels, 1, reach);
     std::mt19937_64 random(3);
@@ -89,14 +88,14 @@ TEST(MinimizeJointly, ReachesTheCostOfCeresOverAllRows) {
     ASSERT_GT(MinimizeJointly({problem.shared, nothing, none}, options, &problem.state).iterations,
               0);
     const double cost = FitOf(problem.shared, problem.state, none).rho / 2;
-    EXPECT_LT(expected, before / 2);  // there was something to do
-    // Both are at the least cost but for the change, a millionth, that ends ours.
+    EXPECT_LT(expected, before / 2);  // the initial cost is larger
+    // Both costs are minimal, up to the convergence threshold 1e-6.
     EXPECT_NEAR(cost, expected, 1e-6 * expected);
     EXPECT_EQ(problem.state.world_from_camera[0].Matrix(), first.Matrix());
   }
 }
 
-TEST(MinimizeJointly, LeavesAStateWithoutFiniteCostAsItWas) {
+TEST(MinimizeJointly, KeepsStateWithoutFiniteCost) {
   for (const char* solver : {"reduced", "ceres"}) {
     SCOPED_TRACE(solver);
     RandomProblem problem = MakeRandomProblem(kPoses, kSurfels, 1);
@@ -113,9 +112,9 @@ TEST(MinimizeJointly, LeavesAStateWithoutFiniteCostAsItWas) {
 }
 
 constexpr double kSigmaM = 0.002, kSigmaRad = 0.005, kWeight = 3;
-constexpr double kPrecision = 1e-9;  // sums of some dozens of products of double
+constexpr double kPrecision = 1e-9;  // sums of a few dozen products in double precision
 
-// Three poses that have moved by less than the prior's robust kernel is wide.
+// Three poses with errors below the width of the robust kernel of the prior.
 class ThreePoses : public ::testing::Test {
  protected:
   ThreePoses() : given_(MakeRandomProblem(3, 1, 0).state), moved_(given_) {
@@ -130,17 +129,17 @@ class ThreePoses : public ::testing::Test {
   JointState moved_;
 };
 
-TEST_F(ThreePoses, AreWhereTheyWereGiven) {
+TEST_F(ThreePoses, PriorIsZeroAtInputPoses) {
   const JointPrior prior(given_.world_from_camera, kSigmaM, kSigmaRad);
   ReducedSystem system(pattern_);
   prior.AddTo(given_, &system);
   EXPECT_NEAR(system.rho, 0, kPrecision);
   EXPECT_LT(system.gradient.norm(), kPrecision / kSigmaM);
-  // What moves all alike is free: six of 18 directions.
+  // A common motion of all poses is unobservable: six of 18 directions.
   EXPECT_EQ(DenseHessian(system).topLeftCorner(18, 18).fullPivLu().rank(), 12);
 }
 
-TEST_F(ThreePoses, AgreeWithAutodiff) {
+TEST_F(ThreePoses, PriorAgreesWithAutodiff) {
   JointPrior prior(given_.world_from_camera, kSigmaM, kSigmaRad);
   prior.SetWeight(kWeight);
   ReducedSystem system(pattern_);
@@ -181,7 +180,7 @@ TEST_F(ThreePoses, AgreeWithAutodiff) {
   EXPECT_LT((system.gradient.head(18) - gradient).norm(), kPrecision * gradient.norm());
 }
 
-TEST_F(ThreePoses, PullNoStrongerWhereTheyAreFarOff) {
+TEST_F(ThreePoses, PriorIsRobustToLargeErrors) {
   const JointPrior prior(given_.world_from_camera, kSigmaM, kSigmaRad);
   const auto pull_at = [&](double metres) {
     JointState state = given_;
@@ -194,9 +193,9 @@ TEST_F(ThreePoses, PullNoStrongerWhereTheyAreFarOff) {
   EXPECT_NEAR(pull_at(2 * kSigmaM), 2 * pull_at(kSigmaM), 1e-6 * pull_at(kSigmaM));
 }
 
-// Its cost is the squares of changes in standard deviations, and the gradient half the slope of
+// The cost is the sum of squared changes, in standard deviations. The gradient is half the slope of
 // rho.
-TEST_F(ThreePoses, CalibrationPriorIsTheSumOfSquares) {
+TEST_F(ThreePoses, CalibrationPriorIsSumOfSquares) {
   const CalibrationPrior sigmas = {0.01, 0.001, 5, 0.02};
   JointPrior prior(given_.calibration, sigmas);
   prior.SetWeight(kWeight);
@@ -204,13 +203,13 @@ TEST_F(ThreePoses, CalibrationPriorIsTheSumOfSquares) {
   JointState wrong = given_;
   PinholeCamera& camera = wrong.calibration.camera;
   camera.fx *= 1.01, camera.cy += 10, wrong.calibration.field.coefficients[3] -= 0.02;
-  // One of the focal length, ten of the aspect, two of the centre, one of the field.
+  // 1 for the focal length, 10^2 for the aspect, 2^2 for the centre, 1 for the field.
   EXPECT_NEAR(prior.Rho(wrong), kWeight * (1 + 100 + 4 + 1), 1e-6);
   ReducedSystem system(pattern_);
   prior.AddTo(wrong, &system);
   EXPECT_NEAR(system.rho, prior.Rho(wrong), kPrecision * system.rho);
   EXPECT_EQ(system.gradient.head(system.CalibrationBegin()).norm(), 0);
-  // rho is quadratic: from here to the given calibration it falls to zero along its Newton step.
+  // rho is quadratic: a Newton step leads to the input calibration.
   const Eigen::VectorXd step =
       system.calibration.ldlt().solve(system.gradient.tail<kCalibrationSize>());
   EXPECT_NEAR(step[0], wrong.calibration.camera.fx - given_.calibration.camera.fx, 1e-9);
@@ -218,7 +217,7 @@ TEST_F(ThreePoses, CalibrationPriorIsTheSumOfSquares) {
   EXPECT_NEAR(step[kFieldBegin + 3], -0.02, 1e-9);
 }
 
-TEST_F(ThreePoses, CalibrationPriorSaysNothingWithoutStandardDeviations) {
+TEST_F(ThreePoses, CalibrationPriorIsZeroWithoutStandardDeviations) {
   const JointPrior prior(given_.calibration, CalibrationPrior{0, 0, 0, 0});
   JointState wrong = given_;
   wrong.calibration.camera.fx *= 2;

@@ -1,4 +1,4 @@
-// The solvers of a round against each other, run to convergence from one start.
+// Compares the solvers of a refinement round at convergence.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kCameras = 12, kSurfelCount = 600;
 
-// Noise of a sigma, and one surfel in twenty that a keyframe sees 30 sigmas off.
+// Noise of one sigma. One surfel in twenty has an outlier of 30 sigmas.
 RandomProblem WrongStart(bool textured) {
   RandomProblem problem = MakeRandomProblem(kCameras, kSurfelCount, 1);
   std::mt19937_64 random(3);
@@ -55,7 +55,6 @@ JointPrior GivenPrior(const RandomProblem& problem, const RefinementOptions& opt
 constexpr JointKernels kFixedKernels = {{RobustKernelType::kGemanMcClure, 6},
                                         {RobustKernelType::kHuber, 3}};
 
-// The cost of poses and calibration.
 double CostOf(const RandomProblem& problem, const JointPrior& prior) {
   return (FitOf(problem.shared, problem.state, kFixedKernels).rho + prior.Rho(problem.state)) / 2;
 }
@@ -64,7 +63,7 @@ using Case = std::tuple<bool, bool, std::string>;  // textured, free calibration
 
 class JointSolvers : public ::testing::TestWithParam<Case> {};
 
-TEST_P(JointSolvers, ReachTheSameCost) {
+TEST_P(JointSolvers, ReachSameCost) {
   const auto [textured, free_calibration, linear_solver] = GetParam();
   RandomProblem by_hand = WrongStart(textured);
   RefinementOptions options = ToConvergence(free_calibration);
@@ -83,10 +82,11 @@ TEST_P(JointSolvers, ReachTheSameCost) {
   ASSERT_GT(ceres.iterations, 1);
   EXPECT_LT(ceres.iterations, options.max_iterations);
   const double expected = CostOf(by_hand, prior), cost = CostOf(by_ceres, prior);
-  EXPECT_LT(expected, 0.99 * before);  // there was something to do
+  EXPECT_LT(expected, 0.99 * before);  // the initial cost is larger
   EXPECT_NEAR(cost, expected, 1e-6 * expected);
   EXPECT_NEAR(hand.costs.back(), expected, 1e-6 * expected);
-  // Ceres' own cost is that of surfels at their very best: four steps, as by hand, leave a little.
+  // The cost of Ceres refers to converged surfels. The reduced solver updates surfels in four
+  // steps, which leaves a small difference.
   EXPECT_NEAR(ceres.costs.front(), before, 1e-5 * before);
   EXPECT_NEAR(ceres.costs.back(), cost, 1e-5 * cost);
   EXPECT_LE(ceres.costs.back(), cost);
@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(All, JointSolvers,
                                             ::testing::Values("sparse_schur", "iterative_schur")),
                          NameOfCase);
 
-TEST(JointSolversThreads, GiveTheSameBits) {
+TEST(JointSolversThreads, AreBitwiseIdentical) {
   for (const char* solver : {"reduced", "ceres"}) {
     SCOPED_TRACE(solver);
     RefinementOptions options = ToConvergence(true);

@@ -10,15 +10,14 @@
 
 namespace surfit::testing {
 
-// A few planes before a few cameras, seen with noise: a problem of the kind that refinement solves,
-// without images.
+// Refinement problem of a few planes and cameras with noise, without images.
 struct RandomProblem {
   SharedSurfels shared;
   JointState state;
 };
 
-// All but the first keyframe that see the surfel's plane see its texture as well: images that
-// change by about a sigma per px, expanded some tenths of a pixel beside where the points are.
+// Adds texture observations to all keyframes of the surfel except the first keyframe. Intensities
+// change by about one sigma per px. Taps are a few tenths of a pixel from the projected points.
 inline void AddTexture(double noise_sigmas, std::mt19937_64* random, SharedSurfel* surfel,
                        RandomProblem* problem) {
   constexpr float kInverseSigma = 5;
@@ -54,8 +53,8 @@ inline void AddTexture(double noise_sigmas, std::mt19937_64* random, SharedSurfe
   surfel->textures_end = shared.textures.size();
 }
 
-// Each surfel is seen by about 70 % of the poses that are at most so many from one of them; by
-// default from all.
+// About 70 % of the poses observe a surfel, if their index is within `reach` of one pose. Default:
+// all poses.
 inline RandomProblem MakeRandomProblem(int poses, int surfels, double noise_sigmas,
                                        int reach = std::numeric_limits<int>::max()) {
   constexpr float kInverseSigma = 400;  // m
@@ -114,7 +113,7 @@ inline RandomProblem MakeRandomProblem(int poses, int surfels, double noise_sigm
   return problem;
 }
 
-// All of a reduced hessian: poses, then calibration.
+// Full reduced Hessian: poses, then calibration.
 inline Eigen::MatrixXd DenseHessian(const ReducedSystem& system) {
   const BlockPattern& pattern = *system.pattern;
   const Eigen::Index size = system.gradient.size();

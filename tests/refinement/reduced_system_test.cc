@@ -1,5 +1,5 @@
-// The system without displacements against the full one, derived by autodiff.
-// The factor by blocks against dense solutions of the whole system.
+// Compares the reduced system with the full system, derived by autodiff. Compares the block
+// factorisation with dense solutions of the whole system.
 #include "optimization/refinement/reduced_system.h"
 
 #include <ceres/autodiff_cost_function.h>
@@ -20,7 +20,7 @@
 namespace surfit::testing {
 namespace {
 
-// All rows of the full problem, weighted: increments of the poses, calibration, displacements.
+// Weighted rows of the full problem. Columns: increments of the poses, calibration, displacements.
 struct FullSystem {
   Eigen::MatrixXd jacobian;
   Eigen::VectorXd residuals;
@@ -32,8 +32,7 @@ using PlaneFunctor =
 using TextureFunctor =
     ceres::AutoDiffCostFunction<SurfelTexture, 2, kPoseSize, kCalibrationSize, 1, 2>;
 
-// Fills the full system observation by observation. Surfels have as many columns as with texture;
-// those of what a surfel does not have stay zero.
+// Builds the full system. All surfels have columns for texture, which are zero without texture.
 class FullMaker {
  public:
   FullMaker(const RandomProblem& problem, const JointKernels& kernels)
@@ -83,12 +82,12 @@ class FullMaker {
     const TextureObservation& o = problem_.shared.textures[i];
     const TextureFunctor functor(new SurfelTexture(o.taps, 1. / o.inverse_sigma,
                                                    TexturePoints(surfel), surfel.normal_in_world));
-    // The functor has it in the unit of sigma, the elimination in standard deviations.
+    // The functor uses the unit of sigma. The elimination uses standard deviations.
     const Eigen::Vector2d texture = best.texture / o.inverse_sigma;
     Add(functor, o.keyframe, s, best.displacement, texture.data(), kernels_.texture);
   }
 
-  // The rows of one functor; texture is null if it has none.
+  // Adds the rows of one functor. `texture` is null for functors without texture.
   void Add(const ceres::CostFunction& functor, int keyframe, std::size_t s, double displacement,
            const double* texture, const RobustKernel& kernel) {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -124,14 +123,14 @@ class FullMaker {
   Eigen::Index row_ = 0;
 };
 
-// Sums of products of some hundreds of rows of double; the pivots that stand for zero are at least
-// 1e-12, each of some dozens.
+// Sums of products of a few hundred rows in double precision. Pivots that replace zeros are at
+// least 1e-12, each a sum of a few dozen products.
 constexpr double kOfReduction = 1e-8;
 
-// Of all pairs of poses about half share a surfel.
+// About half of all pairs of poses share a surfel.
 class ReducedSystemOfKernel : public ::testing::TestWithParam<RobustKernelType> {
  protected:
-  // At another readout than the images were brought to one moment by.
+  // The readout differs from the readout of the image correction.
   ReducedSystemOfKernel() { problem_.state.calibration.readout_s += 0.01; }
 
   const JointKernels kernels_ = {{GetParam(), 1.5}, {GetParam(), 0.7}};
@@ -139,14 +138,14 @@ class ReducedSystemOfKernel : public ::testing::TestWithParam<RobustKernelType> 
   const BlockPattern pattern_ = {problem_.shared, 8};
 };
 
-TEST_P(ReducedSystemOfKernel, IsTheSchurComplementOfTheFullOne) {
+TEST_P(ReducedSystemOfKernel, IsSchurComplementOfFullSystem) {
   const ReducedSystem reduced = Reduce(problem_.shared, pattern_, problem_.state, kernels_);
   ASSERT_LT(pattern_.block_count(), 8 * 9 / 2);
   const FullSystem full = FullMaker(problem_, kernels_).Make();
   const Eigen::Index kept = reduced.gradient.size();
   const Eigen::Index gone = full.jacobian.cols() - kept;
   Eigen::MatrixXd hessian = full.jacobian.transpose() * full.jacobian;
-  // Of numbers that a surfel does not have.
+  // Diagonal of parameters without observation.
   hessian.diagonal() = hessian.diagonal().unaryExpr([](double d) { return d > 0 ? d : 1.; });
   const Eigen::VectorXd gradient = full.jacobian.transpose() * full.residuals;
   const Eigen::LDLT<Eigen::MatrixXd> surfels(hessian.bottomRightCorner(gone, gone));
@@ -168,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(Kernels, ReducedSystemOfKernel,
                          ::testing::Values(RobustKernelType::kNone, RobustKernelType::kHuber,
                                            RobustKernelType::kGemanMcClure));
 
-TEST(ReducedSystemThreads, IsTheSameBitForBit) {
+TEST(ReducedSystemThreads, IsBitwiseIdentical) {
   const RandomProblem problem = MakeRandomProblem(6, 80, 1);
   const BlockPattern pattern(problem.shared, 6);
   const auto reduce = [&](int threads) {
@@ -186,11 +185,11 @@ TEST(ReducedSystemThreads, IsTheSameBitForBit) {
 
 constexpr int kManyPoses = 40, kManySurfels = 2000;
 constexpr double kDamping = 1e-4;
-// Scaled to a diagonal of ones the condition is below 1 / kDamping, or 1e6 without damping; sums of
-// some hundreds of products.
+// With a diagonal of ones, the condition number is below 1 / kDamping, or 1e6 without damping. Sums
+// have a few hundred products.
 constexpr double kFactorPrecision = 1e-9;
 
-// With poses far along a corridor, or all before the same wall.
+// Poses along a corridor (sparse), or in front of one wall (dense).
 struct View {
   int reach;
   bool dense;
@@ -216,11 +215,11 @@ class ReducedFactorOfView : public ::testing::TestWithParam<View> {
   std::vector<Eigen::Index> free_;
 };
 
-TEST_P(ReducedFactorOfView, IsOfTheFasterKind) {
+TEST_P(ReducedFactorOfView, UsesFasterFactorization) {
   EXPECT_EQ(PoseFactor(pattern_).is_dense(), GetParam().dense);
 }
 
-TEST_P(ReducedFactorOfView, SolvesForTheDampedStep) {
+TEST_P(ReducedFactorOfView, SolvesForDampedStep) {
   ReducedFactor factor(pattern_, held_);
   ASSERT_TRUE(factor.Factorize(system_, kDamping));
   const ReducedStep step = factor.Solve(system_.gradient);
@@ -239,7 +238,7 @@ TEST_P(ReducedFactorOfView, SolvesForTheDampedStep) {
   EXPECT_NEAR(step.rho_decrease, model, kFactorPrecision * model);
 }
 
-TEST_P(ReducedFactorOfView, HasTheBlocksOfTheInverse) {
+TEST_P(ReducedFactorOfView, AgreesWithBlocksOfInverse) {
   const JointCovariance covariance = CovarianceOf(system_, held_);
   Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(hessian_.rows(), hessian_.cols());
   const Eigen::MatrixXd free = hessian_(free_, free_);
@@ -250,7 +249,7 @@ TEST_P(ReducedFactorOfView, HasTheBlocksOfTheInverse) {
         block.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 1.; });
     return (scale.asDiagonal() * (ours - block) * scale.asDiagonal()).cwiseAbs().maxCoeff();
   };
-  constexpr double kOfInverse = 1e-6;  // pivots of 1e-12, and a condition below 1e6
+  constexpr double kOfInverse = 1e-6;  // pivots of 1e-12, and a condition number below 1e6
   EXPECT_LT(difference(covariance.calibration, kPoseTangentSize * kManyPoses), kOfInverse);
   ASSERT_EQ(covariance.poses.size(), std::size_t{kManyPoses});
   for (int k = 0; k < kManyPoses; ++k) {
@@ -261,7 +260,7 @@ TEST_P(ReducedFactorOfView, HasTheBlocksOfTheInverse) {
 INSTANTIATE_TEST_SUITE_P(Views, ReducedFactorOfView,
                          ::testing::Values(View{1, false}, View{kManyPoses, true}));
 
-TEST(ReducedFactor, LeavesAPoseThatSeesNothingWhereItIs) {
+TEST(ReducedFactor, KeepsPoseWithoutObservations) {
   RandomProblem problem = MakeRandomProblem(5, 200, 1);
   problem.state.world_from_camera.push_back(problem.state.world_from_camera.back());
   const BlockPattern pattern(problem.shared, 6);

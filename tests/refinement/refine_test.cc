@@ -1,5 +1,5 @@
-// Refinement of keyframes that see one textured wall: its shape says nothing of motion along it.
-// Refinement of simulated keyframes, whose poses and calibration are known.
+// Tests the refinement of keyframes of one textured wall, whose geometry does not constrain motion
+// along it. Tests the refinement of simulated keyframes with known poses and calibration.
 #include "surfit/optimization/refine.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@
 namespace surfit::testing {
 namespace {
 
-// A camera that goes 1 cm a frame along x, 30 frames a second.
+// Camera that moves by 1 cm per frame along x, at 30 Hz.
 Trajectory Straight(int count) {
   Trajectory trajectory;
   for (int i = 0; i < count; ++i) {
@@ -30,24 +30,24 @@ Trajectory Straight(int count) {
   return trajectory;
 }
 
-TEST(ChooseKeyframes, TakesTheFirstAndEachThatHasMoved) {
+TEST(ChooseKeyframes, SelectsFirstFrameAndFramesAfterTranslation) {
   EXPECT_EQ(ChooseKeyframes(Straight(10), 0.035, 1, 0), (std::vector<std::size_t>{0, 4, 8}));
   EXPECT_TRUE(ChooseKeyframes({}, 0.1, 1, 0).empty());
 }
 
-TEST(ChooseKeyframes, TakesThoseThatHaveTurned) {
+TEST(ChooseKeyframes, SelectsFramesAfterRotation) {
   Trajectory turning = Straight(3);
   turning[2].world_from_camera.rotation = QuaternionExp<double>({0, 0.2, 0});
   EXPECT_EQ(ChooseKeyframes(turning, 1, 0.15, 0), (std::vector<std::size_t>{0, 2}));
 }
 
-TEST(ChooseKeyframes, TakesFewerWhereThereWouldBeTooMany) {
+TEST(ChooseKeyframes, LimitsNumberOfKeyframes) {
   const std::vector<std::size_t> chosen = ChooseKeyframes(Straight(1000), 0.015, 1, 20);
   EXPECT_LE(chosen.size(), 20u);
   EXPECT_GT(chosen.size(), 10u);
 }
 
-TEST(CorrectTrajectory, KeepsPosesWhoseKeyframesDoNotMove) {
+TEST(CorrectTrajectory, KeepsPosesOfUnchangedKeyframes) {
   const Trajectory given = Straight(7);
   const Trajectory same = CorrectTrajectory(
       given, {0, 3, 5},
@@ -57,7 +57,7 @@ TEST(CorrectTrajectory, KeepsPosesWhoseKeyframesDoNotMove) {
   }
 }
 
-TEST(CorrectTrajectory, InterpolatesWhatItsKeyframesDid) {
+TEST(CorrectTrajectory, InterpolatesCorrectionsOfKeyframes) {
   const Trajectory given = Straight(7);
   const Rigid3d up(Eigen::Quaterniond::Identity(), {0, 0, 0.04});
   const Trajectory moved = CorrectTrajectory(
@@ -65,21 +65,21 @@ TEST(CorrectTrajectory, InterpolatesWhatItsKeyframesDid) {
   EXPECT_THAT(moved[1].world_from_camera,
               RigidNear(Rigid3d(Eigen::Quaterniond::Identity(), {0.01, 0, 0.01}), 1e-12, 1e-12));
   EXPECT_THAT(moved[4].world_from_camera, RigidNear(up * given[4].world_from_camera, 1e-12, 1e-12));
-  // Beyond the last keyframe all move with it.
+  // Frames after the last keyframe get its correction.
   EXPECT_THAT(moved[6].world_from_camera, RigidNear(up * given[6].world_from_camera, 1e-12, 1e-12));
   EXPECT_EQ(moved[6].stamp_s, given[6].stamp_s);
 }
 
-constexpr double kDepth = 2;  // m, of a wall that all keyframes face
+constexpr double kDepth = 2;  // m, depth of a wall that all keyframes face
 
 PinholeCamera Camera() { return {160, 120, 131.25, 131.25, 79.75, 59.75, {}}; }
 
-// Waves some dozens of pixels long.
+// Waves with a length of a few dozen pixels.
 float TextureAt(double x, double y) {
   return static_cast<float>(0.5 + 0.2 * std::sin(20 * x + 5 * y) + 0.2 * std::cos(18 * y - 7 * x));
 }
 
-// What a camera shifted by this sees.
+// Images of a camera with this translation along the wall.
 KeyframeImages ImagesAt(const Eigen::Vector2d& shift, float brighter) {
   const PinholeCamera camera = Camera();
   KeyframeImages images;
@@ -99,7 +99,7 @@ struct Wall {
   std::vector<Eigen::Vector2d> truth;
   std::vector<RefinementKeyframe> keyframes;
 
-  // The largest error of a position along the wall, metres.
+  // Largest position error along the wall, m.
   double Error() const {
     double error = 0;
     for (std::size_t k = 0; k < truth.size(); ++k) {
@@ -110,8 +110,8 @@ struct Wall {
   }
 };
 
-// Each keyframe but the first is believed to be 12 mm beside where it is, 0.8 px, and sees all as
-// much brighter as its exposure is longer.
+// All keyframes except the first keyframe have an initial error of 12 mm (0.8 px). The exposure
+// increases from keyframe to keyframe.
 Wall MakeWall() {
   Wall wall;
   for (int k = 0; k < 5; ++k) {
@@ -133,7 +133,7 @@ RefinementSummary RefineWall(double photometric_weight, Wall* wall) {
   return Refine(options, {Camera(), {}}, &wall->keyframes, [](const RefinementRound&) {});
 }
 
-TEST(RefineTexture, FindsMotionAlongAWallThatShapeDoesNotTell) {
+TEST(RefineTexture, ConstrainsMotionAlongWall) {
   Wall wall = MakeWall(), shape_only = MakeWall();
   const double before = wall.Error();
   const RefinementSummary summary = RefineWall(1, &wall);
@@ -148,7 +148,7 @@ TEST(RefineTexture, FindsMotionAlongAWallThatShapeDoesNotTell) {
   EXPECT_GT(shape_only.Error(), before / 2);
 }
 
-TEST(RefineTexture, HasNoTextureWhereIntensitiesAreUnknown) {
+TEST(RefineTexture, HasNoTextureWithoutIntensities) {
   Wall wall = MakeWall();
   for (RefinementKeyframe& keyframe : wall.keyframes) {
     keyframe.images.intensity =
@@ -163,7 +163,7 @@ constexpr double kOffset = 0.02 / 3;  // 1/m: 2 % at 3 m
 
 PinholeCamera TrueCamera() { return {160, 120, 131.25, 131.25, 79.75, 59.75, {}}; }
 
-// Every eighth frame of a path through a room, seen by a Kinect whose inverse depth is off.
+// Every eighth frame of a path through a room, with Kinect noise and an offset of inverse depth.
 struct Recording {
   std::vector<Rigid3d> truth;
   std::vector<RefinementKeyframe> keyframes;
@@ -203,7 +203,7 @@ RefinementSummary RefineAll(const RefinementOptions& options, const PinholeCamer
   return Refine(options, {camera, {}}, &recording->keyframes, [](const RefinementRound&) {});
 }
 
-TEST(Refine, FindsFocalLengthAndDepthOffsetAndTheTruePoses) {
+TEST(Refine, FindsFocalLengthDepthOffsetAndPoses) {
   Recording recording = Record(40, kOffset, 0.01, 0.005);
   PinholeCamera camera = TrueCamera();
   camera.fx *= 1.01;
@@ -221,14 +221,14 @@ TEST(Refine, FindsFocalLengthAndDepthOffsetAndTheTruePoses) {
   EXPECT_NEAR(found.camera.fx, TrueCamera().fx, 2 * sigma[0]);
   EXPECT_NEAR(found.camera.fy, TrueCamera().fy, 2 * sigma[1]);
   EXPECT_NEAR(found.field.coefficients[0], -kOffset, 2 * sigma[4]);
-  // Far from where it began.
+  // The standard deviations are smaller than the initial errors.
   EXPECT_LT(sigma[0], 0.003 * TrueCamera().fx);
   EXPECT_LT(sigma[1], 0.003 * TrueCamera().fy);
   EXPECT_LT(sigma[4], kOffset / 8);
   EXPECT_LT(AteOf(recording), ate_before / 3);
 }
 
-TEST(Refine, KeepsARightCalibrationAndPosesWithinTheirStandardDeviations) {
+TEST(Refine, KeepsCorrectCalibrationAndPosesWithinStandardDeviations) {
   Recording recording = Record(30, 0, 0, 0);
   const RefinementSummary summary = RefineAll({}, TrueCamera(), &recording);
   ASSERT_TRUE(summary.Succeeded()) << ToString(summary.termination);
@@ -236,7 +236,6 @@ TEST(Refine, KeepsARightCalibrationAndPosesWithinTheirStandardDeviations) {
   EXPECT_TRUE(summary.calibration_kept);
   EXPECT_EQ(summary.calibration.camera.fx, TrueCamera().fx);
   EXPECT_TRUE(summary.calibration.field.IsZero());
-  // Large deviations would be true of anything.
   const double most[] = {0.005 * TrueCamera().fx, 0.005 * TrueCamera().fy, 0.005 * TrueCamera().fx,
                          0.005 * TrueCamera().fy, 0.001};
   for (int i = 0; i < 5; ++i) {
@@ -256,7 +255,7 @@ TEST(Refine, KeepsARightCalibrationAndPosesWithinTheirStandardDeviations) {
   }
 }
 
-TEST(Refine, HoldsWhatIsNotFree) {
+TEST(Refine, KeepsFixedParameters) {
   Recording recording = Record(12, kOffset, 0.005, 0.002);
   const Rigid3d first = recording.keyframes[0].world_from_camera;
   RefinementOptions options;
@@ -271,7 +270,7 @@ TEST(Refine, HoldsWhatIsNotFree) {
   EXPECT_NE(recording.keyframes[1].world_from_camera.Matrix(), recording.truth[1].Matrix());
 }
 
-TEST(Refine, KeepsACalibrationThatIsWrongByNoMoreThanTheModel) {
+TEST(Refine, KeepsCalibrationWithinModelError) {
   const Recording given = Record(12, kOffset, 0, 0);
   RefinementOptions options;
   options.free_intrinsics = options.free_depth_field = false;
@@ -286,11 +285,11 @@ TEST(Refine, KeepsACalibrationThatIsWrongByNoMoreThanTheModel) {
     return summary.calibration_kept;
   };
   EXPECT_FALSE(keeps(0.0005));
-  EXPECT_TRUE(keeps(0.02));  // as much as the offset is worth at 3 m
+  EXPECT_TRUE(keeps(0.02));  // the effect of the offset at 3 m
 }
 
-TEST(Refine, MovesNothingWhereKeyframesShareTooLittle) {
-  Recording recording = Record(2, 0, 0.01, 0.005);  // three must see a surfel
+TEST(Refine, KeepsPosesWithoutSharedSurfels) {
+  Recording recording = Record(2, 0, 0.01, 0.005);  // a surfel needs three observations
   const Rigid3d second = recording.keyframes[1].world_from_camera;
   const RefinementSummary summary = RefineAll({}, TrueCamera(), &recording);
   EXPECT_EQ(summary.termination, RefinementTermination::kTooFewSurfels);
@@ -298,7 +297,7 @@ TEST(Refine, MovesNothingWhereKeyframesShareTooLittle) {
   EXPECT_EQ(recording.keyframes[1].world_from_camera.Matrix(), second.Matrix());
 }
 
-TEST(RefineThreads, GivesTheSameBitForBit) {
+TEST(RefineThreads, IsBitwiseIdentical) {
   const auto refine = [](int threads) {
     const ThreadLimit limit(threads);
     Recording recording = Record(8, kOffset, 0.005, 0.002);
@@ -315,11 +314,10 @@ TEST(RefineThreads, GivesTheSameBitForBit) {
   EXPECT_EQ(refine(1), refine(3));
 }
 
-TEST(Refine, RefusesImpossibleOptions) {
+TEST(Refine, RejectsInvalidOptions) {
   RefinementOptions options;
   options.min_observations = 1;
-  ExpectInputError([&] { Validate(options); },
-                   HasSubstr("min_observations is 1, must be at least 2"));
+  ExpectInputError([&] { Validate(options); }, Names("min_observations", 1, 2));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ Rigid3d Shift(double x, double y, double z) {
   return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, y, z)};
 }
 
-// One source point, a target full of points at depth 1.
+// One source point, and a target with points at depth 1 in all pixels.
 class AssociationTest : public ::testing::Test {
  protected:
   AssociationTest() {
@@ -42,7 +42,7 @@ class AssociationTest : public ::testing::Test {
   FrameLevel source_ = EmptyLevel(), target_ = EmptyLevel();
 };
 
-TEST_F(AssociationTest, MatchesTheMovedPointWithTheNearestPixel) {
+TEST_F(AssociationTest, MatchesMovedPointWithNearestPixel) {
   target_.normal.Set(5, 3, {0.6f, 0, -0.8f});
   const Rigid3d pose = Shift(0.3, 0.1, 0.2);  // to u = 3 + 8 * 0.25, v = 2 + 8 * 0.0833
   const PairBuffer pairs = Collect(pose);
@@ -54,7 +54,7 @@ TEST_F(AssociationTest, MatchesTheMovedPointWithTheNearestPixel) {
   EXPECT_NEAR(pairs.information[0], 1 / std::pow(ErrorModel().Sigma(1, {}), 2), 1);  // 1e-6 of 5e4
 }
 
-TEST_F(AssociationTest, RotatesAboutTheSourceCamera) {
+TEST_F(AssociationTest, RotatesAboutSourceCamera) {
   const Rigid3d pose(QuaternionExp<double>({0, 0.2, 0}), {0, 0, 0});  // x = z sin, z = z cos
   const PairBuffer pairs = Collect(pose);
   ASSERT_EQ(pairs.size, 1);
@@ -62,8 +62,8 @@ TEST_F(AssociationTest, RotatesAboutTheSourceCamera) {
   EXPECT_NEAR(pairs.qx[0], target_.camera.Ray(5, 2).x(), 1e-6);  // 8 tan(0.2) = 1.6
 }
 
-// Pixel (u, v) reaches from u - 1/2 up to but not including u + 1/2.
-TEST_F(AssociationTest, ImageBordersAreHalfAPixelOutsideTheOuterCentres) {
+// Pixel (u, v) covers the interval [u - 1/2, u + 1/2).
+TEST_F(AssociationTest, ImageBorderIsHalfPixelOutsideOuterCentres) {
   const double hair = 1e-5;
   const auto to_pixel = [](double u, double v) { return Shift((u - 3) / 8, (v - 2) / 8, 0); };
   EXPECT_EQ(Count(to_pixel(-0.5 + hair, 2)), 1);
@@ -76,31 +76,31 @@ TEST_F(AssociationTest, ImageBordersAreHalfAPixelOutsideTheOuterCentres) {
   EXPECT_EQ(Count(to_pixel(3, 5.5 + hair)), 0);
 }
 
-TEST_F(AssociationTest, PointsFarOutsideAreNoOverflow) {
+TEST_F(AssociationTest, IgnoresPointsFarOutside) {
   EXPECT_EQ(Count(Shift(1e12, 0, 0)), 0);
   EXPECT_EQ(Count(Shift(0, -1e30, 0)), 0);
   EXPECT_EQ(Count(Shift(0.1, 0, -1 + 1e-7)), 0);
 }
 
-TEST_F(AssociationTest, PointsBehindTheTargetCameraHaveNoPartner) {
-  // On the optical axis, whose pixel is (3, 2) from both sides.
+TEST_F(AssociationTest, IgnoresPointsBehindTargetCamera) {
+  // The optical axis projects to pixel (3, 2), from both sides.
   EXPECT_EQ(Count(Shift(0, 0, -0.5)), 1);
   EXPECT_EQ(Count(Shift(0, 0, -1)), 0);
   EXPECT_EQ(Count(Shift(0, 0, -1.5)), 0);
 }
 
-TEST_F(AssociationTest, NeedsASourcePoint) {
+TEST_F(AssociationTest, RequiresSourcePoint) {
   source_.vertex.Set(3, 2, {0, 0, 0});
   EXPECT_EQ(Count(Rigid3d()), 0);
-  EXPECT_EQ(Count(Shift(0, 0, 1)), 0);  // the missing point would move to a good place
+  EXPECT_EQ(Count(Shift(0, 0, 1)), 0);  // the missing point would project into the image
 }
 
-TEST_F(AssociationTest, NeedsATargetPoint) {
+TEST_F(AssociationTest, RequiresTargetPoint) {
   target_.vertex.Set(3, 2, {0, 0, 0});
   EXPECT_EQ(Count(Rigid3d()), 0);
 }
 
-TEST_F(AssociationTest, NeedsTheNormalsOfTheResidual) {
+TEST_F(AssociationTest, RequiresNormalsOfResidual) {
   const auto count = [&](NeededNormals normals) { return Count(Rigid3d(), kOff, normals); };
   source_.normal.Set(3, 2, {0, 0, 0});
   EXPECT_EQ(count(NeededNormals::kTarget), 1);
@@ -110,25 +110,26 @@ TEST_F(AssociationTest, NeedsTheNormalsOfTheResidual) {
   EXPECT_EQ(count(NeededNormals::kNone), 1);
 }
 
-TEST_F(AssociationTest, DistanceGateIsTheDistanceOfThePoints) {
+TEST_F(AssociationTest, DistanceGateLimitsDistanceOfPoints) {
   AssociationGates gates = kOff;
   gates.max_distance_m = 0.1;
   EXPECT_EQ(Count(Shift(0, 0, 0.0999), gates), 1);
   EXPECT_EQ(Count(Shift(0, 0, 0.1001), gates), 0);
-  // Sideways, 0.06 and 0.08 m from the centre of pixel (3, 2)'s neighbours: along the plane counts.
+  // 0.06 m sideways and 0.08 m in depth from the centre of a neighbour pixel: the distance along
+  // the plane is included.
   const double pixel_m = 1.0 / 8;
   EXPECT_EQ(Count(Shift(pixel_m + 0.0599, 0, 0.08), gates), 1);
   EXPECT_EQ(Count(Shift(pixel_m + 0.0601, 0, 0.0801), gates), 0);
 }
 
-TEST_F(AssociationTest, WithoutDistanceGateAnyDistanceWillDo) {
+TEST_F(AssociationTest, AcceptsAnyDistanceWithoutDistanceGate) {
   EXPECT_EQ(Count(Shift(0, 0, 50)), 1);
 }
 
-TEST_F(AssociationTest, NormalGateIsTheAngleOfTheRotatedNormals) {
+TEST_F(AssociationTest, NormalGateLimitsAngleOfRotatedNormals) {
   AssociationGates gates = kOff;
   gates.max_normal_angle_rad = 0.3;
-  // About the optical axis through the point, the point stays where it is.
+  // The point on the optical axis does not move.
   const auto tilt = [](double angle_rad) {
     return Eigen::Vector3d(std::sin(angle_rad), 0, -std::cos(angle_rad));
   };
@@ -137,20 +138,20 @@ TEST_F(AssociationTest, NormalGateIsTheAngleOfTheRotatedNormals) {
   SetPoint(&source_, 3, 2, 1, tilt(0.301));
   EXPECT_EQ(Count(Rigid3d(), gates), 0);
   EXPECT_EQ(Count(Rigid3d(), kOff), 1);
-  // A pose that turns the normal back: about y by 0.301 takes (sin a, 0, -cos a) to (0, 0, -1).
+  // The pose rotates the normal back: 0.301 about y maps (sin a, 0, -cos a) to (0, 0, -1).
   const Rigid3d turn(QuaternionExp<double>({0, 0.301, 0}), {0, 0, 0});
   EXPECT_EQ(Count(turn, gates), 1);
 }
 
-TEST_F(AssociationTest, OnlyTheNormalGateNeedsASourceNormal) {
+TEST_F(AssociationTest, OnlyNormalGateRequiresSourceNormal) {
   source_.normal.Set(3, 2, {0, 0, 0});
   EXPECT_EQ(Count(Rigid3d()), 1);
   AssociationGates gates = kOff;
-  gates.max_normal_angle_rad = 1.57;  // the widest
+  gates.max_normal_angle_rad = 1.57;  // the widest gate
   EXPECT_EQ(Count(Rigid3d(), gates), 0);
 }
 
-TEST_F(AssociationTest, CountsTheValidSourcePoints) {
+TEST_F(AssociationTest, CountsValidSourcePoints) {
   const auto count = [&] {
     return ProjectiveAssociation(source_, target_, kOff, ErrorModel()).source_count();
   };
@@ -159,7 +160,7 @@ TEST_F(AssociationTest, CountsTheValidSourcePoints) {
   EXPECT_EQ(count(), 2);
 }
 
-TEST_F(AssociationTest, UsesEverySoManythRowOfTheSource) {
+TEST_F(AssociationTest, UsesEveryNthRowOfSource) {
   SetPoint(&source_, 0, 0, 1, kFacing);
   SetPoint(&source_, 0, 1, 1, kFacing);
   const auto count = [&](int row_stride) {
@@ -173,21 +174,20 @@ TEST_F(AssociationTest, UsesEverySoManythRowOfTheSource) {
   EXPECT_EQ(count(3), 1);
 }
 
-TEST(AssociationGates, ValidateNamesFieldValueAndConstraint) {
+TEST(AssociationGates, ValidateRejectsInvalidFieldsByName) {
   Validate(AssociationGates());
   Validate(kOff);
-  const auto expect = [](double distance_m, double angle_rad, const char* message) {
+  const auto expect = [](double distance_m, double angle_rad, const auto&... names) {
     const AssociationGates gates = {distance_m, angle_rad};
-    ExpectInputError([&] { Validate(gates); }, ::testing::StrEq(message));
+    ExpectInputError([&] { Validate(gates); }, Names(names...));
   };
-  expect(-1, 0.5, "max_distance_m is -1, must be zero (off) or positive");
-  expect(std::nan(""), 0.5, "max_distance_m is nan, must be zero (off) or positive");
-  expect(0.1, -0.1,
-         "max_normal_angle_rad is -0.1, must be zero (off) or positive and below 1.5708");
-  expect(0.1, 1.6, "max_normal_angle_rad is 1.6, must be zero (off) or positive and below 1.5708");
+  expect(-1, 0.5, "max_distance_m", -1);
+  expect(std::nan(""), 0.5, "max_distance_m", "nan");
+  expect(0.1, -0.1, "max_normal_angle_rad", -0.1, 1.5708);
+  expect(0.1, 1.6, "max_normal_angle_rad", 1.6, 1.5708);
 }
 
-// Rows of 83 pixels: ten times eight lanes and three.
+// Rows of 83 pixels: ten times eight lanes, and three pixels.
 constexpr PinholeCamera kCamera = {83, 60, 70, 70, 41, 29.5, {}};
 
 class RowFinderTest : public ::testing::Test {
@@ -217,8 +217,8 @@ class RowFinderTest : public ::testing::Test {
   ErrorModel error_model_;
 };
 
-// Whatever the processor has: pairs are the same bit for bit, and in the same order.
-TEST_F(RowFinderTest, InstructionsGiveTheSamePairs) {
+// Correspondences are bitwise identical and in the same order for all instruction sets.
+TEST_F(RowFinderTest, IsBitwiseIdenticalForAllInstructionSets) {
   const ProjectiveAssociation association = Association();
   const auto finder = association.At(pose_);
   PairBuffer base, best;
@@ -239,9 +239,9 @@ TEST_F(RowFinderTest, InstructionsGiveTheSamePairs) {
   EXPECT_GT(pairs, kCamera.width * kCamera.height / 2);
 }
 
-// In double precision, by the header's words. Which pixel or gate a point just misses is a matter
-// of rounding: 1e-6 of a hundred pixels or of a sigma.
-TEST_F(RowFinderTest, FindsThePairsThatTheDefinitionHas) {
+// The definition of the header in double precision. Rounding (1e-6 of 100 px or of a sigma) can
+// change the pixel or the gate of a few points.
+TEST_F(RowFinderTest, AgreesWithDefinitionInDoublePrecision) {
   const PairBuffer found = Association().Collect(pose_);
   int next = 0, expected = 0, doubtful = 0;
   for (const auto [u, v] : PixelsOf(kCamera)) {

@@ -13,8 +13,8 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
-// Points all over a rectangle of the given sides (m), `density` of them for each square metre, with
-// noise along its normal z; then moved.
+// Random points in a rectangle with the given sides (m) and `density` points per square metre.
+// Noise is along the normal z. The points are transformed by `pose`.
 Points Rectangle(double side_x, double side_y, double density, double sigma_m,
                  const Rigid3d& pose = {}) {
   std::mt19937_64 rng(1);
@@ -29,14 +29,14 @@ Points Rectangle(double side_x, double side_y, double density, double sigma_m,
   return points;
 }
 
-// For points whose noise does not depend on where they were seen from.
+// Sensor model for points with noise that does not depend on the viewpoint.
 CloudSensor WithoutDepthNoise() {
   CloudSensor sensor;
   sensor.noise.inverse_depth_sigma = 0;
   return sensor;
 }
 
-TEST(CloudNormals, AreExactOnATiltedPlaneOfAnyScale) {
+TEST(CloudNormals, AreExactOnTiltedPlaneAtAnyScale) {
   for (const double scale : {0.01, 1., 100.}) {
     const Eigen::Quaterniond turn = QuaternionExp<double>({0.3, -0.4, 0.2});
     const Points points =
@@ -45,17 +45,18 @@ TEST(CloudNormals, AreExactOnATiltedPlaneOfAnyScale) {
     EXPECT_EQ(result.missing, 0);
     const Eigen::Vector3f expected = (turn * -Eigen::Vector3d::UnitZ()).cast<float>();
     for (const auto& normal : result.normals) {
-      // Coordinates of up to 6 are rounded to 2.4e-7 at random. The smallest neighbourhood has a
+      // Coordinates up to 6 have random rounding errors of 2.4e-7. The smallest neighbourhood has a
       // radius of 3 / sqrt(3000) = 0.05 and 10 points: 2.4e-7 / (0.025 sqrt(10)) = 3e-6 rad at one
-      // sigma, at the rim a few times that.
+      // sigma, and a few times that at the border.
       ASSERT_THAT(normal, VectorNear(expected, 5e-5f));
     }
   }
 }
 
-// The normal's deviation has two components, each of at most max_normal_sigma_rad at one sigma, so
-// that its mean square is at most twice that squared. The points' own noise is what s measures.
-TEST(CloudNormals, TakeAsManyNeighboursAsTheNoiseNeeds) {
+// The deviation of a normal has two components of at most max_normal_sigma_rad at one sigma. So the
+// mean square is at most twice the square of max_normal_sigma_rad. The deviation of points is
+// measured by deviation_m.
+TEST(CloudNormals, UseMoreNeighboursForLargerNoise) {
   double last_square = 0;
   for (const double sigma_m : {0.0005, 0.004}) {
     const Points points =
@@ -70,15 +71,15 @@ TEST(CloudNormals, TakeAsManyNeighboursAsTheNoiseNeeds) {
       deviation_m += result.deviation_m[i] / found;
     }
     EXPECT_LT(std::sqrt(square), M_SQRT2 * CloudNormalOptions().max_normal_sigma_rad);
-    // Neighbourhoods whose noise happens to be small are taken early: some 10 % less.
+    // Neighbourhoods with small noise are accepted early, so the estimate is about 10 % smaller.
     EXPECT_NEAR(deviation_m, sigma_m, 0.15 * sigma_m);
     EXPECT_GT(square, last_square);
     last_square = square;
   }
 }
 
-// A fixed ten neighbours of 4 mm noise, 7 mm apart, would give normals off by 0.3 rad.
-TEST(CloudNormals, NeedMoreThanTheFirstRadiusWhereThereIsNoise) {
+// With ten neighbours, 4 mm noise and a spacing of 7 mm, normals have errors of 0.3 rad.
+TEST(CloudNormals, AreMissingForNoiseWithoutGrowth) {
   const Points points = Rectangle(1, 1, 20000, 0.004);
   CloudNormalOptions options;
   options.max_growth = 1;
@@ -86,8 +87,7 @@ TEST(CloudNormals, NeedMoreThanTheFirstRadiusWhereThereIsNoise) {
             0.9 * points.size());
 }
 
-// Two walls that meet at a right angle along y.
-TEST(CloudNormals, AreOfOneWallOrMissingNearAnEdge) {
+TEST(CloudNormals, AreOfOneWallOrMissingAtEdge) {
   const double half_pi = M_PI / 2;
   Points points = Rectangle(1, 1, 20000, 0.001, {Eigen::Quaterniond::Identity(), {0.5, 0, 2}});
   const Points other =
@@ -107,10 +107,9 @@ TEST(CloudNormals, AreOfOneWallOrMissingNearAnEdge) {
   EXPECT_LT(slanted, 0.005 * points.size());
 }
 
-// A wall at 3.5 m, seen at 45 degrees by a camera that rounds depth to layers of 36 mm, each 36 mm
-// wide on the wall: within 20 mm there is hardly more than one layer, and its plane faces the
-// camera.
-TEST(CloudNormals, SeeThroughTheLayersOfADepthCamera) {
+// Wall at 3.5 m with a slant of 45 degrees. Depth is quantised to layers of 36 mm, each 36 mm wide
+// on the wall. Within 20 mm there is about one layer, and a plane fitted to it faces the camera.
+TEST(CloudNormals, IgnoreDepthQuantisationWithSensorModel) {
   const Rigid3d pose(QuaternionExp<double>({0, M_PI / 4, 0}), {0, 0, 3.5});
   Points points = Rectangle(1, 1, 20000, 0, pose);
   for (auto& point : points) point *= 0.036f * std::round(point.z() / 0.036f) / point.z();
@@ -126,7 +125,7 @@ TEST(CloudNormals, SeeThroughTheLayersOfADepthCamera) {
   EXPECT_GT(share_right({}), 0.9);
 }
 
-TEST(CloudNormals, FaceTheViewpoint) {
+TEST(CloudNormals, FaceViewpoint) {
   std::mt19937_64 rng(1);
   Points sphere;
   for (int i = 0; i < 5000; ++i) {
@@ -139,11 +138,11 @@ TEST(CloudNormals, FaceTheViewpoint) {
   }
 }
 
-TEST(CloudNormals, AreMissingWhereThereIsNoPlane) {
+TEST(CloudNormals, AreMissingWithoutPlane) {
   Points points = Rectangle(1, 1, 1000, 0);
-  points.push_back({0, 0, 9});                                                           // a stray
+  points.push_back({0, 0, 9});  // an outlier
   for (int i = 0; i < 50; ++i) points.push_back({3, 3, 0.01f * static_cast<float>(i)});  // a wire
-  for (int i = 0; i < 50; ++i) points.push_back({5, 5, 5});  // one place
+  for (int i = 0; i < 50; ++i) points.push_back({5, 5, 5});  // equal points
   const CloudNormals result = EstimateCloudNormals(points, WithoutDepthNoise(), {});
   EXPECT_EQ(result.missing, 101);
   for (std::size_t i = 1000; i < points.size(); ++i) {
@@ -165,15 +164,13 @@ TEST(CloudNormals, IsTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(results[0].deviation_m, results[1].deviation_m);
 }
 
-TEST(CloudNormals, RefusesImpossibleOptions) {
+TEST(CloudNormals, RejectsInvalidOptions) {
   CloudNormalOptions options;
   options.radius_m = -1;
-  ExpectInputError([&] { EstimateCloudNormals({}, {}, options); },
-                   HasSubstr("radius_m is -1, must be zero"));
+  ExpectInputError([&] { EstimateCloudNormals({}, {}, options); }, Names("radius_m", -1));
   options = {};
   options.min_neighbors = 3;
-  ExpectInputError([&] { EstimateCloudNormals({}, {}, options); },
-                   HasSubstr("min_neighbors is 3, must be at least 4"));
+  ExpectInputError([&] { EstimateCloudNormals({}, {}, options); }, Names("min_neighbors", 3, 4));
 }
 
 }  // namespace

@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kWidth = 160, kHeight = 120;
 
-// A pattern without period that has moved by so many pixels to the right, but for what is beyond
-// `end` columns, which is even.
+// Non-periodic pattern, shifted to the right by `shift_px`. Columns from `end` have constant
+// brightness.
 Image<Rgb8> Pattern(double shift_px, double gain = 1, double offset = 0, int end = kWidth) {
   Image<Rgb8> image(kWidth, kHeight);
   for (int v = 0; v < kHeight; ++v) {
@@ -35,7 +35,7 @@ CornerTracks TracksOf(const Image<Rgb8>& image) {
 
 Eigen::Vector2f WhereItWas(const CornerTracks::Track& track) { return track.last; }
 
-TEST(CornerTracks, FollowWhatMovesThroughImagesOfOtherBrightness) {
+TEST(CornerTracks, FollowMotionWithBrightnessChange) {
   CornerTracks tracks = TracksOf(Pattern(0));
   const std::size_t count = tracks.Lasting().size();
   ASSERT_GE(count, 40u);
@@ -54,7 +54,7 @@ TEST(CornerTracks, FollowWhatMovesThroughImagesOfOtherBrightness) {
   EXPECT_GE(right, 0.9 * static_cast<double>(lasting.size()));
 }
 
-TEST(CornerTracks, LoseWhatIsNoLongerSeen) {
+TEST(CornerTracks, LoseCornersThatDisappear) {
   CornerTracks tracks = TracksOf(Pattern(0));
   tracks.Follow(MakeGreyPyramid(Pattern(0, 1, 0, kWidth / 2)), WhereItWas);
   for (const CornerTracks::Track& track : tracks.Lasting()) {
@@ -62,7 +62,7 @@ TEST(CornerTracks, LoseWhatIsNoLongerSeen) {
   }
 }
 
-TEST(FindCorners, AreWhereThereIsDepthAndTexture) {
+TEST(FindCorners, FindsCornersOnlyWithDepthAndTexture) {
   const GreyPyramid grey = MakeGreyPyramid(Pattern(0, 1, 0, kWidth / 2));
   Image<float> depth_m(kWidth, kHeight, 1.f);
   for (int v = 0; v < kHeight / 2; ++v) {
@@ -77,7 +77,7 @@ TEST(FindCorners, AreWhereThereIsDepthAndTexture) {
   EXPECT_TRUE(FindCorners(MakeGreyPyramid(Pattern(0, 0, 120)), depth_m, 100).empty());
 }
 
-TEST(CornerTracks, TellNothingOfImagesThatAreSmallerThanAPatch) {
+TEST(CornerTracks, AreEmptyForImagesSmallerThanPatch) {
   const GreyPyramid grey = MakeGreyPyramid(Image<Rgb8>(8, 6, Rgb8{90, 90, 90}));
   CornerTracks tracks(grey, {Eigen::Vector2f(4, 3)});
   tracks.Follow(grey, WhereItWas);

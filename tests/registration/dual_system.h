@@ -16,7 +16,8 @@ namespace surfit::testing {
 using Jet = ceres::Jet<double, 6>;
 using JetVector = Eigen::Matrix<Jet, 3, 1>;
 
-// U with U^T U = C^-1, C the mean of the planes' covariances: 1 along the normal, 1000 within.
+// U with U^T U = C^-1, where C is the mean covariance of the planes: 1 along the normal, 1000 in
+// the plane.
 inline Eigen::Matrix3d WhiteningOf(const Eigen::Vector3d& n, const Eigen::Vector3d& m) {
   const auto covariance = [](const Eigen::Vector3d& normal) -> Eigen::Matrix3d {
     const Eigen::Matrix3d across = normal * normal.transpose();
@@ -26,8 +27,8 @@ inline Eigen::Matrix3d WhiteningOf(const Eigen::Vector3d& n, const Eigen::Vector
   return inverse.llt().matrixU();
 }
 
-// The residuals of a pair as their definition says, at the left increment 0, with their derivatives
-// by automatic differentiation.
+// Residuals of a correspondence by definition, at the left increment 0, with derivatives by
+// autodiff.
 inline std::vector<Jet> DualResiduals(const Correspondences& c, int i, ResidualType type) {
   JetVector w, v;
   for (int k = 0; k < 3; ++k) {
@@ -52,7 +53,6 @@ inline std::vector<Jet> DualResiduals(const Correspondences& c, int i, ResidualT
   return {white[0], white[1], white[2]};
 }
 
-// The normal system from dual numbers.
 inline NormalSystem DualSystem(const Correspondences& c, ResidualType type,
                                const RobustKernel& kernel = {}) {
   NormalSystem system;

@@ -9,14 +9,14 @@
 namespace surfit::testing {
 namespace {
 
-TEST(ErrorModel, SigmaAddsTheFloorToTheSensorsNoise) {
+TEST(ErrorModel, SigmaAddsFloorToSensorNoise) {
   ErrorModel model;
   model.floor_sigma_m = 0.003;
   EXPECT_NEAR(model.Sigma(2, {0.001}), 0.005, 1e-15);  // 3, 4, 5
   EXPECT_EQ(model.Sigma(5, {0}), 0.003);
 }
 
-// The weight that a pair gets at depth z with residual r.
+// Weight of a correspondence at depth z with residual r.
 double WeightOf(double depth_m, double residual_m, const ErrorModel& model,
                 const DepthNoise& noise = {}) {
   FrameLevel source = EmptyLevel(), target = EmptyLevel();
@@ -31,10 +31,10 @@ double WeightOf(double depth_m, double residual_m, const ErrorModel& model,
   return system.weight_sum;
 }
 
-// rho(s) = s / (1 + s / k^2), the kernel of Geman and McClure in s = (r / sigma)^2.
+// rho(s) = s / (1 + s / k^2), the Geman-McClure kernel in s = (r / sigma)^2.
 double Rho(double s, double k) { return s / (1 + s / (k * k)); }
 
-TEST(ErrorModel, WeightsAreTheKernelsDerivativePerVariance) {
+TEST(ErrorModel, WeightIsKernelSlopePerVariance) {
   ErrorModel model;
   const DepthNoise noise = {0.003};
   for (const double width : {1.0, 3.0}) {
@@ -45,8 +45,8 @@ TEST(ErrorModel, WeightsAreTheKernelsDerivativePerVariance) {
         const double s = share * share, h = 1e-5;
         const double derivative = (Rho(s + h, width) - Rho(s - h, width)) / (2 * h);
         const double expected = derivative / (sigma * sigma);
-        // The points are floats: r = 8 sigma is off by 2^-23 * depth = 5e-7 m in 16 mm at least,
-        // and rho' goes with its fourth power at most. The difference quotient errs by 1e-10.
+        // Points are floats: the error of r = 8 sigma is 2^-23 * depth = 5e-7 m, of at least 16 mm.
+        // rho' depends at most on its fourth power. The error of the difference quotient is 1e-10.
         EXPECT_NEAR(WeightOf(depth_m, share * sigma, model, noise), expected, 2e-4 * expected)
             << width << " " << depth_m << " " << share;
       }
@@ -54,7 +54,7 @@ TEST(ErrorModel, WeightsAreTheKernelsDerivativePerVariance) {
   }
 }
 
-TEST(ErrorModel, WithoutKernelTheWeightIsOnePerVariance) {
+TEST(ErrorModel, WeightIsInverseVarianceWithoutKernel) {
   ErrorModel model;
   model.kernel.type = RobustKernelType::kNone;
   const double variance = std::pow(model.Sigma(2, {}), 2);

@@ -1,4 +1,4 @@
-// Registers frames 90 apart from where image features and shapes say, and counts how that ends.
+// Registers frames at a distance of 90 frames by features and geometry, and counts the results.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,12 +31,12 @@ struct PosedView {
   Rigid3d world_from_camera;
 };
 
-// How many of the pairs ...
+// Numbers of frame pairs.
 struct Outcome {
   int pairs = 0;
-  int enough = 0;   // overlap by more than kEnoughOverlap,
-  int right = 0;    // and of these converged near the truth
-  int wrong = 0;    // converged elsewhere, whatever the overlap
+  int enough = 0;   // overlap above kEnoughOverlap
+  int right = 0;    // converged near the ground truth, with enough overlap
+  int wrong = 0;    // converged elsewhere, with any overlap
   int refused = 0;  // did not converge
 
   Outcome& operator+=(const Outcome& other) {
@@ -49,8 +49,8 @@ struct Outcome {
   }
 };
 
-// The share of the source's points with depth that the target sees too: they land on its surface,
-// to within kFreeSpaceSigmas of the depth noise of both.
+// Ratio of source points that are visible in the target. A point is visible if its distance to the
+// target surface is within kFreeSpaceSigmas of the depth noise of both views.
 double TrueOverlap(const FrameLevel& source, const FrameLevel& target,
                    const Rigid3d& target_from_source) {
   const ErrorModel error_model;
@@ -78,7 +78,8 @@ double TrueOverlap(const FrameLevel& source, const FrameLevel& target,
 struct Bound {
   double distance_m = 0.02;
   double angle_deg = 1;
-  // The recorded poses are themselves off by more: the truth is where dense ICP goes from there.
+  // True: dense ICP from the recorded pose gives the ground truth, because the error of the
+  // recorded poses is larger than the bound.
   bool refine_truth = false;
 };
 
@@ -103,7 +104,7 @@ Outcome RegisterPair(const PosedView& source, const PosedView& target, const Bou
   return {1, is_enough, is_enough && converged && near, converged && !near, !converged};
 }
 
-// The views are stride frames apart.
+// The distance of consecutive views is `stride` frames.
 Outcome RegisterPairs(int stride, const Bound& bound,
                       const std::function<std::optional<PosedView>()>& next_view) {
   const std::size_t gap = kGap / stride;
@@ -133,7 +134,6 @@ Outcome RegisterRecorded(const std::string& sequence, int stride, const Bound& b
   });
 }
 
-// A room as surfit_simulate makes it, seen by a Kinect.
 Outcome RegisterSimulated(std::uint64_t seed, int stride) {
   constexpr int kFrames = 200;
   const PinholeCamera camera = {640, 480, 525, 525, 319.5, 239.5, {}};
@@ -156,10 +156,10 @@ void Print(const std::string& name, const Outcome& outcome) {
   std::fflush(stdout);
 }
 
-// 2 cm and 1 degree; in the kitchen, whose poses are another system's estimate, 3 cm and 1 degree
-// from where dense ICP goes from there. Every 5th pair, in the kitchen and in the
-// rooms every 10th. The rooms are none of those that the options were chosen with (11 to 20).
-TEST(FarPairsSweep, AreRegisteredOrRefused) {
+// The bound is 2 cm and 1 degree. The poses of the kitchen are from another system: the bound is 3
+// cm and 1 degree from the result of dense ICP. Uses every 5th pair, and every 10th pair of kitchen
+// and rooms. The options were tuned on other rooms (seeds 11 to 20).
+TEST(FarPairsSweep, AreRegisteredOrRejected) {
   std::printf("%-22s  pairs above 30 %%  right  wrong  refused\n", "90 frames apart");
   Outcome all;
   const auto add = [&](const std::string& name, const Outcome& outcome) {

@@ -10,10 +10,10 @@
 namespace surfit::testing {
 namespace {
 
-// Exact depth holds the pose to a part of a pixel, which is 1 / 131 rad, 15 mm at 2 m.
+// With exact depth, the error is a fraction of a pixel. A pixel is 1 / 131 rad, 15 mm at 2 m.
 constexpr double kFarToleranceM = 0.01, kFarToleranceRad = 0.005;
 
-// 50 frames apart: 0.5 m and 20 degrees at least.
+// Views at a distance of 50 frames: at least 0.5 m and 20 degrees.
 const SimulatedColoredViews& FarViews() {
   static const auto* const views = new SimulatedColoredViews(MakeColoredViews(70, 50, 12));
   return *views;
@@ -25,7 +25,7 @@ FarVerdict Registered(const SimulatedColoredViews& views, const std::string& met
   return RegisterFar(views.source, views.target, options, FarIcpOptions());
 }
 
-TEST(RegisterFar, FeaturesReachWhereTheIdentityDoesNot) {
+TEST(RegisterFar, FeaturesConvergeWithoutPrediction) {
   EXPECT_FALSE(Registered(FarViews(), "identity").accepted());
   const FarVerdict result = Registered(FarViews(), "features");
   EXPECT_TRUE(result.accepted()) << ToString(result.reason);
@@ -33,7 +33,7 @@ TEST(RegisterFar, FeaturesReachWhereTheIdentityDoesNot) {
               RigidNear(FarViews().target_from_source, kFarToleranceM, kFarToleranceRad));
 }
 
-TEST(RegisterFar, ShapesAloneReachFarToo) {
+TEST(RegisterFar, ConvergesByGeometryOnly) {
   SimulatedColoredViews views = FarViews();
   views.source.color = {};
   const FarVerdict result = Registered(views, "features");
@@ -42,7 +42,7 @@ TEST(RegisterFar, ShapesAloneReachFarToo) {
               RigidNear(views.target_from_source, kFarToleranceM, kFarToleranceRad));
 }
 
-TEST(RegisterFar, So3FindsARotation) {
+TEST(RegisterFar, So3FindsRotation) {
   const Rigid3d turn(QuaternionExp<double>({0.1, 0.4, -0.1}), {0.02, 0, 0.01});
   const SimulatedColoredViews views = MakeTurnedViews(70, turn, 12);
   EXPECT_FALSE(Registered(views, "identity").accepted());
@@ -53,8 +53,8 @@ TEST(RegisterFar, So3FindsARotation) {
   EXPECT_THAT(result.icp.target_from_source, RigidNear(turn, kFarToleranceM, kFarToleranceRad));
 }
 
-// Rooms of other seeds share walls and a floor, and nothing else.
-TEST(RegisterFar, DoesNotBelieveAFitOfOtherPlaces) {
+// Rooms of other seeds have only walls and floor in common.
+TEST(RegisterFar, RejectsOtherPlaces) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     SimulatedColoredViews views = MakeColoredViews(10, 1, seed);
     views.target = FarViews().target;
@@ -64,9 +64,8 @@ TEST(RegisterFar, DoesNotBelieveAFitOfOtherPlaces) {
   }
 }
 
-// A corner, and the same with another picture on it: ICP fits them, and nothing but the images
-// tells.
-TEST(RegisterFar, DoesNotBelieveAFitOfShapesThatLookDifferent) {
+// A corner and the same corner with another texture: ICP converges, and only the images differ.
+TEST(RegisterFar, RejectsSameGeometryWithOtherTexture) {
   Eigen::Matrix3d down_to_the_corner;
   down_to_the_corner.col(2) = Eigen::Vector3d(-1, -1, -0.8).normalized();
   down_to_the_corner.col(0) =
@@ -93,27 +92,24 @@ TEST(RegisterFar, FailsWithoutDepth) {
   }
 }
 
-TEST(RegisterFar, GivesTheSameWithOneThreadAndWithTwo) {
+TEST(RegisterFar, IsBitwiseIdenticalWithOneAndTwoThreads) {
   const auto results = AtThreads({1, 2}, [&] { return Registered(FarViews(), "features"); });
   EXPECT_EQ(results[0].icp.target_from_source.Matrix(), results[1].icp.target_from_source.Matrix());
   EXPECT_EQ(results[0].lead, results[1].lead);
 }
 
-TEST(InitializeOptions, RefuseWhatMakesNoSense) {
+TEST(InitializeOptions, RejectInvalidValues) {
   const auto expect_refused = ExpectOptionsRefused<InitializeOptions>;
   Validate(InitializeOptions());
-  expect_refused([](auto& o) { o.method = "magic"; },
-                 "method is 'magic', must be one of: identity, so3, features");
-  expect_refused([](auto& o) { o.fit.min_overlap_share = 1.1; },
-                 "min_overlap_share is 1.1, must be from 0 to 1");
-  expect_refused([](auto& o) { o.fit.min_value_correlation = -1.5; },
-                 "min_value_correlation is -1.5");
-  expect_refused([](auto& o) { o.fit.min_detail_correlation = 2; }, "min_detail_correlation is 2");
-  expect_refused([](auto& o) { o.fit.min_lead = -1; }, "min_lead is -1, must be from 0 to 1");
-  expect_refused([](auto& o) { o.free_space_growth = 0.5; },
-                 "free_space_growth is 0.5, must be at least 1");
-  expect_refused([](auto& o) { o.iteration_growth = 0; },
-                 "iteration_growth is 0, must be at least 1");
+  expect_refused([](auto& o) { o.method = "magic"; }, "method", "magic");
+  expect_refused([](auto& o) { o.fit.min_overlap_share = 1.1; }, "fit.min_overlap_share", "1.1");
+  expect_refused([](auto& o) { o.fit.min_value_correlation = -1.5; }, "fit.min_value_correlation",
+                 "-1.5");
+  expect_refused([](auto& o) { o.fit.min_detail_correlation = 2; }, "fit.min_detail_correlation",
+                 "2");
+  expect_refused([](auto& o) { o.fit.min_lead = -1; }, "fit.min_lead", "-1");
+  expect_refused([](auto& o) { o.free_space_growth = 0.5; }, "free_space_growth", "0.5");
+  expect_refused([](auto& o) { o.iteration_growth = 0; }, "iteration_growth", "0");
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace surfit::testing {
 
 namespace {
 
-// A shelf and a picture, seen from 10 frames apart.
+// A shelf and a picture, in views at a distance of 10 frames.
 const SimulatedColoredViews& NearViews() {
   static const auto* const views = new SimulatedColoredViews(MakeColoredViews(48, 10, 12));
   return *views;
@@ -27,7 +27,7 @@ FeaturePoints FeaturesOf(const ColoredView& view) {
   return FindFeatures(view.color, view.pyramid.levels[0], ErrorModel(), kMostFeatures);
 }
 
-TEST(FindFeatures, LiftsFeaturesToTheSurface) {
+TEST(FindFeatures, FeaturesAreOnSurface) {
   const ColoredView& view = NearViews().source;
   const FeaturePoints features = FeaturesOf(view);
   ASSERT_GT(features.size(), 20);
@@ -36,7 +36,7 @@ TEST(FindFeatures, LiftsFeaturesToTheSurface) {
   ASSERT_EQ(features.sigmas_m.size(), features.points.size());
   const FrameLevel& surface = view.pyramid.levels[0];
   for (int i = 0; i < features.size(); ++i) {
-    // The depth is that of one of the nearest 5 x 5 pixels.
+    // The depth is the depth of one of the nearest 5 x 5 pixels.
     const Eigen::Vector2d pixel = surface.camera.Project(features.points[i]);
     double nearest_m = 1;
     for (int y = -2; y <= 2; ++y) {
@@ -52,7 +52,7 @@ TEST(FindFeatures, LiftsFeaturesToTheSurface) {
   }
 }
 
-TEST(FindFeatures, FindsNoneWithoutColorOrDepth) {
+TEST(FindFeatures, IsEmptyWithoutColorOrDepth) {
   ColoredView view = NearViews().source;
   view.pyramid.levels[0].vertex = VectorImage(160, 120);
   EXPECT_EQ(FeaturesOf(view).size(), 0);
@@ -61,9 +61,9 @@ TEST(FindFeatures, FindsNoneWithoutColorOrDepth) {
   EXPECT_EQ(FeaturesOf(view).size(), 0);
 }
 
-// Mutual nearest neighbours that are clear are mostly right between near views: within three
-// sigmas of where the true pose takes them.
-TEST(MatchFeatures, AreMostlyRightBetweenNearViews) {
+// Most distinctive mutual nearest neighbours of near views are correct: within three sigmas of the
+// true position.
+TEST(MatchFeatures, MostMatchesOfNearViewsAreCorrect) {
   const FeaturePoints source = FeaturesOf(NearViews().source);
   const FeaturePoints target = FeaturesOf(NearViews().target);
   const std::vector<FeatureMatch> matches = MatchFeatures(source, target);
@@ -80,14 +80,15 @@ TEST(MatchFeatures, AreMostlyRightBetweenNearViews) {
 TEST(MatchFeatures, MatchesEachFeatureWithItself) {
   const FeaturePoints features = FeaturesOf(NearViews().source);
   const std::vector<FeatureMatch> matches = MatchFeatures(features, features);
-  EXPECT_GT(matches.size(), 0.8 * features.size());  // less those that look like others
+  EXPECT_GT(matches.size(), 0.8 * features.size());  // except ambiguous features
   for (const auto& [s, t] : matches) EXPECT_EQ(s, t);
   EXPECT_TRUE(MatchFeatures(features, FeaturePoints()).empty());
 }
 
 const Rigid3d kPose(QuaternionExp<double>({0.3, -0.6, 0.2}), {0.5, -0.2, 0.9});
 
-// Points before a camera, and where a pose takes them; the matches from first_wrong on lead astray.
+// Points in front of a camera and their transformed points. Matches starting with first_wrong are
+// outliers.
 struct Matched {
   FeaturePoints source, target;
   std::vector<FeatureMatch> matches;
@@ -115,8 +116,8 @@ std::vector<int> FirstOnes(int count) {
   return all;
 }
 
-// Exact points in double precision: 1e-12 is some thousand roundings of metres.
-TEST(FitPose, IsExactOnExactPoints) {
+// Exact points in double precision: 1e-12 is about a thousand roundings of metres.
+TEST(FitPose, IsExactForExactPoints) {
   for (const int count : {3, 4, 20}) {
     const Matched m = MakeMatched(count, count);
     EXPECT_THAT(FitPose(m.source, m.target, m.matches, FirstOnes(count)),
@@ -133,15 +134,15 @@ Eigen::Matrix4d ByEigen(const Matched& m) {
   return Eigen::umeyama(from, to, false);
 }
 
-TEST(FitPose, AgreesWithEigenWhereAllWeighTheSame) {
+TEST(FitPose, AgreesWithEigenForEqualWeights) {
   Matched m = MakeMatched(10, 7);
   std::fill(m.source.sigmas_m.begin(), m.source.sigmas_m.end(), 0.01);
   EXPECT_LT((FitPose(m.source, m.target, m.matches, FirstOnes(10)).Matrix() - ByEigen(m)).norm(),
             1e-12);
 }
 
-// Points and their mirror images: the nearest rotation, not a reflection.
-TEST(FitPose, IsARotationWhereAReflectionWouldFitBetter) {
+// Points and their mirror images: the result is the nearest rotation, not a reflection.
+TEST(FitPose, IsRotationForReflectedPoints) {
   Matched m = MakeMatched(8, 8);
   std::fill(m.source.sigmas_m.begin(), m.source.sigmas_m.end(), 0.01);
   for (Eigen::Vector3d& point : m.target.points) point.x() = -point.x();
@@ -149,7 +150,7 @@ TEST(FitPose, IsARotationWhereAReflectionWouldFitBetter) {
             1e-12);
 }
 
-TEST(FindConsensus, FindsThePoseAmongMostlyWrongMatches) {
+TEST(FindConsensus, FindsPoseWithMostlyWrongMatches) {
   const Matched m = MakeMatched(100, 12);
   const std::vector<Consensus> found = FindConsensus(m.source, m.target, m.matches, 5);
   ASSERT_FALSE(found.empty());
@@ -157,12 +158,12 @@ TEST(FindConsensus, FindsThePoseAmongMostlyWrongMatches) {
   for (int i = 0; i < 12; ++i) {
     EXPECT_TRUE(std::binary_search(found[0].inliers.begin(), found[0].inliers.end(), i)) << i;
   }
-  // A wrong match that happens to agree within three sigmas (5 cm) pulls by its share of 13.
+  // An outlier within three sigmas (5 cm) has a weight of 1/13.
   EXPECT_THAT(found[0].target_from_source, RigidNear(kPose, 0.05 / 13 * 2, 0.05 / 13 * 2));
 }
 
-// Six matches of one point are off by 2.5 sigmas, to both sides along each axis. So no other pose
-// is nearer to all of them than the pose of the exact matches.
+// Six matches of one point have errors of 2.5 sigmas, in both directions of each axis. So the pose
+// of the exact matches is optimal for all matches.
 TEST(FindConsensus, CountsMatchesWithinThreeSigmas) {
   constexpr int kExact = 44;
   Matched m = MakeMatched(kExact + 6, kExact + 6);
@@ -178,7 +179,7 @@ TEST(FindConsensus, CountsMatchesWithinThreeSigmas) {
   EXPECT_EQ(found[0].inliers, FirstOnes(kExact + 6));
 }
 
-TEST(FindConsensus, FindsNothingInTooFewMatches) {
+TEST(FindConsensus, IsEmptyWithTooFewMatches) {
   const Matched m = MakeMatched(3, 3);
   EXPECT_TRUE(FindConsensus(m.source, m.target, m.matches, 5).empty());
 }

@@ -8,7 +8,7 @@
 namespace surfit::testing {
 namespace {
 
-// A wall across the view; its left part may stand at a depth of its own.
+// A wall across the view. Its left part has a separate depth.
 FrameLevel Wall(double left_depth_m, double right_depth_m, int left_columns) {
   FrameLevel level;
   level.camera = {40, 30, 40, 40, 19.5, 14.5, {}};
@@ -26,7 +26,7 @@ double Share(const FrameLevel& source, const FrameLevel& target) {
   return FreeSpaceShare(source, target, ErrorModel(), Rigid3d());
 }
 
-TEST(FreeSpaceShare, CountsWhatIsInFrontAndNotWhatIsBehind) {
+TEST(FreeSpaceShare, CountsPointsInFrontOnly) {
   const FrameLevel wall = Wall(2, 2, 0), left_in_front = Wall(1, 2, 10), all_behind = Wall(4, 4, 0);
   EXPECT_EQ(Share(wall, wall), 0);
   EXPECT_EQ(Share(left_in_front, wall), 0.25);
@@ -35,15 +35,15 @@ TEST(FreeSpaceShare, CountsWhatIsInFrontAndNotWhatIsBehind) {
   EXPECT_EQ(Share(all_behind, wall), 0);
 }
 
-TEST(FreeSpaceShare, AllowsForTheNoiseOfBothDepths) {
+TEST(FreeSpaceShare, ToleratesNoiseOfBothDepths) {
   const ErrorModel model;
   const double sigma = std::hypot(model.Sigma(2, {}), DepthNoise().SigmaZ(2));
-  // Of these 5 sigmas of 2 m, 6 cm, the noise of the nearer depth itself takes 3 % less.
+  // The noise of the nearer depth reduces the 5 sigmas at 2 m (6 cm) by 3 %.
   EXPECT_EQ(Share(Wall(2 - 4.7 * sigma, 2, 20), Wall(2, 2, 0)), 0);
   EXPECT_EQ(Share(Wall(2 - 5.3 * sigma, 2, 20), Wall(2, 2, 0)), 0.5);
 }
 
-TEST(FreeSpaceShare, LooksFromTheTargetAtTheMovedPoints) {
+TEST(FreeSpaceShare, UsesMovedPointsInTargetView) {
   const Rigid3d nearer(Eigen::Quaterniond::Identity(), {0, 0, -1});
   EXPECT_EQ(FreeSpaceShare(Wall(2, 2, 0), Wall(1, 1, 0), ErrorModel(), nearer), 0);
   EXPECT_EQ(FreeSpaceShare(Wall(2, 2, 0), Wall(2, 2, 0), ErrorModel(), nearer), 1);
@@ -51,7 +51,7 @@ TEST(FreeSpaceShare, LooksFromTheTargetAtTheMovedPoints) {
   EXPECT_EQ(FreeSpaceShare(Wall(2, 2, 0), Wall(2, 2, 0), ErrorModel(), behind), 0);
 }
 
-TEST(FreeSpaceShare, MissingDepthSaysNothing) {
+TEST(FreeSpaceShare, IgnoresMissingDepth) {
   const FrameLevel half = Wall(0, 2, 20);
   EXPECT_EQ(Share(half, Wall(2, 2, 0)), 0);
   EXPECT_EQ(Share(Wall(1, 2, 20), half), 0);
@@ -59,8 +59,9 @@ TEST(FreeSpaceShare, MissingDepthSaysNothing) {
   EXPECT_EQ(Share(half, Wall(0, 0, 0)), 0);
 }
 
-// Frames up to 30 apart of rooms, from the identity: many are out of ICP's reach.
-TEST(Register, IsNotContentWithWrongFitsThatFillFreeSpace) {
+// Frames of rooms at distances of up to 30 frames, from the identity: many are outside the basin of
+// convergence of ICP.
+TEST(Register, RejectsFreeSpaceViolations) {
   IcpOptions options;
   int wrong = 0, right = 0;
   for (const std::uint64_t seed : {1, 2, 3}) {

@@ -15,12 +15,12 @@
 namespace surfit::testing {
 namespace {
 
-// A pixel of 1/131 rad is 23 mm wide at 3 m; a surface fitted to thousands of them is known to a
-// small share of it. 3 mm and 0.1 deg are what the align program is held to at full resolution.
+// A pixel of 1/131 rad is 23 mm wide at 3 m. A surface fitted to thousands of pixels has a small
+// fraction of this error. The align program has a tolerance of 3 mm and 0.1 deg at full resolution.
 constexpr double kIcpToleranceM = 0.003;
 constexpr double kIcpToleranceRad = 0.1 * M_PI / 180;
 
-TEST(Register, FindsTheMotionOfAHandHeldCamera) {
+TEST(Register, FindsMotionOfHandHeldCamera) {
   for (const std::uint64_t seed : {1, 2}) {
     for (const int gap : {1, 5}) {
       const SimulatedViews views = MakeViews(3, gap, seed);
@@ -33,7 +33,7 @@ TEST(Register, FindsTheMotionOfAHandHeldCamera) {
   }
 }
 
-TEST(Register, FindsTheMotionOfTenFrames) {
+TEST(Register, FindsMotionOfTenFrames) {
   const SimulatedViews views = MakeViews(20, 10);
   ASSERT_GT(RotationAngle(views.target_from_source.rotation), 7 * M_PI / 180);
   const IcpResult result = Register(views.source, views.target, Rigid3d(), IcpOptions());
@@ -42,10 +42,10 @@ TEST(Register, FindsTheMotionOfTenFrames) {
               RigidNear(views.target_from_source, kIcpToleranceM, kIcpToleranceRad));
 }
 
-TEST(Register, SolversAgree) {
+TEST(Register, AllSolversAgree) {
   const SimulatedViews views = MakeViews(3, 5);
   IcpOptions options;
-  options.min_relative_rmse_change = 0;  // so that all end at the same point
+  options.min_relative_rmse_change = 0;  // all solvers converge to the same point
   options.stop_at_rmse_increase = false;
   options.min_increment = 1e-8;
   options.max_iterations = 30;
@@ -53,21 +53,21 @@ TEST(Register, SolversAgree) {
       Register(views.source, views.target, Rigid3d(), options).target_from_source;
   for (const std::string& name : PointToPlaneSolverNames()) {
     options.solver = name;
-    // LDLT and LU solve what lanes of floats have summed, off by 1e-6 of the last steps; a pixel
-    // of 20,000 may take another partner for it.
+    // LDLT and LU use single-precision sums, so the last steps differ by a relative 1e-6. One pixel
+    // in 20,000 may change its correspondence.
     EXPECT_THAT(Register(views.source, views.target, Rigid3d(), options).target_from_source,
                 RigidNear(expected, 1e-6, 1e-6))
         << name;
   }
 }
 
-TEST(Register, ReportsEveryIterationAndTheEnd) {
+TEST(Register, ReportsIterationsAndFinalState) {
   const SimulatedViews views = MakeViews(3, 5);
   const IcpOptions options;
   const IcpResult result = Register(views.source, views.target, Rigid3d(), options);
   ASSERT_EQ(views.source.levels.size(), 3u);
   ASSERT_FALSE(result.iterations.empty());
-  // Coarse to fine, each level there, none longer than allowed.
+  // Levels are coarse to fine, complete, and within the maximum number of iterations.
   std::vector<int> on_level(3, 0);
   int last_level = 2;
   for (const IcpIteration& iteration : result.iterations) {
@@ -80,13 +80,13 @@ TEST(Register, ReportsEveryIterationAndTheEnd) {
   EXPECT_EQ(result.step_count, static_cast<int>(result.iterations.size()) - 3);
   for (const int count : on_level) {
     EXPECT_GE(count, 2);
-    EXPECT_LE(count, options.max_iterations + 1);  // steps and the end
+    EXPECT_LE(count, options.max_iterations + 1);  // steps and the final state
   }
-  // From 7 cm off the loss falls at once.
+  // At an initial error of 7 cm, the loss decreases in each of the first steps.
   EXPECT_LT(result.iterations[1].average_loss, result.iterations[0].average_loss);
   EXPECT_LT(result.iterations[2].average_loss, result.iterations[1].average_loss);
 
-  // The end is described on the finest level, at the pose that is returned.
+  // The final state is described on the finest level, at the returned pose.
   const ProjectiveAssociation association(views.source.levels[0], views.target.levels[0],
                                           options.gates, options.error_model);
   const NormalSystem system = Linearize(association, result.target_from_source,
@@ -107,8 +107,9 @@ TEST(Register, ReportsEveryIterationAndTheEnd) {
   EXPECT_TRUE(result.information == result.information.transpose());
 }
 
-TEST(Register, GatesGrowFromTheFinestLevelUp) {
-  // 15 mm and a degree apart: far beyond the gate of 0.1 mm, well within 30^2 times as much.
+TEST(Register, GatesGrowOnCoarserLevels) {
+  // The motion is 15 mm and one degree: far above the gate of 0.1 mm, and far below 30^2 times the
+  // gate.
   const SimulatedViews views = MakeViews(3, 1);
   IcpOptions options;
   options.gates.max_distance_m = 1e-4;
@@ -122,7 +123,7 @@ TEST(Register, GatesGrowFromTheFinestLevelUp) {
   EXPECT_LT(result.iterations.back().level, 2);
 }
 
-TEST(Register, TooFewInliersIsATermination) {
+TEST(Register, ReportsTooFewInliers) {
   const SimulatedViews views = MakeViews(3, 1);
   IcpOptions options;
   options.min_inliers = 1'000'000;
@@ -137,16 +138,14 @@ TEST(Register, TooFewInliersIsATermination) {
   EXPECT_EQ(Register(views.source, views.target, Rigid3d(), options).termination,
             Termination::kTooFewInliers);
 
-  // Cameras that look away from each other share nothing.
   const Rigid3d around(QuaternionExp<double>({0, M_PI, 0}), {0, 0, 0});
   const IcpResult apart = Register(views.source, views.target, around, IcpOptions());
   EXPECT_EQ(apart.termination, Termination::kTooFewInliers);
   EXPECT_THAT(apart.target_from_source, RigidNear(around, 0, 1e-15));
 }
 
-// Somebody before the camera leaves a sixth of the image, which is less than 200 points of the
-// coarsest level.
-TEST(Register, ASmallPartOfTheImageIsEnough) {
+// An occluder leaves a sixth of the image: less than 200 points of the coarsest level.
+TEST(Register, ConvergesWithSmallPartOfImage) {
   const SimulatedViews views = MakeViews(3, 1);
   const auto& [scene, path] = MakeRoomWithPath(5, 1);
   RgbdFrame frame = RenderFrame(scene, ViewCamera(), path[3].world_from_camera);
@@ -179,7 +178,7 @@ TEST(Register, FramesWithoutDepthHaveTooFewInliers) {
             Termination::kTooFewInliers);
 }
 
-TEST(Register, UsesTheLevelsThatBothHave) {
+TEST(Register, UsesCommonLevels) {
   SimulatedViews views = MakeViews(3, 1);
   views.target.levels.pop_back();
   const IcpResult result = Register(views.source, views.target, Rigid3d(), IcpOptions());
@@ -187,7 +186,7 @@ TEST(Register, UsesTheLevelsThatBothHave) {
   EXPECT_EQ(result.iterations.front().level, 1);
 }
 
-TEST(Register, StopsWhereTheOptionsSay) {
+TEST(Register, StopsAtThresholdsOfOptions) {
   const SimulatedViews views = MakeViews(3, 5);
   IcpOptions options;
   options.min_relative_rmse_change = 0;
@@ -198,28 +197,29 @@ TEST(Register, StopsWhereTheOptionsSay) {
   EXPECT_EQ(all.termination, Termination::kMaxIterations);
   EXPECT_EQ(all.step_count, 12);
 
-  options.min_increment = 10;  // any step is small enough
+  options.min_increment = 10;  // every step is smaller
   const IcpResult one = Register(views.source, views.target, Rigid3d(), options);
   EXPECT_EQ(one.termination, Termination::kConverged);
   EXPECT_EQ(one.step_count, 3);
 
   options.min_increment = 0;
-  options.min_relative_rmse_change = 1e9;  // any change is: the second iteration can tell
+  options.min_relative_rmse_change = 1e9;  // every change is smaller: ends at the second iteration
   EXPECT_EQ(Register(views.source, views.target, Rigid3d(), options).step_count, 6);
 }
 
-TEST(Register, LeavesCoarseLevelsByTheStepInTheirPixels) {
+TEST(Register, EndsCoarseLevelsByStepInPixels) {
   const SimulatedViews views = MakeViews(3, 5);
   IcpOptions options;
   options.min_relative_rmse_change = 0;
   options.stop_at_rmse_increase = false;
   options.min_increment = 0;
   options.max_iterations = 4;
-  options.min_coarse_step_px = 1000;  // any step is less
+  options.min_coarse_step_px = 1000;  // every step is smaller
   const IcpResult result = Register(views.source, views.target, Rigid3d(), options);
   EXPECT_EQ(result.step_count, 1 + 1 + 4);
-  EXPECT_EQ(result.termination, Termination::kMaxIterations);  // the finest level's
-  // 7 cm at 3 m and some degrees: more than a pixel of 1/33 rad at first, less in the end.
+  EXPECT_EQ(result.termination, Termination::kMaxIterations);  // of the finest level
+  // 7 cm at 3 m and a few degrees: the first steps are larger than a pixel of 1/33 rad, and the
+  // last steps are smaller.
   options.max_iterations = 10;
   options.min_coarse_step_px = 1;
   const IcpResult some = Register(views.source, views.target, Rigid3d(), options);
@@ -227,7 +227,7 @@ TEST(Register, LeavesCoarseLevelsByTheStepInTheirPixels) {
   EXPECT_LT(some.step_count, 10 + 10 + 10);
 }
 
-TEST(Register, CanSkipTheMiddleLevels) {
+TEST(Register, CanSkipMiddleLevels) {
   const SimulatedViews views = MakeViews(3, 5);
   IcpOptions options;
   options.middle_levels = false;
@@ -240,8 +240,8 @@ TEST(Register, CanSkipTheMiddleLevels) {
               RigidNear(views.target_from_source, kIcpToleranceM, kIcpToleranceRad));
 }
 
-// What grows with the level shows in the first state of the coarsest.
-TEST(Register, GatesAndKernelGrowAsTheOptionsSay) {
+// The growth by level affects the first iteration of the coarsest level.
+TEST(Register, GatesAndKernelGrowByOptions) {
   const SimulatedViews views = MakeViews(3, 5);
   IcpOptions options;
   options.gate_growth = 3;
@@ -255,7 +255,7 @@ TEST(Register, GatesAndKernelGrowAsTheOptionsSay) {
   const NormalSystem system =
       Linearize(association, Rigid3d(), ResidualType::kPointToPlane, model.kernel);
   EXPECT_NEAR(result.iterations[0].average_loss, system.AverageLoss(),
-              1e-6 * system.AverageLoss());  // powers may round differently
+              1e-6 * system.AverageLoss());  // rounding of powers can differ
   EXPECT_NEAR(result.iterations[0].inlier_count, system.inlier_count, 1);
 }
 

@@ -35,10 +35,10 @@ DescentOptions Precise() {
   return options;
 }
 
-// A single point off the axis, over a target whose brightness is a slope: the brightness adds
-// j j^T / sigma^2 to the Hessian, j the derivative of the brightness by the left increment, which
-// central differences of the projection tell to 1e-6. Float images: 1e-4 of the largest.
-TEST(LinearizeJointly, HasTheRowsOfTheBrightness) {
+// A single point over a target with linear brightness. The brightness adds j j^T / sigma^2 to the
+// Hessian, where j is the derivative of the brightness by the left increment. Central differences
+// of the projection approximate j to 1e-6. Images are floats: 1e-4 of the largest value.
+TEST(LinearizeJointly, BrightnessAgreesWithCentralDifferences) {
   constexpr float kSlopeU = 0.003f, kSlopeV = -0.002f;
   WallViews views((Rigid3d()));
   FrameLevel& source = views.source.pyramid.levels[0];
@@ -71,9 +71,9 @@ TEST(LinearizeJointly, HasTheRowsOfTheBrightness) {
   EXPECT_LT((added / inverse_variance - expected).norm(), 1e-4 * expected.norm());
 }
 
-// All of the wall is at 1.5 m: a sigma there of the 20 mm that shapes are off anyhow halves
-// weights.
-TEST(LinearizeJointly, WeighsShapesByTheNoiseOfTheSource) {
+// The wall is at 1.5 m. If the depth noise equals the geometric noise of 20 mm, the weights are
+// halved.
+TEST(LinearizeJointly, WeightsGeometryByNoiseOfSource) {
   const auto weight = [](double inverse_depth_sigma) {
     WallViews views((Rigid3d()));
     views.source.pyramid.levels[0].noise.inverse_depth_sigma = inverse_depth_sigma;
@@ -82,8 +82,8 @@ TEST(LinearizeJointly, WeighsShapesByTheNoiseOfTheSource) {
   EXPECT_NEAR(weight(0.02 / (1.5 * 1.5)) / weight(0), 0.5, 1e-4);
 }
 
-// Points at the image's border have no normals.
-TEST(LinearizeJointly, TakesEveryNthColumnAndRow) {
+// Points at the image border have no normals.
+TEST(LinearizeJointly, UsesEveryNthColumnAndRow) {
   const WallViews views((Rigid3d()));
   const auto pairs = [&](int stride) {
     return LinearizeJointly(views.Source(), views.Target(), {0.1, true, stride}, Rigid3d())
@@ -94,8 +94,8 @@ TEST(LinearizeJointly, TakesEveryNthColumnAndRow) {
   EXPECT_NEAR(pairs(4), pairs(1) / 16., 0.01 * pairs(1));
 }
 
-// A quarter of the points leads to the same end, half as exactly.
-TEST(Descend, AQuarterOfThePointsLeadsThere) {
+// A quarter of the points converges to the same pose with twice the error.
+TEST(Descend, ConvergesWithQuarterOfPoints) {
   const WallViews views(AlongTheWall());
   DescentOptions options = Precise();
   options.stride = 2;
@@ -103,13 +103,13 @@ TEST(Descend, AQuarterOfThePointsLeadsThere) {
               RigidNear(AlongTheWall(), 2 * kWallToleranceM, 2 * kWallToleranceRad));
 }
 
-TEST(Descend, BrightnessHoldsWhatAWallLeavesOpen) {
+TEST(Descend, BrightnessConstrainsMotionAlongWall) {
   const WallViews views(AlongTheWall());
   EXPECT_THAT(Descend(views.Source(), views.Target(), Rigid3d(), Precise()),
               RigidNear(AlongTheWall(), kWallToleranceM, kWallToleranceRad));
 }
 
-TEST(Descend, ShapesAloneDoNotMoveAlongAWall) {
+TEST(Descend, DoesNotMoveAlongWallByGeometryOnly) {
   const WallViews views(AlongTheWall());
   DescentOptions options = Precise();
   options.use_brightness = false;
@@ -117,14 +117,14 @@ TEST(Descend, ShapesAloneDoNotMoveAlongAWall) {
               RigidNear(Rigid3d(), kWallToleranceM, kWallToleranceRad));
 }
 
-TEST(Descend, BearsAnotherExposure) {
+TEST(Descend, ToleratesOtherExposure) {
   WallViews views(AlongTheWall());
   for (float& value : views.source_brightness[0].value) value = 0.8f * value + 0.1f;
   EXPECT_THAT(Descend(views.Source(), views.Target(), Rigid3d(), Precise()),
               RigidNear(AlongTheWall(), kWallToleranceM, kWallToleranceRad));
 }
 
-TEST(Descend, TurnsOnlyIfToldSo) {
+TEST(Descend, RotationOnlyKeepsTranslation) {
   const WallViews views(Rigid3d(QuaternionExp<double>({0.02, -0.03, 0.01}), {0, 0, 0}));
   DescentOptions options = Precise();
   options.rotation_only = true;
@@ -133,9 +133,9 @@ TEST(Descend, TurnsOnlyIfToldSo) {
   EXPECT_THAT(pose, RigidNear(views.target_from_source, 0., kWallToleranceRad));
 }
 
-// At the true pose a view fits; shifted towards the camera its points fill free space, and shifted
-// along the wall its texture does not fit.
-TEST(MeasureFit, TellsWhatDoesNotFit) {
+// The view fits at the true pose. After a shift towards the camera, the points violate free space.
+// After a shift along the wall, the texture does not fit.
+TEST(MeasureFit, MeasuresFreeSpaceAndTexture) {
   const WallViews views((Rigid3d()));
   const auto fit_after = [&](double x_m, double z_m) {
     return MeasureFit(views.Source(), views.Target(), ErrorModel(),
@@ -144,7 +144,7 @@ TEST(MeasureFit, TellsWhatDoesNotFit) {
   const ViewFit right = fit_after(0, 0), near = fit_after(0, -0.2), along = fit_after(0.1, 0);
   EXPECT_GT(right.overlap_share, 0.9);
   EXPECT_EQ(right.free_space_share, 0);
-  EXPECT_NEAR(right.value_correlation, 1, 0.05);  // less the floor of the variance
+  EXPECT_NEAR(right.value_correlation, 1, 0.05);  // reduced by the minimum variance
   EXPECT_NEAR(right.detail_correlation, 1, 0.05);
   EXPECT_EQ(near.overlap_share, 0);
   EXPECT_EQ(near.free_space_share, 1);
@@ -153,10 +153,9 @@ TEST(MeasureFit, TellsWhatDoesNotFit) {
   EXPECT_GT(along.Score(), near.Score());
 }
 
-// On the coarsest level a pixel is 1 / 33 rad, 1.7 degrees; half of it is what we ask for.
+// The error is below half a pixel of the coarsest level. A pixel is 1 / 33 rad, 1.7 degrees.
 constexpr double kHalfAPixel = 0.87 * kRadPerDeg;
 
-// Seen from the same place, turned by 10 degrees.
 const SimulatedColoredViews& TurnedViews() {
   static const auto* const views = new SimulatedColoredViews(MakeTurnedViews(
       70, Rigid3d(QuaternionExp<double>({0.05, 0.16, -0.05}), Eigen::Vector3d::Zero()), 12));
@@ -172,20 +171,20 @@ double AngleTo(const Rigid3d& pose, const SimulatedColoredViews& views) {
   return RotationAngle(pose.rotation.conjugate() * views.target_from_source.rotation);
 }
 
-TEST(AlignRotation, FindsATurnOfTenDegrees) {
+TEST(AlignRotation, FindsRotationOfTenDegrees) {
   EXPECT_GT(AngleTo(Rigid3d(), TurnedViews()), 10 * kRadPerDeg);
   const Rigid3d pose = Align(TurnedViews(), Rigid3d());
   EXPECT_LT(AngleTo(pose, TurnedViews()), kHalfAPixel);
   EXPECT_EQ(pose.translation.norm(), 0);
 }
 
-TEST(AlignRotation, GoesByShapesWithoutColors) {
+TEST(AlignRotation, UsesGeometryWithoutColor) {
   SimulatedColoredViews views = TurnedViews();
   views.target.color = {};
   EXPECT_LT(AngleTo(Align(views, Rigid3d()), views), kHalfAPixel);
 }
 
-TEST(AlignRotation, StaysWhereNothingIsSeen) {
+TEST(AlignRotation, KeepsInitialPoseOfEmptyViews) {
   const Image<Rgb8> none;
   const Rigid3d start(QuaternionExp<double>({0.1, 0, 0}), {1, 2, 3});
   EXPECT_EQ(AlignRotation({{}, none, {}, none}, start).Matrix(), start.Matrix());
@@ -198,7 +197,7 @@ TEST(AlignRotation, IsTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(Align(TurnedViews(), Rigid3d()).Matrix(), alone.Matrix());
 }
 
-TEST(RotationGrid, StartsWithNoneAndReaches60Degrees) {
+TEST(RotationGrid, StartsWithIdentityAndReaches60Degrees) {
   const std::vector<Eigen::Quaterniond> grid = RotationGrid();
   EXPECT_EQ(RotationAngle(grid.front()), 0);
   for (std::size_t i = 1; i < grid.size(); ++i) {
@@ -207,10 +206,9 @@ TEST(RotationGrid, StartsWithNoneAndReaches60Degrees) {
   EXPECT_LE(RotationAngle(grid.back()), 60 * kRadPerDeg + 1e-9);
 }
 
-// The angle between two rotations is no larger than the distance of their vectors, and what is
-// farthest from a body-centred lattice of cubes of 19 degrees is 19 sqrt(5) / 4 = 10.6 degrees
-// away.
-TEST(RotationGrid, HasARotationNearAny) {
+// The angle between two rotations is at most the distance of their rotation vectors. The largest
+// distance to a body-centred lattice with cubes of 19 degrees is 19 sqrt(5) / 4 = 10.6 degrees.
+TEST(RotationGrid, CoversAllRotations) {
   const std::vector<Eigen::Quaterniond> grid = RotationGrid();
   std::mt19937_64 generator(1);
   std::uniform_real_distribution<double> side(-28 * kRadPerDeg,

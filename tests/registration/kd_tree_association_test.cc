@@ -10,7 +10,7 @@
 namespace surfit::testing {
 namespace {
 
-// Points of a cube of side 2 with normals all over, of which some are missing.
+// Random points in a cube of side 2 with random normals, some of them missing.
 PointSet RandomSet(int count, int seed) {
   std::mt19937_64 rng(seed);
   PointSet set;
@@ -48,7 +48,7 @@ bool Within(const KdTreeAssociationOptions& options, double distance_m, const Ei
          !(gated && m.dot(n) < std::cos(gates.max_normal_angle_rad));
 }
 
-// The pairs as the header has them, by source point: each is its p, q, n, m and information.
+// Correspondences by definition, sorted: p, q, n, m and information of each.
 using PairList = std::vector<std::vector<float>>;
 std::vector<float> Row(const Eigen::Vector3f& p, const Eigen::Vector3f& q, const Eigen::Vector3f& n,
                        const Eigen::Vector3f& m, float information) {
@@ -94,7 +94,7 @@ KdTreeAssociation Make(const PointSet& source, const PointSet& target,
   return {SearchablePoints(source), SearchablePoints(target), options};
 }
 
-TEST(KdTreeAssociation, FindsThePairsThatBruteForceFinds) {
+TEST(KdTreeAssociation, AgreesWithBruteForce) {
   const PointSet source = RandomSet(700, 1), target = RandomSet(600, 2);
   for (const NeededNormals needed :
        {NeededNormals::kNone, NeededNormals::kTarget, NeededNormals::kBoth}) {
@@ -112,7 +112,7 @@ TEST(KdTreeAssociation, FindsThePairsThatBruteForceFinds) {
   }
 }
 
-TEST(KdTreeAssociation, DoesNotDependOnWhatItFoundBefore) {
+TEST(KdTreeAssociation, IsIndependentOfEarlierSearches) {
   const PointSet source = RandomSet(700, 1), target = RandomSet(600, 2);
   const KdTreeAssociation used = Make(source, target, {});
   for (const int seed : {3, 4, 3, 5}) {
@@ -121,8 +121,8 @@ TEST(KdTreeAssociation, DoesNotDependOnWhatItFoundBefore) {
   }
 }
 
-// Every third point of an order that visits all of space: each eighth of the cube has its share.
-TEST(KdTreeAssociation, StrideThinsTheSourceEvenly) {
+// Every third point in an order along a space-filling curve: each octant of the cube has its share.
+TEST(KdTreeAssociation, StrideSubsamplesSourceEvenly) {
   const PointSet source = RandomSet(3000, 1), target = RandomSet(1200, 2);
   KdTreeAssociationOptions options{{0, 0}, NeededNormals::kNone};
   const PairList all = Sorted(PairsOf(Make(source, target, options), Rigid3d()));
@@ -134,18 +134,18 @@ TEST(KdTreeAssociation, StrideThinsTheSourceEvenly) {
   EXPECT_TRUE(std::includes(all.begin(), all.end(), pairs.begin(), pairs.end()));
   int counts[8] = {};
   for (const auto& pair : pairs) ++counts[(pair[0] > 0) + 2 * (pair[1] > 0) + 4 * (pair[2] > 0)];
-  // At random a share of 125 has a standard deviation of 10.5.
+  // The standard deviation of a random count of 125 is 10.5.
   for (const int count : counts) EXPECT_NEAR(count, 125, 3 * 10.5);
 }
 
-TEST(KdTreeAssociation, TakesEmptySets) {
+TEST(KdTreeAssociation, SupportsEmptySets) {
   const PointSet none, some = RandomSet(10, 1);
   EXPECT_EQ(Make(none, some, {}).source_count(), 0);
   EXPECT_TRUE(PairsOf(Make(none, some, {}), Rigid3d()).empty());
   EXPECT_TRUE(PairsOf(Make(some, none, {}), Rigid3d()).empty());
 }
 
-TEST(KdTreeAssociation, TakesTheValidPointsOfAFrame) {
+TEST(KdTreeAssociation, UsesValidPointsOfFrame) {
   FrameLevel level;
   level.vertex = VectorImage(3, 1);
   level.normal = VectorImage(3, 1);

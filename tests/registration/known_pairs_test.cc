@@ -1,4 +1,4 @@
-// Synthetic rigid transforms: solvers over exact pairs that are known.
+// Tests of pose solvers with exact, known correspondences.
 #include <gtest/gtest.h>
 
 #include "registration/random_correspondences.h"
@@ -29,7 +29,6 @@ std::string NameOf(const ::testing::TestParamInfo<Combination>& info) {
   return info.param.solver + "_" + ToString(info.param.residual);
 }
 
-// Solves over the same pairs until nothing moves.
 Rigid3d SolveKnown(const Correspondences& pairs, const PoseSolverOptions& options) {
   constexpr int kMaxSteps = 30;
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(options);
@@ -53,8 +52,8 @@ class KnownPairs : public ::testing::TestWithParam<Combination> {
   }
 };
 
-// Exact data: the residuals vanish to 1e-15 m, and directions are held with eigenvalues above 1e-2.
-TEST_P(KnownPairs, GiveBackEachDegreeOfFreedom) {
+// Exact data: residuals vanish to 1e-15 m, and all eigenvalues are above 1e-2.
+TEST_P(KnownPairs, RecoverEachDegreeOfFreedom) {
   std::mt19937_64 rng(1);
   for (const Vector6d& motion : EachDirection(0.2, 0.3)) {
     const Rigid3d expected = LeftIncrement<double>(motion, Rigid3d());
@@ -64,7 +63,7 @@ TEST_P(KnownPairs, GiveBackEachDegreeOfFreedom) {
   }
 }
 
-TEST_P(KnownPairs, GiveBackAnyMotionWithARobustKernelToo) {
+TEST_P(KnownPairs, RecoverMotionWithRobustKernel) {
   std::mt19937_64 rng(7);
   for (int i = 0; i < 3; ++i) {
     const Rigid3d expected = RandomPose(0.3, 0.3, &rng);
@@ -74,8 +73,9 @@ TEST_P(KnownPairs, GiveBackAnyMotionWithARobustKernelToo) {
   }
 }
 
-// Noise keeps the minimum away from zero, so that only solvers to the minimum reach it at once.
-TEST_P(KnownPairs, ReachTheMinimumInOneStepWhereTheySaySo) {
+// Noise keeps the minimum above zero, so only solvers that iterate to the minimum reach it in one
+// step.
+TEST_P(KnownPairs, ReachMinimumInOneStepIfReachesMinimum) {
   std::mt19937_64 rng(8);
   const Correspondences start = RandomCorrespondences(500, 0.05, &rng);
   const Correspondences pairs = Moved(start, RandomPose(0.2, 0.2, &rng));
@@ -83,7 +83,8 @@ TEST_P(KnownPairs, ReachTheMinimumInOneStepWhereTheySaySo) {
   const StepResult step = solver->Step(pairs);
   const Rigid3d motion = LeftIncrement<double>(step.increment, Rigid3d());
   const StepResult next = solver->Step(Moved(pairs, motion));
-  // The hand-built plane_to_plane whitens at the present rotation, which the next step renews.
+  // The closed-form plane_to_plane residual uses the whitening of the current rotation. The next
+  // step updates it.
   if (GetParam().residual != ResidualType::kPlaneToPlane) {
     EXPECT_EQ(next.increment.norm() < 1e-6, solver->ReachesMinimum()) << next.increment.norm();
   }
@@ -95,9 +96,9 @@ TEST_P(KnownPairs, ReachTheMinimumInOneStepWhereTheySaySo) {
                                               GetParam().solver == "tiny");
 }
 
-// Single precision pairs: coordinates of 4 m are rounded by 2.4e-7 m each, 500 of them on average
-// by a small share of it.
-TEST_P(KnownPairs, SolveAlikeInSinglePrecision) {
+// Single-precision correspondences: coordinates of 4 m have rounding errors of 2.4e-7 m, which is
+// smaller in the mean of 500.
+TEST_P(KnownPairs, AgreeInSinglePrecision) {
   std::mt19937_64 rng(9);
   const Correspondences pairs = RandomCorrespondences(500, 0.05, &rng);
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(Options());
@@ -108,10 +109,10 @@ TEST_P(KnownPairs, SolveAlikeInSinglePrecision) {
 
 INSTANTIATE_TEST_SUITE_P(All, KnownPairs, ::testing::ValuesIn(AllCombinations()), NameOf);
 
-// With noise there is one minimum: each residual's solvers agree on it.
+// With noise, all solvers of a residual converge to the same minimum.
 class SolversOf : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(SolversOf, ReachTheSameMinimum) {
+TEST_P(SolversOf, ReachSameMinimum) {
   std::mt19937_64 rng(8);
   const Rigid3d motion = RandomPose(0.1, 0.1, &rng);
   const Correspondences random = ExactCorrespondences(400, motion, &rng);
@@ -138,8 +139,8 @@ TEST_P(SolversOf, ReachTheSameMinimum) {
 INSTANTIATE_TEST_SUITE_P(Residuals, SolversOf, ::testing::ValuesIn(ResidualTypeNames()),
                          [](const auto& instance) { return instance.param; });
 
-// Points of a plane and their mirror image: without the sign of the determinant, a reflection would
-// fit best.
+// Points and their mirror image. Without the sign of the determinant, a reflection would be
+// optimal.
 TEST(SvdSolver, NeverReflects) {
   std::mt19937_64 rng(9);
   Correspondences pairs;
@@ -154,7 +155,7 @@ TEST(SvdSolver, NeverReflects) {
   const StepResult step = MakePoseSolver(options)->Step(pairs);
   const Rigid3d pose = LeftIncrement<double>(step.increment, Rigid3d());
   EXPECT_NEAR(pose.rotation.toRotationMatrix().determinant(), 1, 1e-12);
-  // It is the best of the rotations: no closed-form step from there improves.
+  // The pose is the optimal rotation: a closed-form step does not improve it.
   options.name = "closed_form_ldlt";
   EXPECT_LT(MakePoseSolver(options)->Step(Moved(pairs, pose)).increment.norm(), 1e-9);
 }

@@ -18,13 +18,13 @@ constexpr RobustKernelType kKernels[] = {RobustKernelType::kNone, RobustKernelTy
                                          RobustKernelType::kTukey, RobustKernelType::kGemanMcClure,
                                          RobustKernelType::kStudentT};
 
-// Each sum is within `relative` of the expected one, measured by sums of absolute values.
+// Expects sums within `relative` of the expected sums, relative to sums of absolute values.
 void ExpectNear(const NormalSystem& actual, const NormalSystem& expected, double relative) {
   const Vector6d root = expected.hessian.diagonal().cwiseSqrt();
   const double residual_root = std::sqrt(expected.weighted_square_sum);
   for (int i = 0; i < 6; ++i) {
     for (int j = 0; j < 6; ++j) {
-      // Cauchy and Schwarz: sum |w a_i a_j| <= root_i root_j.
+      // Cauchy-Schwarz: sum |w a_i a_j| <= root_i root_j.
       EXPECT_NEAR(actual.hessian(i, j), expected.hessian(i, j), relative * root[i] * root[j]);
     }
     EXPECT_NEAR(actual.right_side[i], expected.right_side[i], relative * root[i] * residual_root);
@@ -44,10 +44,10 @@ void ExpectNear(const NormalSystem& actual, const NormalSystem& expected, double
 
 class LinearizeResidual : public ::testing::TestWithParam<ResidualType> {};
 
-// In double precision the hand-built rows are what automatic differentiation of the definition
-// gives. Roundings are 1e-16 of numbers of the same size; a plane's covariance has the condition
-// number 1e3, whose inverse and factor lose as many digits.
-TEST_P(LinearizeResidual, RowsAreTheDerivativesOfTheResidual) {
+// In double precision, the closed-form rows agree with autodiff of the definition. Rounding is
+// 1e-16 of values of the same size. The covariance of a plane has the condition number 1e3, so its
+// inverse and factor lose three digits.
+TEST_P(LinearizeResidual, RowsAgreeWithAutodiff) {
   std::mt19937_64 rng(1);
   for (const RobustKernelType kernel : kKernels) {
     const Correspondences pairs = RandomCorrespondences(1000, 1, &rng);
@@ -59,14 +59,14 @@ TEST_P(LinearizeResidual, RowsAreTheDerivativesOfTheResidual) {
   }
 }
 
-// Single precision lanes against the same values in double. A product of a weight and two columns
-// has about 20 roundings, 8 are summed in a lane; columns p x n of points 4.6 m off are differences
-// of such products, up to 5 times their own size.
+// Single-precision lanes compared with double precision. A product of a weight and two columns has
+// about 20 roundings, and a lane sums 8 products. Columns p x n of points at 4.6 m are differences
+// of products that are up to 5 times larger.
 constexpr double kSinglePrecision = 5.0 * 30 / (1 << 24);
 
-TEST_P(LinearizeResidual, SinglePrecisionAgreesForAnyNumberOfPairs) {
+TEST_P(LinearizeResidual, SinglePrecisionAgreesForAnyCount) {
   std::mt19937_64 rng(2);
-  // The float whitening of planes inverts a matrix of condition 1e3 by cofactors.
+  // The whitening of planes in float inverts a matrix with condition number 1e3 by cofactors.
   const double relative =
       GetParam() == ResidualType::kPlaneToPlane ? 100 * kSinglePrecision : kSinglePrecision;
   for (const int count : {0, 63, 64, 65, 5000}) {
@@ -77,7 +77,7 @@ TEST_P(LinearizeResidual, SinglePrecisionAgreesForAnyNumberOfPairs) {
   }
 }
 
-TEST_P(LinearizeResidual, BesidesProductsIsTheRest) {
+TEST_P(LinearizeResidual, BesidesProductsContainsRemainingSums) {
   std::mt19937_64 rng(4);
   const Correspondences pairs = RandomCorrespondences(1000, 0.1, &rng);
   const RobustKernel kernel = {RobustKernelType::kHuber, 0.7};
@@ -96,8 +96,7 @@ TEST_P(LinearizeResidual, BesidesProductsIsTheRest) {
   ExpectNear(rest, whole, 1e-14);
 }
 
-// What is beyond size must not count.
-TEST_P(LinearizeResidual, IgnoresWhatIsLeftOverFromMorePairs) {
+TEST_P(LinearizeResidual, IgnoresValuesBeyondSize) {
   std::mt19937_64 rng(3);
   const Correspondences pairs = RandomCorrespondences(9, 0.1, &rng);
   Correspondences longer = pairs;
@@ -130,7 +129,7 @@ TEST(Linearize, CountsPairsWithinThreeSigmasAsInliers) {
   EXPECT_EQ(Linearize(pairs, ResidualType::kPointToPoint, {}).inlier_count, 0);
 }
 
-TEST(KernelFor, MeasuresItsWidthInSigmasOfTheResidualsIfAsked) {
+TEST(KernelFor, EstimatesScaleOfResiduals) {
   std::mt19937_64 rng(4);
   std::normal_distribution<double> normal;
   constexpr double kSigma = 0.02;
@@ -144,7 +143,8 @@ TEST(KernelFor, MeasuresItsWidthInSigmasOfTheResidualsIfAsked) {
   model.kernel = {RobustKernelType::kHuber, 1.5};
   EXPECT_EQ(KernelFor(pairs, ResidualType::kPointToPlane, model).width, 1.5);
   model.estimate_scale = true;
-  // The median of 20000 absolute values is off by 1.1 % (1.2533 / sqrt(N) / density at it) a sigma.
+  // The relative standard deviation of the median of 20000 absolute values is 1.1 % (1.2533 /
+  // sqrt(N) / density at the median).
   for (const ResidualType type : {ResidualType::kPointToPlane, ResidualType::kPointToPoint}) {
     EXPECT_NEAR(KernelFor(pairs, type, model).width, 1.5 * kSigma * 100, 0.04 * 3.0);
   }
@@ -159,8 +159,8 @@ class LinearizeAssociation : public ::testing::Test {
                                            AssociationGates(), error_model_, NeededNormals::kBoth};
 };
 
-// The pass without a list takes the same pairs and sums them in groups of its own.
-TEST_F(LinearizeAssociation, SumsWhatCollectLists) {
+// The pass without a list uses the same correspondences and sums them in other groups.
+TEST_F(LinearizeAssociation, AgreesWithCollectedList) {
   for (const Rigid3d& pose : {Rigid3d(), views_.target_from_source}) {
     const PairBuffer pairs = association_.Collect(pose);
     ASSERT_GT(pairs.size, 5000);

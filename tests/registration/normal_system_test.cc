@@ -21,7 +21,7 @@ NormalSystem PointToPlaneSystem(const Correspondences& pairs) {
   return Linearize(pairs, ResidualType::kPointToPlane, {});
 }
 
-TEST(NormalSystem, SumIsThatOfAllPairs) {
+TEST(NormalSystem, SumAgreesWithSystemOfAllPairs) {
   std::mt19937_64 rng(4);
   Correspondences all;
   NormalSystem sum;
@@ -46,21 +46,21 @@ TEST(NormalSystem, SumIsThatOfAllPairs) {
   EXPECT_GT(sum.inlier_count, 0);
 }
 
-TEST(NormalSystem, AverageLossIsTheWeightedMeanOfSquares) {
+TEST(NormalSystem, AverageLossIsWeightedMeanOfSquares) {
   Correspondences pairs;
   pairs.Add({0, 0, 2}, {0, 0, 2.1}, {0, 0, -1}, {0, 0, -1}, 1);  // r = 0.1
   pairs.Add({0, 0, 2}, {0, 1, 2.3}, {0, 0, -1}, {0, 0, -1}, 3);  // r = 0.3
   EXPECT_NEAR(PointToPlaneSystem(pairs).AverageLoss(), (0.01 + 3 * 0.09) / 4, 1e-15);
 }
 
-TEST(NormalSystem, RmsDistanceIsThatOfTheMovedPoints) {
+TEST(NormalSystem, RmsDistanceIsDistanceOfMovedPoints) {
   Correspondences pairs;
   pairs.Add({0, 3, 4}, {0, 0, 1}, {0, 0, -1}, {0, 0, -1}, 1);  // 5 m
   pairs.Add({0, 0, 1}, {0, 0, 1}, {0, 0, -1}, {0, 0, -1}, 3);  // 1 m
   EXPECT_NEAR(PointToPlaneSystem(pairs).RmsDistance(), std::sqrt((25.0 + 3 * 1) / 4), 1e-15);
 }
 
-TEST(Observe, EigenvaluesDoNotDependOnUnitsOrWeights) {
+TEST(Observe, EigenvaluesAreIndependentOfUnitsAndWeights) {
   std::mt19937_64 rng(5);
   const Correspondences pairs = RandomCorrespondences(200, 0.1, &rng);
   Correspondences scaled;
@@ -71,13 +71,14 @@ TEST(Observe, EigenvaluesDoNotDependOnUnitsOrWeights) {
   const Vector6d eigenvalues = Observe(PointToPlaneSystem(pairs), kHeld).eigenvalues;
   EXPECT_THAT(Observe(PointToPlaneSystem(scaled), kHeld).eigenvalues,
               VectorNear(eigenvalues, 1e-13));
-  // A mean of a a^T: the trace is that of the mean of |p x n|^2 / mean |p|^2 + |n|^2, at most 2.
+  // The system is a mean of a a^T. Its trace is mean |p x n|^2 / mean |p|^2 + |n|^2, which is at
+  // most 2.
   EXPECT_GT(eigenvalues[0], 0);
   EXPECT_LE(eigenvalues.sum(), 2);
   EXPECT_TRUE(std::is_sorted(eigenvalues.data(), eigenvalues.data() + 6));
 }
 
-// The plane z = 2: two translations and one rotation are free, exactly.
+// Plane z = 2: two translations and one rotation are unobservable.
 Correspondences Plane() {
   Correspondences plane;
   std::mt19937_64 rng(6);
@@ -89,7 +90,7 @@ Correspondences Plane() {
   return plane;
 }
 
-TEST(Observe, NamesTheDirectionsThatTheDataDoesNotHold) {
+TEST(Observe, FindsUnobservableDirections) {
   const NormalSystem system = PointToPlaneSystem(Plane());
   const Observability plane = Observe(system, kHeld);
   EXPECT_TRUE(plane.Degenerate());
@@ -97,7 +98,7 @@ TEST(Observe, NamesTheDirectionsThatTheDataDoesNotHold) {
   EXPECT_NEAR(plane.eigenvalues[2], 0, 1e-14);
   EXPECT_GT(plane.eigenvalues[3], 1e-3);
   for (const Vector6d& direction : plane.FreeDirections()) {
-    // Turns about z, shifts along x and y; along a curve of these the plane stays itself.
+    // Rotations about z and translations along x and y map the plane to itself.
     EXPECT_THAT(Eigen::Vector3d(direction[0], direction[1], direction[5]),
                 VectorNear(Eigen::Vector3d::Zero().eval(), 1e-7));
     EXPECT_GT(direction.norm(), 0.1);
@@ -105,7 +106,7 @@ TEST(Observe, NamesTheDirectionsThatTheDataDoesNotHold) {
   }
 }
 
-TEST(Observe, HeldLeavesNothingAlongFreeDirectionsAndTheRestAsItIs) {
+TEST(Observe, HeldRemovesUnobservableDirections) {
   const Observability plane = Observe(PointToPlaneSystem(Plane()), kHeld);
   Vector6d increment;
   increment << 0.1, 0.2, 0.3, 0.4, 0.5, 0.6;
@@ -116,7 +117,7 @@ TEST(Observe, HeldLeavesNothingAlongFreeDirectionsAndTheRestAsItIs) {
   EXPECT_THAT(plane.Held(held), VectorNear(held, 1e-12));
 }
 
-TEST(SolveHeld, IsTheLeastSquaresIncrementWhereNothingIsFree) {
+TEST(SolveHeld, IsLeastSquaresIncrementIfAllDirectionsAreObservable) {
   std::mt19937_64 rng(7);
   const NormalSystem system = PointToPlaneSystem(RandomCorrespondences(200, 0.1, &rng));
   const Observability all = Observe(system, kHeld);
@@ -125,22 +126,22 @@ TEST(SolveHeld, IsTheLeastSquaresIncrementWhereNothingIsFree) {
               VectorNear(system.right_side, 1e-9 * system.right_side.norm()));
 }
 
-TEST(SolveHeld, ReducesTheResidualOfAPlaneAsFarAsItCan) {
+TEST(SolveHeld, MinimisesResidualOfPlane) {
   const NormalSystem system = PointToPlaneSystem(Plane());
   const Vector6d x = SolveHeld(system, Observe(system, kHeld));
   EXPECT_TRUE(x.allFinite());
   EXPECT_THAT(system.hessian * x, VectorNear(system.right_side, 1e-9));
 }
 
-TEST(Observe, WithoutPairsEverythingIsFree) {
+TEST(Observe, AllDirectionsAreUnobservableWithoutPairs) {
   const Observability nothing = Observe(NormalSystem(), {0, 0});
   EXPECT_EQ(nothing.free_count, 6);
   EXPECT_TRUE(nothing.eigenvalues.isZero(0));
 }
 
-// A plane whose normals are noisy on both sides: the free directions seem to be held, with what is
-// feigned; a corner is held far beyond it.
-TEST(Observe, SeesThroughWhatNoiseOfTheNormalsFeigns) {
+// A plane with noisy normals on both sides: noise adds spurious information to the unobservable
+// directions. A corner has much more information.
+TEST(Observe, IgnoresSpuriousInformationOfNormalNoise) {
   std::mt19937_64 rng(9);
   std::normal_distribution<double> normal(0, 0.05);
   const auto noisy = [&](const Eigen::Vector3d& n) -> Eigen::Vector3d {
@@ -159,7 +160,8 @@ TEST(Observe, SeesThroughWhatNoiseOfTheNormalsFeigns) {
   EXPECT_EQ(Observe(system, {1e-6, 0}).free_count, 0);
   EXPECT_EQ(Observe(system, {1e-6, 1.2}).free_count, 3);
   EXPECT_EQ(Observe(held, {1e-6, 20}).free_count, 0);
-  // What noise feigns is not trusted, and all else is, as of so many points that fit exactly.
+  // Spurious information is not trusted. The other directions have the information of 20,000 exact
+  // points.
   constexpr double kLeastVarianceFactor = 1e-3;
   constexpr double kScale = kSharedPoints * kLeastVarianceFactor;
   const Matrix6d trusted = kScale * TrustedInformation(system, 1);
@@ -168,12 +170,13 @@ TEST(Observe, SeesThroughWhatNoiseOfTheNormalsFeigns) {
   EXPECT_GT(trusted(5, 5), 0.95 * system.hessian(5, 5));
   EXPECT_THAT(kScale * TrustedInformation(held, 1),
               VectorNear(held.hessian, 0.05 * held.hessian.norm()));
-  // Along x the information is all feigned: 20,000 values of relative spread 2 average to 1 %.
+  // All information along x is spurious: the mean of 20,000 values with a relative spread of 2 has
+  // an error of 1 %.
   EXPECT_NEAR(system.FeignedInformation()(3, 3), system.hessian(3, 3),
               5 * 0.01 * system.hessian(3, 3));
 }
 
-TEST(TrustedInformation, TakesAShareOfWhatIntensitiesSay) {
+TEST(TrustedInformation, ScalesPhotometricInformation) {
   std::mt19937_64 rng(9);
   NormalSystem system = PointToPlaneSystem(RandomCorrespondences(200, 0.1, &rng));
   const Matrix6d of_points = TrustedInformation(system, 0.01);
@@ -186,14 +189,14 @@ TEST(TrustedInformation, TakesAShareOfWhatIntensitiesSay) {
 }
 
 // Both covariances have the same floor and the same disagreement, which cancel.
-TEST(RealisticCovariance, GrowsByTheNumberOfPointsThatShareAnError) {
+TEST(RealisticCovariance, GrowsWithNumberOfPointsWithCommonError) {
   const Matrix6d covariance = (1e-6 * Vector6d::LinSpaced(1, 6)).asDiagonal();
   const Matrix6d difference =
       RealisticCovariance(3 * covariance, 0.01, 0.02) - RealisticCovariance(covariance, 0.01, 0.02);
   EXPECT_THAT(difference, VectorNear((2 * kSharedPoints * covariance).eval(), 1e-12));
 }
 
-TEST(CovarianceOf, IsTheInverseInformationTimesTheVarianceFactor) {
+TEST(CovarianceOf, IsInverseInformationTimesVarianceFactor) {
   std::mt19937_64 rng(8);
   const NormalSystem system = PointToPlaneSystem(RandomCorrespondences(200, 0.1, &rng));
   EXPECT_NEAR(system.VarianceFactor(), system.weighted_square_sum / 194, 1e-15);
@@ -201,11 +204,11 @@ TEST(CovarianceOf, IsTheInverseInformationTimesTheVarianceFactor) {
               VectorNear((system.VarianceFactor() * Matrix6d::Identity()).eval(), 1e-12));
 }
 
-// Monte Carlo: targets off by normal noise along known normals. The normalised squared error
-// (NEES) of the poses is then chi-square distributed with six degrees of freedom; its mean over
-// N trials is chi-square of 6 N degrees over N, whose 99.9 % interval is 6 +- 3.29 sqrt(12 / N) to
-// within a percent of that width.
-TEST(CovarianceOf, IsConsistentWithTheErrorsOfManyTrials) {
+// Monte Carlo test: targets with normal noise along known normals. The normalised squared error
+// (NEES) of the poses has a chi-square distribution with six degrees of freedom. The mean of N
+// trials is chi-square with 6 N degrees of freedom, divided by N. Its 99.9 % interval is about 6 +-
+// 3.29 sqrt(12 / N).
+TEST(CovarianceOf, IsConsistentWithMonteCarloErrors) {
   constexpr int kTrials = 1000, kPairs = 300;
   constexpr double kSigma = 0.01;
   std::mt19937_64 rng(1);
@@ -221,7 +224,7 @@ TEST(CovarianceOf, IsConsistentWithTheErrorsOfManyTrials) {
       pairs.Add(exact.p(i), exact.q(i) + kSigma * normal(rng) * exact.n(i), exact.n(i), exact.m(i),
                 1 / (kSigma * kSigma));
     }
-    // The first step's remainder is of the square of its 1e-3: a second one leaves 1e-9.
+    // The remaining error of the first step is the square of 1e-3. A second step leaves 1e-9.
     const Vector6d first = solver->Step(pairs).increment;
     const Correspondences moved = Moved(pairs, LeftIncrement<double>(first, Rigid3d()));
     const StepResult step = solver->Step(moved);
@@ -231,8 +234,8 @@ TEST(CovarianceOf, IsConsistentWithTheErrorsOfManyTrials) {
   }
   const double half_width = 3.29 * std::sqrt(12.0 / kTrials);
   EXPECT_NEAR(with_known_sigma / kTrials, 6, half_width);
-  // An estimated variance makes it an F distribution: its mean is larger by f / (f - 2),
-  // f = 294 degrees of freedom, and its spread by a little.
+  // The estimated variance leads to an F distribution with f = 294. Its mean is larger by f / (f -
+  // 2), and its spread is slightly larger.
   const double f = kPairs - 6;
   EXPECT_NEAR(with_estimated_sigma / kTrials, 6 * f / (f - 2), 1.02 * half_width);
 }

@@ -14,7 +14,7 @@
 namespace surfit::testing {
 namespace {
 
-// The distance to a line: neither ours nor of one row.
+// Distance to a line: a residual of two rows that is not built in.
 struct AcrossAnAxis : PointFunctor<AcrossAnAxis, 7, 2> {
   template <typename T, typename D>
   void AtMovedPoint(const T* y, const D* d, T* residuals) const {
@@ -23,7 +23,6 @@ struct AcrossAnAxis : PointFunctor<AcrossAnAxis, 7, 2> {
   }
 };
 
-// Registered once for all tests of the process.
 void RegisterThem() {
   static const bool once = [] {
     RegisterResidual<PointToPoint>("my_point_to_point");
@@ -46,7 +45,7 @@ class OwnResidualOf : public ::testing::TestWithParam<const char*> {
   const Correspondences pairs_ = RandomCorrespondences(5003, 0.05, &rng_);
 };
 
-// By automatic differentiation what our own have by hand: roundings apart.
+// Autodiff of the registered residual agrees with the closed form, up to rounding.
 template <typename S>
 void ExpectSameSystem(const Pairs<S>& pairs, ResidualType own, ResidualType ours,
                       double tolerance) {
@@ -64,14 +63,14 @@ void ExpectSameSystem(const Pairs<S>& pairs, ResidualType own, ResidualType ours
               10 * tolerance);
 }
 
-TEST_P(OwnResidualOf, SumsWhatOurOwnDo) {
+TEST_P(OwnResidualOf, AgreesWithBuiltInResidual) {
   EXPECT_EQ(ToString(own_), "my_" + name_);
   EXPECT_EQ(NormalsNeededBy(own_), NormalsNeededBy(ours_));
   ExpectSameSystem(pairs_, own_, ours_, 1e-12);
   ExpectSameSystem(Rounded<float>(pairs_), own_, ours_, 1e-5);
 }
 
-TEST_P(OwnResidualOf, StepsAsOurOwnWithEverySolver) {
+TEST_P(OwnResidualOf, StepAgreesWithBuiltInResidualForEachSolver) {
   for (const std::string& solver : PoseSolverNames()) {
     if (solver == "svd") continue;
     PoseSolverOptions options;
@@ -98,8 +97,8 @@ INSTANTIATE_TEST_SUITE_P(Functors, OwnResidualOf,
                                            "symmetric_point_to_plane"),
                          [](const auto& test) { return std::string(test.param); });
 
-// Of a small motion all solvers find what the residual sees of it: to second order in a step.
-TEST(OwnResidual, OfTwoRowsIsMinimised) {
+// All solvers find the observable part of a small motion, up to second order of the step.
+TEST(OwnResidual, WithTwoRowsIsMinimised) {
   RegisterThem();
   std::mt19937_64 rng(5);
   const Rigid3d motion = RandomPose(0.001, 0.01, &rng);
@@ -114,18 +113,18 @@ TEST(OwnResidual, OfTwoRowsIsMinimised) {
     const StepResult step = MakePoseSolver(options)->Step(pairs);
     EXPECT_EQ(step.system.row_count, 1000);
     EXPECT_THAT(step.increment.head<5>(), VectorNear(expected.head<5>(), 1e-4)) << solver;
-    EXPECT_EQ(step.observability.free_count, 1) << "nothing holds the way along the axis";
+    EXPECT_EQ(step.observability.free_count, 1) << "the translation along the axis is unobservable";
   }
 }
 
-TEST(OwnResidual, NeedsANameOfItsOwn) {
+TEST(OwnResidual, RejectsEmptyAndUsedNames) {
   RegisterThem();
   for (const char* const name : {"", "point_to_plane", "my_point_to_plane"}) {
     ExpectInputError([&] { RegisterResidual<PointToPlane>(name); },
-                     HasSubstr("must be none of: point_to_point, "));
+                     Names("point_to_point", "point_to_plane"));
   }
   ExpectInputError([] { ResidualTypeFromName("other"); },
-                   HasSubstr("plane_to_plane, my_point_to_point, my_point_to_plane"));
+                   Names("plane_to_plane", "my_point_to_point", "my_point_to_plane"));
 }
 
 }  // namespace

@@ -14,12 +14,11 @@
 namespace surfit::testing {
 namespace {
 
-// How many of the pairs ...
 struct PairCounts {
   int pairs = 0;
-  int accurate = 0;  // ended within 3 mm and 0.1 deg,
-  int clean = 0;     // and with loss and inliers better at the end of each level than at its start
-  int wrong = 0;     // converged more than 2 cm or 1 deg off
+  int accurate = 0;  // final error below 3 mm and 0.1 deg
+  int clean = 0;     // accurate, and every level improved loss and inliers
+  int wrong = 0;     // converged with an error above 2 cm or 1 deg
 };
 
 bool EveryLevelImproves(const std::vector<IcpIteration>& iterations, int max_iterations) {
@@ -48,7 +47,7 @@ void Count(const IcpResult& result, const Rigid3d& truth, const IcpOptions& opti
   outcome->wrong += result.termination == Termination::kConverged && (off_m > 0.02 || off_deg > 1);
 }
 
-// Of every step-th frame and those that follow it at these distances, ascending.
+// Pairs of every `step`-th frame and frames at the ascending distances `gaps`.
 PairCounts RegisterPairs(const std::string& sequence, const std::vector<int>& gaps, int step) {
   SequenceOptions sequence_options;
   sequence_options.path = SharedData(sequence);
@@ -59,7 +58,7 @@ PairCounts RegisterPairs(const std::string& sequence, const std::vector<int>& ga
     FramePyramid pyramid;
     Rigid3d world_from_camera;
   };
-  std::deque<View> last_views;  // the newest first
+  std::deque<View> last_views;  // newest first
   PairCounts outcome;
   for (int index = 0; auto read = source->Next(); ++index) {
     View view;
@@ -98,18 +97,18 @@ void ExpectGood(const std::string& sequence, int step) {
 class SomePairs : public ::testing::TestWithParam<std::string> {};
 class AllPairs : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(SomePairs, AreRegisteredFromTheIdentity) {
+TEST_P(SomePairs, AreRegisteredFromIdentity) {
   SURFIT_REQUIRE_SHARED_DATA(GetParam());
   ExpectGood(GetParam(), 13);
 }
 
-TEST_P(AllPairs, AreRegisteredFromTheIdentity) {
+TEST_P(AllPairs, AreRegisteredFromIdentity) {
   SURFIT_REQUIRE_SHARED_DATA(GetParam());
   ExpectGood(GetParam(), 1);
 }
 
-// Beyond the reach of ICP from the identity: a wrong fit must not be called converged.
-TEST_P(SomePairs, FarApartAreReportedTruthfully) {
+// Outside the basin of convergence of ICP: a wrong pose must not be reported as converged.
+TEST_P(SomePairs, ReportFailureOfFarPairs) {
   SURFIT_REQUIRE_SHARED_DATA(GetParam());
   const PairCounts outcome = RegisterPairs(GetParam(), {30, 40, 60, 90}, 10);
   Print(GetParam(), outcome);

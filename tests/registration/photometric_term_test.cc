@@ -32,8 +32,8 @@ class PhotometricTermTest : public ::testing::Test {
   ErrorModel model_;
 };
 
-// Single precision: pixels are off by 1e-5 px, and intensities change by a tenth per px at most.
-TEST_F(PhotometricTermTest, LooksUpWhereEachPointProjects) {
+// Single precision: the error of pixels is 1e-5 px, and intensities change by at most 0.1 per px.
+TEST_F(PhotometricTermTest, SamplesAtProjectionOfPoints) {
   const IntensityPairs pairs = Term().Collect(frames_.target_from_source);
   ASSERT_GT(pairs.size, 1000);
   for (int i = 0; i < pairs.size; ++i) {
@@ -42,14 +42,14 @@ TEST_F(PhotometricTermTest, LooksUpWhereEachPointProjects) {
     const auto u = static_cast<float>(at.x()), v = static_cast<float>(at.y());
     const BilinearSample expected = SampleAt(Target().intensity, u, v);
     ASSERT_NEAR(pairs.target[i], expected.value, 1e-5);
-    // Slopes jump where the four pixels change.
+    // Slopes are discontinuous at pixel boundaries.
     if (std::abs(u - std::round(u)) < 1e-3 || std::abs(v - std::round(v)) < 1e-3) continue;
     ASSERT_NEAR(pairs.slope_u[i], expected.slope_u, 1e-5);
     ASSERT_NEAR(pairs.slope_v[i], expected.slope_v, 1e-5);
   }
 }
 
-TEST_F(PhotometricTermTest, TakesThePointsWhereIntensityChanges) {
+TEST_F(PhotometricTermTest, SelectsPointsWithIntensityGradient) {
   const FrameLevel& source = Source();
   const IntensityPairs pairs = Term().Collect(Rigid3d());
   int next = 0;
@@ -67,7 +67,7 @@ TEST_F(PhotometricTermTest, TakesThePointsWhereIntensityChanges) {
   EXPECT_EQ(next, pairs.size);
 }
 
-TEST_F(PhotometricTermTest, HiddenPointsAndUnknownColorsHaveNoSay) {
+TEST_F(PhotometricTermTest, IgnoresOccludedPointsAndUnknownColors) {
   const Rigid3d pose = frames_.target_from_source;
   const int all = Term().Collect(pose).size;
   for (int v = 0; v < 120; ++v) {
@@ -80,13 +80,12 @@ TEST_F(PhotometricTermTest, HiddenPointsAndUnknownColorsHaveNoSay) {
   EXPECT_GT(pairs.size, all / 5);
   for (int i = 0; i < pairs.size; ++i) {
     const double u = Target().camera.Project({pairs.px[i], pairs.py[i], pairs.pz[i]}).x();
-    ASSERT_GT(u, 49.49);  // to the nearest pixel
+    ASSERT_GT(u, 49.49);  // occlusion is tested at the nearest pixel
     ASSERT_LT(u, 109.01);
   }
 }
 
-// Whatever the processor has.
-TEST_F(PhotometricTermTest, InstructionsGiveTheSamePairs) {
+TEST_F(PhotometricTermTest, IsBitwiseIdenticalForAllInstructionSets) {
   TexturedPoints points;
   for (int i = 0; i < 83; ++i) {
     const Eigen::Vector3f p = Source().vertex(20 + i, 50);
@@ -109,8 +108,8 @@ TEST_F(PhotometricTermTest, InstructionsGiveTheSamePairs) {
   }
 }
 
-// Quartiles of thousands of points, resampled: to a few thousandths.
-TEST_F(PhotometricTermTest, FindsTheExposure) {
+// Quartiles of thousands of resampled points have an error of a few thousandths.
+TEST_F(PhotometricTermTest, EstimatesExposure) {
   EXPECT_NEAR(Term().exposure().gain, 1, 0.02);
   EXPECT_NEAR(Term().exposure().offset, 0, 0.01);
   frames_.ChangeExposure(1.25f, -0.125f);
@@ -120,7 +119,7 @@ TEST_F(PhotometricTermTest, FindsTheExposure) {
 
 using Jet = ceres::Jet<double, 6>;
 
-// The system of the functor, by automatic differentiation at the left increment 0.
+// Normal system of the functor, by autodiff at the left increment 0.
 PhotometricSystem SystemOfFunctor(const IntensityPairs& pairs, const PhotometricTerm& term,
                                   const ErrorModel& model) {
   Eigen::Matrix<Jet, 3, 1> w, t;
@@ -149,8 +148,8 @@ PhotometricSystem SystemOfFunctor(const IntensityPairs& pairs, const Photometric
   return system;
 }
 
-// Single precision: see linearize_test.cc. The residual is a difference of numbers below one,
-// rounded by 1e-7, where it is a hundredth itself.
+// Single precision: see linearize_test.cc. The residual (about 0.01) is a difference of values
+// below one with rounding errors of 1e-7.
 constexpr double kRelative = 1e-5;
 
 void ExpectNear(const PhotometricSystem& actual, const PhotometricSystem& expected) {
@@ -181,7 +180,7 @@ class LinearizeIntensity : public ::testing::Test {
   ErrorModel model_;
 };
 
-TEST_F(LinearizeIntensity, HasTheRowsOfTheFunctor) {
+TEST_F(LinearizeIntensity, AgreesWithFunctor) {
   for (const RobustKernelType kernel :
        {RobustKernelType::kNone, RobustKernelType::kHuber, RobustKernelType::kGemanMcClure}) {
     model_.intensity_kernel.type = kernel;
@@ -196,7 +195,7 @@ TEST_F(LinearizeIntensity, HasTheRowsOfTheFunctor) {
   }
 }
 
-TEST_F(LinearizeIntensity, SumsWhatCollectLists) {
+TEST_F(LinearizeIntensity, AgreesWithCollectedList) {
   const PhotometricTerm term = Term();
   ExpectNear(Linearize(term, Rigid3d()), Linearize(term.Collect(Rigid3d()), term));
 }

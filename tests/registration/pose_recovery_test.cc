@@ -1,4 +1,5 @@
-// The pose test of BAD SLAM: three exact planes, every degree of freedom perturbed both ways.
+// Pose test of BAD SLAM: three exact planes, with perturbations of every degree of freedom in both
+// directions.
 #include <gtest/gtest.h>
 
 #include "registration/three_planes.h"
@@ -10,15 +11,15 @@
 namespace surfit::testing {
 namespace {
 
-// Points within 2.5 m and poses are rounded to float, p' = R p + t with three roundings more: each
-// p' is off by 5 * 2^-24 * 2.5 m = 7e-7 m at most, all in the same way at worst.
+// Points within 2.5 m and poses are rounded to float, and p' = R p + t has three more roundings. In
+// the worst case, the common error of all p' is 5 * 2^-24 * 2.5 m = 7e-7 m.
 constexpr double kExactToM = 1e-6;
 constexpr double kExactToRad = 1e-6;
 
 class PoseRecovery : public ::testing::TestWithParam<std::string> {};
 
-// "solver with residual", of residuals that vanish here. The others do not: projective pairs are up
-// to half a pixel apart along the surface.
+// "solver_with_residual", for residuals that vanish in this test. The other residuals do not:
+// projective correspondences differ by up to half a pixel along the surface.
 std::vector<std::string> SurfaceCombinations() {
   std::vector<std::string> all;
   for (const std::string& solver : PointToPlaneSolverNames()) {
@@ -29,7 +30,7 @@ std::vector<std::string> SurfaceCombinations() {
   return all;
 }
 
-TEST_P(PoseRecovery, FromEveryDirection) {
+TEST_P(PoseRecovery, ConvergesFromEveryDirection) {
   const Rigid3d world_from_target = PoseBeforeTheCorner();
   Vector6d motion;
   motion << 0.01, -0.02, 0.015, 0.02, 0.01, -0.03;
@@ -56,9 +57,9 @@ TEST_P(PoseRecovery, FromEveryDirection) {
 INSTANTIATE_TEST_SUITE_P(All, PoseRecovery, ::testing::ValuesIn(SurfaceCombinations()),
                          [](const auto& instance) { return instance.param; });
 
-// Other pairs of the same planes; those that reach over an edge are off, and the normal gate leaves
-// them out.
-TEST(Register, FindsTheSamePoseByNearestNeighbours) {
+// Nearest neighbours are other correspondences of the same planes. The normal gate rejects
+// correspondences across an edge.
+TEST(Register, FindsSamePoseByNearestNeighbours) {
   const Rigid3d world_from_target = PoseBeforeTheCorner();
   const Rigid3d target_from_source(QuaternionExp<double>({0.01, -0.02, 0.015}),
                                    {0.02, 0.01, -0.03});
@@ -73,8 +74,8 @@ TEST(Register, FindsTheSamePoseByNearestNeighbours) {
   EXPECT_THAT(result.target_from_source, RigidNear(target_from_source, kExactToM, kExactToRad));
 }
 
-// Where the world's origin lies is nobody's business: only the pose between the cameras counts.
-TEST(Register, DoesNotKnowTheWorld) {
+// The result depends on the relative pose of the cameras only, not on the origin of the world.
+TEST(Register, IsIndependentOfWorldFrame) {
   const Rigid3d world_from_target = PoseBeforeTheCorner();
   const FramePyramid target = OneLevel(RenderCorner(world_from_target));
   const IcpResult result = Register(target, target, Rigid3d(), IcpOptions());

@@ -7,8 +7,8 @@
 
 namespace surfit::testing {
 
-// Pairs as in a room: points within a cube of 2 m around `center`, residuals of `noise_m`, normals
-// to all sides that differ a little, information from 1 to 3 per m^2.
+// Correspondences as in a room: points in a cube of 2 m around `center`, residuals of `noise_m` and
+// information of 1 to 3 per m^2. Normals are random, and differ slightly between source and target.
 inline Correspondences RandomCorrespondences(int count, double noise_m, std::mt19937_64* rng,
                                              const Eigen::Vector3d& center = {0, 0, 3}) {
   Correspondences pairs;
@@ -23,7 +23,7 @@ inline Correspondences RandomCorrespondences(int count, double noise_m, std::mt1
   return pairs;
 }
 
-// The pairs whose targets are where a motion takes the source, normals included.
+// Correspondences whose target points and normals are the transformed source.
 inline Correspondences ExactCorrespondences(int count, const Rigid3d& motion,
                                             std::mt19937_64* rng) {
   const Correspondences random = RandomCorrespondences(count, 0, rng);

@@ -13,8 +13,8 @@ namespace {
 
 constexpr float kSigma_m = 0.002f;
 
-// A corner of three walls of 1 m at 2 m from the origin, sampled all over, with noise along the
-// normals; 4 points for each square centimetre.
+// Corner of three walls of 1 m, at 2 m from the origin, with 1 point per square centimetre and
+// noise along the normals.
 PointSet Corner(double sigma_m, int seed) {
   constexpr int kPointsOfWall = 10000;
   std::mt19937_64 rng(seed);
@@ -38,10 +38,10 @@ PointSet Moved(PointSet set, const Rigid3d& pose) {
   return set;
 }
 
-// Other points of the same planes are exact up to rounding: 1.2e-7 for each of N = 30,000
-// coordinates up to 2.5, so that the plane's position is better than 1e-8 at random; a bias of
-// rounding in p' = R p + t would be common to all and stays below 2.4e-7.
-TEST(RegisterClouds, FindsEachDegreeOfFreedomExactly) {
+// Other points of the same planes are exact, except for rounding: 1.2e-7 for each of N = 30,000
+// coordinates up to 2.5. So the random error of the plane is below 1e-8. A common bias of p' = R p
+// + t stays below 2.4e-7.
+TEST(RegisterClouds, RecoversEachDegreeOfFreedom) {
   const PointSet target = Corner(0, 1), corner = Corner(0, 2);
   RegisterCloudsOptions options;
   options.icp.max_iterations = 30;
@@ -54,10 +54,10 @@ TEST(RegisterClouds, FindsEachDegreeOfFreedomExactly) {
   }
 }
 
-// Each wall of N = 10,000 points 0.41 m from its middle (RMS) holds its two turns to
-// sqrt(2) sigma / (0.41 sqrt(N)) = 7e-5 rad, with the noise of both clouds: 4 sigma of three turns
-// are 4.8e-4 rad, and 2.3 m away, at the origin, 1.1 mm.
-TEST(RegisterClouds, FindsTheMotionOfNoisyClouds) {
+// A wall has N = 10,000 points with an RMS distance of 0.41 m to its centre. It constrains two
+// rotations to sqrt(2) sigma / (0.41 sqrt(N)) = 7e-5 rad, with the noise of both clouds. 4 sigma of
+// three rotations is 4.8e-4 rad, and 1.1 mm at the origin, 2.3 m away.
+TEST(RegisterClouds, FindsMotionOfNoisyClouds) {
   std::mt19937_64 rng(5);
   for (int i = 0; i < 3; ++i) {
     const Rigid3d truth = RandomPose(0.05, 0.1, &rng);
@@ -72,7 +72,7 @@ TEST(RegisterClouds, FindsTheMotionOfNoisyClouds) {
   }
 }
 
-TEST(RegisterClouds, LeavesOutLevelsOfTooFewPoints) {
+TEST(RegisterClouds, SkipsLevelsWithTooFewPoints) {
   const auto coarsest = [](int count, int levels) {
     PointSet set = Corner(0, 1);
     set.points.resize(count), set.normals.resize(count), set.sigma_m.resize(count);
@@ -86,7 +86,7 @@ TEST(RegisterClouds, LeavesOutLevelsOfTooFewPoints) {
   EXPECT_EQ(coarsest(4000, 4), 1);
 }
 
-TEST(RegisterClouds, SaysWhenTooFewPointsMeet) {
+TEST(RegisterClouds, ReportsTooFewInliers) {
   const PointSet corner = Corner(0, 1);
   const Rigid3d away(Eigen::Quaterniond::Identity(), {10, 0, 0});
   EXPECT_EQ(ToString(RegisterClouds(corner, corner, away, {}).termination), "too_few_inliers");
@@ -102,18 +102,17 @@ TEST(RegisterClouds, IsTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(results[0].information, results[1].information);
 }
 
-TEST(RegisterClouds, RefusesImpossibleOptions) {
+TEST(RegisterClouds, RejectsInvalidOptions) {
   RegisterCloudsOptions options;
   options.levels = 0;
-  ExpectInputError([&] { RegisterClouds({}, {}, {}, options); },
-                   HasSubstr("levels is 0, must be from 1 to 10"));
+  ExpectInputError([&] { RegisterClouds({}, {}, {}, options); }, Names("levels", 0, 1, 10));
   options = {};
   options.icp.association = "projective";
   ExpectInputError([&] { RegisterClouds({}, {}, {}, options); },
-                   HasSubstr("association is 'projective', must be 'kd_tree' for clouds"));
+                   Names("association", "projective", "kd_tree"));
   options = {};
   options.icp.solver = "magic";
-  ExpectInputError([&] { RegisterClouds({}, {}, {}, options); }, HasSubstr("solver is 'magic'"));
+  ExpectInputError([&] { RegisterClouds({}, {}, {}, options); }, Names("icp.solver", "magic"));
 }
 
 }  // namespace

@@ -13,13 +13,14 @@
 
 namespace surfit::testing {
 
-// Two views of a furnished room, `gap` frames of a hand-held path apart, without noise.
+// Two views of a furnished room without noise, at a distance of `gap` frames of a hand-held path.
 struct SimulatedViews {
   FramePyramid source, target;
   Rigid3d target_from_source;
 };
 
-// The room made by a seed and the first poses of a path through it, made once for all tests.
+// Room of a seed and the first poses of a path through it. Rooms are created once and shared by all
+// tests.
 struct RoomWithPath {
   Scene scene;
   Trajectory path;
@@ -49,7 +50,6 @@ inline SimulatedViews MakeViews(int first, int gap, std::uint64_t seed = 1) {
   return {view(source), view(target), target.Inverse() * source};
 }
 
-// The same with colours.
 struct SimulatedColoredViews {
   ColoredView source, target;
   Rigid3d target_from_source;
@@ -61,7 +61,7 @@ inline ColoredView MakeColoredView(const Scene& scene, const Rigid3d& world_from
           std::move(frame.color)};
 }
 
-// The source is seen from a frame of the path, the target from elsewhere.
+// The source is a frame of the path, and the target is another view.
 inline SimulatedColoredViews MakeTurnedViews(int first, const Rigid3d& target_from_source,
                                              std::uint64_t seed) {
   const auto& [scene, path] = MakeRoomWithPath(first + 1, seed);
@@ -77,8 +77,8 @@ inline SimulatedColoredViews MakeColoredViews(int first, int gap, std::uint64_t 
   return MakeTurnedViews(first, target_from_source, seed);
 }
 
-// Two views of a textured wall at 1.5 m that fills them: its shape leaves open a shift along it and
-// a turn about its normal.
+// Two views of a textured wall at 1.5 m that fills the image. Its geometry does not constrain
+// translation along the wall and rotation about its normal.
 struct WallScene {
   ColoredView source, target;
   Rigid3d target_from_source;
@@ -93,7 +93,7 @@ struct WallScene {
   }
 };
 
-// They as frames with intensities.
+// The views of WallScene as pyramids with intensities.
 struct WallFrames {
   FramePyramid source, target;
   Rigid3d target_from_source;
@@ -106,7 +106,7 @@ struct WallFrames {
     target = std::move(views.target.pyramid);
   }
 
-  // As if the source had been exposed otherwise.
+  // Simulates another exposure of the source.
   void ChangeExposure(float gain, float offset) {
     for (FrameLevel& level : source.levels) {
       for (float& value : level.intensity) value = gain * value + offset;
@@ -114,10 +114,10 @@ struct WallFrames {
   }
 };
 
-// A small motion along the wall: two pixels at the most.
+// Small motion along the wall: at most two pixels.
 inline Rigid3d AlongTheWall() { return {QuaternionExp<double>({0, 0, 0.02}), {0.015, -0.01, 0}}; }
 
-// A tenth of a pixel, which is 11 mm at 1.5 m.
+// A tenth of a pixel: a pixel is 11 mm at 1.5 m.
 constexpr double kWallToleranceM = 0.0011, kWallToleranceRad = 0.0008;
 
 }  // namespace surfit::testing

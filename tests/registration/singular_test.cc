@@ -9,10 +9,10 @@
 namespace surfit::testing {
 namespace {
 
-// Pairs on surfaces that some motions leave as they are: exactly, but for noise along the normal.
+// Correspondences on surfaces that are invariant to some motions. Noise is along the normals.
 struct Surface {
   Correspondences pairs;
-  std::vector<Vector6d> free;  // increments that it does not hold
+  std::vector<Vector6d> free;  // unobservable increments
 };
 
 Vector6d Twist(const Eigen::Vector3d& w, const Eigen::Vector3d& v) {
@@ -45,7 +45,7 @@ Surface OnSphere(std::mt19937_64* rng) {
     const Eigen::Vector3d n = RandomVector(1, rng).normalized();
     AddPair(center + 0.7 * n, n, rng, &sphere.pairs);
   }
-  for (int i = 0; i < 3; ++i) {  // turns about the centre: w x (p - c)
+  for (int i = 0; i < 3; ++i) {  // rotations about the centre: w x (p - c)
     const Eigen::Vector3d w = Eigen::Vector3d::Unit(i);
     sphere.free.push_back(Twist(w, -w.cross(center)));
   }
@@ -68,9 +68,9 @@ Surface OnCorridor(std::mt19937_64* rng) {
 
 class Singular : public ::testing::TestWithParam<Surface (*)(std::mt19937_64*)> {};
 
-// Whoever solves: nothing moves along what the data does not hold, and everything does that it
-// holds.
-TEST_P(Singular, MovesOnlyAlongWhatTheDataHolds) {
+// For all solvers, the increment is zero along unobservable directions, and converges along the
+// other directions.
+TEST_P(Singular, MovesOnlyAlongObservableDirections) {
   std::mt19937_64 rng(1);
   const Surface surface = GetParam()(&rng);
   const int free_count = static_cast<int>(surface.free.size());
@@ -85,7 +85,7 @@ TEST_P(Singular, MovesOnlyAlongWhatTheDataHolds) {
     ASSERT_EQ(seen.free_count, free_count) << name;
     EXPECT_NEAR(seen.eigenvalues[free_count - 1], 0, 1e-14);
     EXPECT_GT(seen.eigenvalues[free_count], 1e-3);
-    // The directions span what we know to be free: they have no other part.
+    // The found directions span the known unobservable directions.
     for (const Vector6d& direction : surface.free) {
       EXPECT_THAT(seen.Held(direction), VectorNear(Vector6d::Zero().eval(), 1e-7)) << name;
     }
@@ -95,7 +95,8 @@ TEST_P(Singular, MovesOnlyAlongWhatTheDataHolds) {
     const Vector6d along = step.increment - seen.Held(step.increment);
     EXPECT_THAT(along, VectorNear(Vector6d::Zero().eval(), 1e-12)) << name;
     if (name == "closed_form_ldlt") first_increment = step.increment;
-    // Levenberg-Marquardt ends at the minimum, a Gauss-Newton step off by the square of 2e-3.
+    // Levenberg-Marquardt converges to the minimum. The error of a Gauss-Newton step is the square
+    // of 2e-3.
     EXPECT_THAT(step.increment, VectorNear(first_increment, 1e-4)) << name;
   }
 }
@@ -108,7 +109,7 @@ std::string SurfaceName(const ::testing::TestParamInfo<Singular::ParamType>& inf
 INSTANTIATE_TEST_SUITE_P(Surfaces, Singular, ::testing::Values(OnPlane, OnSphere, OnCorridor),
                          SurfaceName);
 
-TEST(SingularSystem, NoPairsAreSingularToo) {
+TEST(SingularSystem, IsSingularWithoutPairs) {
   for (const std::string& name : PointToPlaneSolverNames()) {
     PoseSolverOptions options;
     options.name = name;
@@ -118,15 +119,16 @@ TEST(SingularSystem, NoPairsAreSingularToo) {
   }
 }
 
-// The same through images: of three planes only one or two are there, and they have moved.
+// Images with only one or two of three planes, with a motion.
 class SingularImages : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(SingularImages, EndInTheirOwnTermination) {
+TEST_P(SingularImages, ReportSingularSystem) {
   IcpOptions options;
   options.solver = GetParam();
   const Rigid3d world_from_target = PoseBeforeTheCorner();
   const Rigid3d offset(QuaternionExp<double>({0.003, -0.002, 0.004}), {0.006, -0.004, 0.005});
-  // Float normals are off by 2^-24, which the direction that is free holds with its square.
+  // Rounding errors of float normals (2^-24) constrain the unobservable direction with their
+  // square.
   for (const int planes : {1, 2}) {
     const FramePyramid target = OneLevel(RenderCorner(world_from_target, planes));
     const IcpResult result = Register(target, target, offset, options);
@@ -136,21 +138,21 @@ TEST_P(SingularImages, EndInTheirOwnTermination) {
     EXPECT_FALSE(result.covariance);
     EXPECT_TRUE(result.target_from_source.Matrix().allFinite());
     EXPECT_GT(result.inlier_count, 8000);
-    // What the planes hold is recovered, what they do not hold is left as it was.
+    // Observable directions converge. Unobservable directions keep their initial values.
     EXPECT_LT(result.rmse_m, 1e-5);
     const Rigid3d off = world_from_target * result.target_from_source * offset.Inverse() *
                         world_from_target.Inverse();
     EXPECT_EQ(result.free_directions.size(), planes == 1 ? 3u : 1u);
-    if (planes == 2) {  // x = 0 and y = 0: along z
+    if (planes == 2) {  // planes x = 0 and y = 0: unobservable along z
       EXPECT_NEAR((off * world_from_target.translation - world_from_target.translation).z(), 0,
                   1e-4);
     }
   }
 }
 
-// With noisy normals a plane seems to hold everything. Asked to see through it, ICP leaves alone
-// what only noise holds: to first order, the motion from the start has no part in the plane.
-TEST(Register, LeavesAloneWhatOnlyNoiseOfTheNormalsHolds) {
+// With noisy normals, a plane seems to constrain all directions. With min_information_ratio,
+// directions with only spurious information keep their initial values, to first order.
+TEST(Register, IgnoresSpuriousInformationOfNormalNoise) {
   std::mt19937_64 rng(1);
   std::normal_distribution<double> normal(0, 0.05);
   const Rigid3d world_from_camera = PoseBeforeTheCorner();
@@ -173,7 +175,7 @@ TEST(Register, LeavesAloneWhatOnlyNoiseOfTheNormalsHolds) {
   const IcpResult result = Register(source, target, start, options);
   EXPECT_EQ(result.termination, Termination::kSingularSystem);
   EXPECT_EQ(result.free_directions.size(), 3u);
-  // In the plane x = 0 the camera's foot point stays where it was, to the second order of 1e-2.
+  // The foot point of the camera in the plane x = 0 does not move, up to the second order of 1e-2.
   const auto foot = [&](const Rigid3d& pose) {
     return world_from_camera * (pose * (world_from_camera.Inverse() * Eigen::Vector3d(0, 1, 0.9)));
   };

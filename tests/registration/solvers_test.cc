@@ -23,8 +23,8 @@ namespace {
 const std::vector<std::string> kClosedForms = {"closed_form_ldlt", "closed_form_lu",
                                                "closed_form_qr"};
 
-// The condition number of these data is about 100 in A, 1e4 in A^T A: 1e4 roundings of 1e-16. A
-// plane's covariance has one of 1e3 more.
+// The condition number is about 100 for A and 1e4 for A^T A: 1e4 roundings of 1e-16. The covariance
+// of a plane adds a factor of 1e3.
 constexpr double kRelativeTolerance = 1e-9;
 
 StepResult Step(const std::string& solver, ResidualType residual, const Correspondences& pairs) {
@@ -35,14 +35,14 @@ StepResult Step(const std::string& solver, ResidualType residual, const Correspo
   return MakePoseSolver(options)->Step(pairs);
 }
 
-// Minimises the linearised, weighted cost by pivoted QR; rows by automatic differentiation.
+// Minimises the linearised, weighted cost by pivoted QR, with rows from autodiff.
 Vector6d DenseSolution(const Correspondences& c, ResidualType type) {
   std::vector<Eigen::Matrix<double, 1, 7>> rows;
   for (int i = 0; i < c.size; ++i) {
     const std::vector<Jet> residuals = DualResiduals(c, i, type);
     double s = 0;
     for (const Jet& r : residuals) s += c.information[i] * r.a * r.a;
-    // Huber: sqrt(s) beyond the width has its weight in inverse proportion.
+    // Huber: beyond the width, the weight is proportional to 1 / sqrt(s).
     const double slope = s > 0.01 ? 0.1 / std::sqrt(s) : 1;
     for (const Jet& r : residuals) {
       rows.emplace_back();
@@ -57,7 +57,7 @@ Vector6d DenseSolution(const Correspondences& c, ResidualType type) {
 
 class ClosedFormSolvers : public ::testing::TestWithParam<ResidualType> {};
 
-TEST_P(ClosedFormSolvers, AllGiveTheLeastSquaresIncrement) {
+TEST_P(ClosedFormSolvers, AgreeWithDenseLeastSquares) {
   std::mt19937_64 rng(1);
   for (int i = 0; i < 10; ++i) {
     const Correspondences pairs = RandomCorrespondences(500, 0.1, &rng);
@@ -78,9 +78,9 @@ INSTANTIATE_TEST_SUITE_P(Residuals, ClosedFormSolvers,
                                            ResidualType::kPlaneToPlane),
                          [](const auto& instance) { return ToString(instance.param); });
 
-// What the solvers see is in the target camera's frame, so that moving world, map and poses changes
-// nothing; were the points themselves far from the origin, conditioning would suffer.
-TEST(ClosedFormSolvers, EigenvaluesFallWithTheDistanceOfTheOriginThatWeDoNotUse) {
+// The solvers use the target camera frame, so the world origin has no effect. With points far from
+// the origin, the conditioning would be worse.
+TEST(ClosedFormSolvers, EigenvaluesDecreaseWithDistanceOfPointsToOrigin) {
   std::mt19937_64 rng_near(4), rng_far(4);
   const auto smallest = [](const Correspondences& pairs) {
     return Step("closed_form_ldlt", ResidualType::kPointToPlane, pairs)
@@ -90,7 +90,7 @@ TEST(ClosedFormSolvers, EigenvaluesFallWithTheDistanceOfTheOriginThatWeDoNotUse)
             1e-2 * smallest(RandomCorrespondences(300, 0.1, &rng_near)));
 }
 
-TEST(MakePoseSolver, KnowsItsNamesAndListsThemForAnother) {
+TEST(MakePoseSolver, RejectsUnknownNameAndListsKnownNames) {
   PoseSolverOptions options;
   options.residual = ResidualType::kPointToPoint;
   for (const std::string& name : PoseSolverNames()) {
@@ -98,23 +98,19 @@ TEST(MakePoseSolver, KnowsItsNamesAndListsThemForAnother) {
     EXPECT_NE(MakePoseSolver(options), nullptr);
   }
   options.name = "magic";
-  ExpectInputError(
-      [&] { MakePoseSolver(options); },
-      ::testing::StrEq("solver is 'magic', must be one of: closed_form_ldlt, closed_form_lu, "
-                       "closed_form_qr, svd, ceres, ceres_per_point, tiny"));
+  ExpectInputError([&] { MakePoseSolver(options); },
+                   Names("solver", "magic", "closed_form_ldlt", "closed_form_lu", "closed_form_qr",
+                         "svd", "ceres", "ceres_per_point", "tiny"));
 }
 
-TEST(MakePoseSolver, SvdTakesPointsOnly) {
+TEST(MakePoseSolver, RejectsSvdWithOtherResiduals) {
   PoseSolverOptions options;
   options.name = "svd";
   for (const std::string& residual : ResidualTypeNames()) {
     options.residual = ResidualTypeFromName(residual);
     if (options.residual == ResidualType::kPointToPoint) continue;
-    ExpectInputError(
-        [&] { MakePoseSolver(options); },
-        ::testing::StrEq("residual is '" + residual +
-                         "', must be point_to_point with solver svd; all other solvers take every "
-                         "residual"));
+    ExpectInputError([&] { MakePoseSolver(options); },
+                     Names("residual", residual, "point_to_point", "svd"));
   }
 }
 
@@ -125,7 +121,7 @@ StepResult StepOf(const std::string& solver, ResidualType residual, const Corres
   return MakePoseSolver(options)->Step(pairs);
 }
 
-// Two views of a corner, a step apart that the kernel calls large for some of the points.
+// Two views of a corner. The residuals of some points are in the tail of the kernel.
 struct CornerViews {
   FrameLevel target = RenderCorner(PoseBeforeTheCorner());
   FrameLevel source = RenderCorner(PoseBeforeTheCorner());
@@ -143,8 +139,9 @@ struct CornerViews {
   }
 };
 
-// A term of a single precision gradient rounds by 1e-7 of itself, the sum over 1e4 points by 1e-9
-// of their magnitudes; what the pairs hold weakly magnifies that.
+// A term of a gradient in single precision has a relative rounding error of 1e-7. The sum over 1e4
+// points has an error of 1e-9 of the absolute terms. Weakly constrained directions amplify the
+// error.
 constexpr double kTolerance = 1e-7;
 
 class CeresSolvers : public ::testing::TestWithParam<std::string> {
@@ -153,7 +150,7 @@ class CeresSolvers : public ::testing::TestWithParam<std::string> {
   const CornerViews corner_;
 };
 
-TEST_P(CeresSolvers, AllReachTheSameMinimum) {
+TEST_P(CeresSolvers, ReachSameMinimum) {
   const Vector6d reduced = corner_.Step("ceres", residual_).increment;
   EXPECT_GT(reduced.norm(), 0.002);
   EXPECT_THAT(corner_.Step("tiny", residual_).increment, VectorNear(reduced, kTolerance));
@@ -164,10 +161,10 @@ TEST_P(CeresSolvers, AllReachTheSameMinimum) {
   }
 }
 
-// Gauss-Newton steps on fixed pairs, reweighted, end where Levenberg-Marquardt does: one more step
-// of the closed form from there is zero. The planes' covariances are not held between solves, and
-// so turn with the increment.
-TEST_P(CeresSolvers, MinimiseWhatTheClosedFormMinimises) {
+// Reweighted Gauss-Newton steps with constant correspondences converge to the same minimum as
+// Levenberg-Marquardt, so a further closed-form step is zero. The covariances of planes rotate with
+// the increment between solves.
+TEST_P(CeresSolvers, MinimiseSameCostAsClosedForm) {
   const Vector6d increment = corner_.Step("ceres", residual_).increment;
   const Correspondences pairs = AsDouble(corner_.association.Collect(corner_.pose));
   const Correspondences moved = Moved(pairs, LeftIncrement<double>(increment, Rigid3d()));
@@ -176,7 +173,7 @@ TEST_P(CeresSolvers, MinimiseWhatTheClosedFormMinimises) {
   EXPECT_LT(again.norm(), held ? 0.05 * increment.norm() : 10 * kTolerance);
 }
 
-TEST_P(CeresSolvers, DescribeTheSystemBeforeTheStep) {
+TEST_P(CeresSolvers, ReportSystemBeforeStep) {
   const StepResult ceres = corner_.Step("ceres", residual_);
   const StepResult tiny = corner_.Step("tiny", residual_);
   EXPECT_EQ(ceres.system.pair_count, tiny.system.pair_count);
@@ -188,19 +185,18 @@ TEST_P(CeresSolvers, DescribeTheSystemBeforeTheStep) {
 INSTANTIATE_TEST_SUITE_P(Residuals, CeresSolvers, ::testing::ValuesIn(ResidualTypeNames()),
                          [](const auto& instance) { return instance.param; });
 
-TEST(MakePoseSolver, UnknownLinearSolversListTheKnown) {
+TEST(MakePoseSolver, RejectsUnknownLinearSolverAndListsKnownNames) {
   PoseSolverOptions solver_options;
   solver_options.name = "ceres_per_point";
   solver_options.linear_solver = "magic";
   ExpectInputError([&] { MakePoseSolver(solver_options); },
-                   ::testing::StrEq("linear_solver is 'magic', must be one of: dense_qr, "
-                                    "dense_normal_cholesky, sparse_normal_cholesky"));
+                   Names("linear_solver", "magic", "dense_qr", "dense_normal_cholesky",
+                         "sparse_normal_cholesky"));
   IcpOptions options;
   options.linear_solver = "magic";
-  ExpectInputError([&] { Validate(options); }, HasSubstr("linear_solver is 'magic'"));
+  ExpectInputError([&] { Validate(options); }, Names("linear_solver", "magic"));
 }
 
-// Random and positive definite.
 Matrix6d RandomCovariance() {
   std::mt19937_64 generator(1);
   std::normal_distribution<double> normal;
@@ -209,14 +205,15 @@ Matrix6d RandomCovariance() {
   return factor * factor.transpose() + 1e-7 * Matrix6d::Identity();
 }
 
-TEST(LargestSigma, IsOfTheWorstDirection) {
+TEST(LargestSigma, IsSigmaOfWorstDirection) {
   const Eigen::Matrix3d turn = QuaternionExp<double>({0.3, -0.2, 0.5}).toRotationMatrix();
   const Eigen::Matrix3d diagonal = Eigen::Vector3d(1e-4, 9e-4, 4e-4).asDiagonal();
   EXPECT_NEAR(LargestSigma(turn * diagonal * turn.transpose()), 0.03, 1e-12);
 }
 
-// What holds least is a shift along y; or a turn, where points are near, which moves them less.
-TEST(WeakestIncrement, MovesPointsByAMetreAlongWhatIsHeldLeast) {
+// The weakest direction is a translation along y. For near points it is a rotation, which moves
+// near points less.
+TEST(WeakestIncrement, MovesPointsByOneMetreAlongWeakestDirection) {
   Matrix6d information = Matrix6d::Identity();
   information(4, 4) = 0.01;
   EXPECT_NEAR(std::abs(WeakestIncrement(information, 2)[4]), 1, 0.2);
@@ -226,7 +223,7 @@ TEST(WeakestIncrement, MovesPointsByAMetreAlongWhatIsHeldLeast) {
   EXPECT_NEAR(std::abs(turn[1]), 0.5, 1e-12);
 }
 
-TEST(RealisticCovariance, IsLargerThanRegistrationsInEveryDirection) {
+TEST(RealisticCovariance, IsLargerThanRegistrationCovariance) {
   const Matrix6d covariance = RandomCovariance();
   const Matrix6d sure = RealisticCovariance(covariance, 0, 0);
   const Matrix6d doubtful = RealisticCovariance(covariance, 0.003, 0.01);

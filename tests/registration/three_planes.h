@@ -12,7 +12,6 @@
 
 namespace surfit::testing {
 
-// The solvers of point_to_plane.
 inline std::vector<std::string> PointToPlaneSolverNames() {
   std::vector<std::string> names = PoseSolverNames();
   names.erase(std::find(names.begin(), names.end(), "svd"));
@@ -21,7 +20,7 @@ inline std::vector<std::string> PointToPlaneSolverNames() {
 
 inline PinholeCamera CornerCamera() { return {160, 120, 131.3, 130.1, 79.3, 60.2, {}}; }
 
-// A camera 1.9 m from the corner of three planes, all of which it sees.
+// Camera pose at 1.9 m from the corner of three planes, all in view.
 inline Rigid3d PoseBeforeTheCorner() {
   const Eigen::Vector3d eye(1.3, 1.0, 0.9);
   const Eigen::Vector3d z = -eye.normalized();
@@ -31,8 +30,8 @@ inline Rigid3d PoseBeforeTheCorner() {
   return {world_from_camera, eye};
 }
 
-// Exact vertices and normals of the planes x = 0, y = 0 and z = 0, rounded to float once. Of the
-// planes, only the first `planes` exist.
+// Exact vertices and normals of the planes x = 0, y = 0 and z = 0, rounded to float once. Only the
+// first `planes` planes exist.
 inline FrameLevel RenderCorner(const Rigid3d& world_from_camera, int planes = 3) {
   FrameLevel level;
   level.camera = CornerCamera();
@@ -60,7 +59,7 @@ inline FramePyramid OneLevel(FrameLevel level) {
   return pyramid;
 }
 
-// An 8 x 6 image with round numbers: u = 8 x/z + 3, v = 8 y/z + 2.
+// 8 x 6 image with round parameters: u = 8 x/z + 3, v = 8 y/z + 2.
 inline PinholeCamera TinyCamera() { return {8, 6, 8, 8, 3, 2, {}}; }
 
 inline FrameLevel EmptyLevel() {

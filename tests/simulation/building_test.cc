@@ -31,7 +31,7 @@ Vector3d RandomDirection(Random* random) {
   return {x, y, z};
 }
 
-TEST(BuildingPlan, HasRoomsEvenlyOnAllFloorsNoneWithinAnother) {
+TEST(BuildingPlan, DistributesDisjointRoomsOverFloors) {
   const BuildingPlan plan({3, 15});
   ASSERT_EQ(plan.rooms.size(), 15u);
   EXPECT_EQ(plan.columns, 2);
@@ -52,16 +52,12 @@ TEST(BuildingPlan, HasRoomsEvenlyOnAllFloorsNoneWithinAnother) {
   }
 }
 
-TEST(BuildingPlan, RefusesFloorsOfDifferentlyManyRooms) {
-  ExpectInputError(
-      [] {
-        MakeScene("building", 1, {2, 7});
-      },
-      HasSubstr("rooms is 7, must be as many on each of the 2 floors"));
-  ExpectInputError([] { MakeScene("building", 1, {0, 7}); }, HasSubstr("floors is 0"));
+TEST(BuildingPlan, RejectsUnequalNumberOfRoomsPerFloor) {
+  ExpectInputError([] { MakeScene("building", 1, {2, 7}); }, Names("rooms", 7, 2));
+  ExpectInputError([] { MakeScene("building", 1, {0, 7}); }, Names("floors", 0));
 }
 
-// From the way through it no ray gets outside, nor into what is solid.
+// No ray from the route leaves the building or starts inside a solid.
 TEST(Building, IsClosed) {
   Random random(2);
   for (const BuildingOptions& options : {kSmall, BuildingOptions{1, 1}, BuildingOptions{3, 3}}) {
@@ -81,8 +77,9 @@ TEST(Building, IsClosed) {
   }
 }
 
-// The camera swerves by 0.1 m across, 0.1 m along and 0.15 m up or down, and trembles besides.
-TEST(Building, TheWayKeepsClearOfEverything) {
+// The camera deviates from the route by 0.1 m across, 0.1 m along and 0.15 m vertically, plus
+// tremble.
+TEST(Building, RouteKeepsDistanceToObjects) {
   for (const int seed : {1, 2, 3}) {
     const Scene scene = MakeScene("building", seed, {3, 12});
     const Loop way(scene.route);
@@ -96,7 +93,7 @@ TEST(Building, TheWayKeepsClearOfEverything) {
   }
 }
 
-TEST(Building, TheWayLeadsThroughEveryRoomAndUpAndDownBothStaircases) {
+TEST(Building, RouteVisitsEveryRoomAndBothStaircases) {
   const BuildingOptions options = {3, 12};
   const BuildingPlan plan(options);
   const std::vector<Vector3d> route = BuildingRoute(plan);
@@ -110,7 +107,7 @@ TEST(Building, TheWayLeadsThroughEveryRoomAndUpAndDownBothStaircases) {
       EXPECT_LT(nearest, 0.6) << room.floor << " " << room.column;
     }
   }
-  // By the middles of both staircases, half way between floors.
+  // The route passes the middle of both staircases between all floors.
   std::set<std::pair<bool, int>> climbed;
   for (const Vector3d& corner : route) {
     const double storeys = (corner.z() - 1.4) / BuildingPlan::kStorey_m;
@@ -123,15 +120,14 @@ TEST(Building, TheWayLeadsThroughEveryRoomAndUpAndDownBothStaircases) {
   }
   EXPECT_THAT(climbed, ElementsAre(std::pair(false, 0), std::pair(false, 1), std::pair(true, 0),
                                    std::pair(true, 1)));
-  // No corner is far from the next, nor is the last from the first.
   for (std::size_t i = 0; i < route.size(); ++i) {
     EXPECT_LT((route[(i + 1) % route.size()] - route[i]).norm(), 1.6) << i;
   }
 }
 
-// What two rooms show from the same places within them.
+// Similarity of two rooms, seen from the same points in the room frame.
 struct Likeness {
-  double same_shape = 0, same_color = 0;  // shares of rays
+  double same_shape = 0, same_color = 0;  // ratios of rays
 };
 
 Likeness Compare(const Scene& scene, const BuildingPlan::Place& a, const BuildingPlan::Place& b) {
@@ -155,22 +151,22 @@ Likeness Compare(const Scene& scene, const BuildingPlan::Place& a, const Buildin
   return likeness;
 }
 
-TEST(Building, RoomsOfAPairAreAlikeButForPicturesAndAThing) {
+TEST(Building, PairedRoomsDifferInPicturesAndOneObject) {
   const BuildingPlan plan(kSmall);
   for (std::size_t i = 0; i < plan.rooms.size(); i += 2) {
     const Likeness pair = Compare(SmallBuilding(), plan.rooms[i], plan.rooms[i + 1]);
     EXPECT_GT(pair.same_shape, 0.97) << i;
-    EXPECT_LT(pair.same_shape, 1) << i << ": no thing tells them apart";
+    EXPECT_LT(pair.same_shape, 1) << i << ": the rooms have the same geometry";
     EXPECT_GT(pair.same_color, 0.85) << i;
-    EXPECT_LT(pair.same_color, pair.same_shape - 0.01) << i << ": no picture tells them apart";
+    EXPECT_LT(pair.same_color, pair.same_shape - 0.01) << i << ": the rooms have the same pictures";
     const Likeness others =
         Compare(SmallBuilding(), plan.rooms[i], plan.rooms[(i + 2) % plan.rooms.size()]);
-    EXPECT_LT(others.same_shape, 0.8) << i;  // floor, ceiling and walls are where they were
+    EXPECT_LT(others.same_shape, 0.8) << i;  // only floor, ceiling and walls are equal
   }
 }
 
-// Light does not get through walls: only lamps of the room itself light it.
-TEST(Building, LampsLightTheirRoomsAlone) {
+// Walls block light: a room is lit by its own lamp only.
+TEST(Building, LampsLightTheirRoomOnly) {
   const BuildingPlan plan(kSmall);
   for (const BuildingPlan::Place& room : plan.rooms) {
     const Vector3d middle = room.world_from_room * Vector3d(2.6, 2.4, 1);
@@ -181,7 +177,7 @@ TEST(Building, LampsLightTheirRoomsAlone) {
   }
 }
 
-TEST(Building, LooksOnlyAtWhatIsInTheSameCell) {
+TEST(Building, TargetsAreInTheirCell) {
   const Scene& scene = SmallBuilding();
   std::size_t targets = 0;
   for (const SceneCell& cell : scene.cells) {
@@ -194,7 +190,7 @@ TEST(Building, LooksOnlyAtWhatIsInTheSameCell) {
   EXPECT_EQ(targets, scene.targets.size());
 }
 
-TEST(Building, IsTheSameAgainAndAnotherForAnotherSeed) {
+TEST(Building, DependsOnSeedOnly) {
   const Scene again = MakeScene("building", 1, kSmall), other = MakeScene("building", 2, kSmall);
   ASSERT_EQ(again.objects().size(), SmallBuilding().objects().size());
   EXPECT_NE(other.objects().size(), again.objects().size());
@@ -207,7 +203,7 @@ TEST(Building, IsTheSameAgainAndAnotherForAnotherSeed) {
   EXPECT_TRUE(image.color == Render(again, camera, a[100].world_from_camera).color);
 }
 
-TEST(Building, ThePathKeepsClearAndWithinItsBounds) {
+TEST(Building, PathKeepsDistanceAndStepBounds) {
   PathOptions options;
   options.min_step_m = 0.03;
   options.max_step_m = 0.05;

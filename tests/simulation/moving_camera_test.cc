@@ -1,4 +1,4 @@
-// A camera that moves while it takes its images.
+// Tests of a camera that moves during exposure and readout.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -20,7 +20,8 @@ RgbdCamera SmallCamera() {
   return camera;
 }
 
-// A swing of 1.5 rad per second at most, and 0.3 m wide, whose positions do not bend at its ends.
+// Oscillation with at most 1.5 rad/s and a width of 0.3 m. The second derivative of the position is
+// zero at both ends.
 constexpr double kOmega = 2 * M_PI, kAngle = 0.25, kWay_m = 0.15;
 
 Rigid3d SwingAt(double t) {
@@ -34,19 +35,20 @@ Trajectory Swing() {
   return poses;
 }
 
-TEST(SmoothPath, GivesItsPosesBitForBit) {
+TEST(SmoothPath, ReproducesItsPosesExactly) {
   const SmoothPath path(Swing());
   for (const StampedPose& pose : path.poses()) {
     EXPECT_EQ(path.At(pose.stamp_s).Matrix(), pose.world_from_camera.Matrix());
   }
 }
 
-// A cubic spline is off by 5/384 h^4 times the fourth derivative at most (Hall and Meyer 1976), if
-// it bends at its ends as what it follows does: positions do. What it does not there dies out by a
-// factor of 3.7 with each pose: nothing is left of it after fifteen. With the half angle
-// b = kAngle / 2 times the sine, quaternions have a fourth derivative of
-// kOmega^4 (b + 7 b^2 + 6 b^3 + b^4) at most, and twice their error is that of the angle.
-TEST(SmoothPath, FollowsASmoothMotionAsASplineDoes) {
+// A cubic spline has an error of at most 5/384 h^4 times the fourth derivative (Hall and Meyer
+// 1976). The bound requires correct second derivatives at its ends, which holds for positions. The
+// error of wrong end conditions decreases by a factor of 3.7 per pose and is zero after fifteen
+// poses. With the half angle b = kAngle / 2 times the sine, the fourth derivative of the
+// quaternions is at most kOmega^4 (b + 7 b^2 + 6 b^3 + b^4). The angle error is twice the
+// quaternion error.
+TEST(SmoothPath, HasErrorOfCubicSpline) {
   const SmoothPath path(Swing());
   const double spline = 5. / 384 * std::pow(kFrame_s * kOmega, 4), b = kAngle / 2;
   const double angle = 2 * spline * (b + 7 * b * b + 6 * b * b * b + b * b * b * b);
@@ -57,17 +59,18 @@ TEST(SmoothPath, FollowsASmoothMotionAsASplineDoes) {
     EXPECT_LT(RotationAngle(error.rotation), angle);
     largest = std::max(largest, error.translation.norm());
   }
-  EXPECT_GT(largest, 0.1 * spline * kWay_m);  // the bound is no wide one
+  EXPECT_GT(largest, 0.1 * spline * kWay_m);  // the bound is tight
 }
 
-TEST(SmoothPath, GoesOnSteadilyBeyondItsEnds) {
+TEST(SmoothPath, ExtrapolatesAtConstantSpeed) {
   const SmoothPath path(Swing());
   const auto position = [&](double t) { return path.At(t).translation.x(); };
   for (const double end : {0., 2.}) {
     const double outward = end == 0 ? -0.01 : 0.01;
     const double speed = (position(end + outward) - position(end)) / outward;
     EXPECT_NEAR(position(end + 3 * outward), position(end) + 3 * outward * speed, 1e-12);
-    // The swing's own speed, to the derivative of a spline's error: h^3 / 24 of the fourth.
+    // Speed of the oscillation. The error bound is the derivative of the spline error: h^3 / 24 of
+    // the fourth derivative.
     EXPECT_NEAR(speed, kOmega * kWay_m, std::pow(kFrame_s, 3) / 24 * kWay_m * std::pow(kOmega, 4));
   }
 }
@@ -84,13 +87,12 @@ class MovingCameraTest : public ::testing::Test {
   RgbdCamera camera_ = SmallCamera();
 };
 
-TEST_F(MovingCameraTest, WithoutAnyEffectRendersBitForBit) {
+TEST_F(MovingCameraTest, AgreesWithRenderWithoutEffects) {
   const Rigid3d pose = path_[kAt].world_from_camera;
   const Rendering plain = PlainAt(pose);
   const Rendering frame = MovingCamera(scene_, camera_, path_).Frame(kAt);
   EXPECT_TRUE(frame.depth_m == plain.depth_m);
   EXPECT_TRUE(frame.color == plain.color);
-  // And row by row.
   const auto still = [&](int) { return pose; };
   const Rendering rows = RenderRows(scene_, camera_.depth, still);
   EXPECT_TRUE(rows.depth_m == plain.depth_m);
@@ -99,7 +101,7 @@ TEST_F(MovingCameraTest, WithoutAnyEffectRendersBitForBit) {
   EXPECT_TRUE(Developed(light, Eigen::Vector3f::Ones()) == plain.color);
 }
 
-TEST_F(MovingCameraTest, SeesEachRowFromWhereItIsThen) {
+TEST_F(MovingCameraTest, RendersEachRowAtItsCaptureTime) {
   camera_.readout_s = 0.03;
   camera_.color_latency_s = 0.011;
   ColorOptions options;
@@ -127,11 +129,11 @@ TEST_F(MovingCameraTest, SeesEachRowFromWhereItIsThen) {
   EXPECT_GT(moved, 300);
 }
 
-// A frame turns the camera by 0.5 to 1.5 degrees. Half of the rows are read more than a quarter of
-// a frame from the middle: their pixels are off by 262 px * 0.0087 / 4 = 0.6 px or more, up to six
-// times that. Undone to the nearest pixel they are off by half a pixel at most, a quarter on
-// average.
-TEST_F(MovingCameraTest, IsWhatIsUndoneByTheMotion) {
+// The camera rotates by 0.5 to 1.5 degrees per frame. Half of the rows are captured more than a
+// quarter of a frame from the middle. Their pixels are displaced by 262 px * 0.0087 / 4 = 0.6 px or
+// more, up to six times as much. The correction to the nearest pixel leaves at most 0.5 px, and
+// 0.25 px on average.
+TEST_F(MovingCameraTest, IsInvertedByReadoutCorrection) {
   camera_.depth = {320, 240, 262.5, 262.5, 159.5, 119.5, {}};
   camera_.readout_s = kFrame_s;
   const MovingCamera moving(scene_, camera_, path_);
@@ -150,19 +152,19 @@ TEST_F(MovingCameraTest, IsWhatIsUndoneByTheMotion) {
   EXPECT_LT(far_off(undone.depth_m), far_off(rolled.depth_m) / 2);
 }
 
-TEST_F(MovingCameraTest, BlursToTheMeanOfWhatItSees) {
+TEST_F(MovingCameraTest, BlursToMeanOfExposureSamples) {
   ColorOptions options;
   options.exposure_s = 0.2;
   options.exposure_samples = 3;
   const Rendering blurred = MovingCamera(scene_, camera_, path_, options).Frame(kAt);
   LightImage mean(80, 60, Eigen::Vector3f::Zero());
-  for (int k = 0; k < 3; ++k) {  // a third of the exposure apart, the second in its middle
+  for (int k = 0; k < 3; ++k) {  // three samples at equal intervals of the exposure
     const Rigid3d pose = PathAt(path_[kAt].stamp_s + ((k + 0.5) / 3 - 0.5) * 0.2);
     const LightImage light = RenderLight(scene_, camera_.depth, [&](int) { return pose; });
     for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += light[i] / 3;
   }
   const Image<Rgb8> expected = Developed(mean, Eigen::Vector3f::Ones());
-  // Sums in another order may fall on another side of a step of 8 bits.
+  // Another order of summation can round to the next grey value.
   for (std::size_t i = 0; i < expected.size(); ++i) {
     EXPECT_NEAR(blurred.color[i].g, expected[i].g, 1);
   }
@@ -171,13 +173,13 @@ TEST_F(MovingCameraTest, BlursToTheMeanOfWhatItSees) {
   EXPECT_TRUE(blurred.depth_m == sharp.depth_m);
 }
 
-TEST_F(MovingCameraTest, DoesNotBlurWithoutExposureNorMotion) {
+TEST_F(MovingCameraTest, DoesNotBlurWithoutExposureOrMotion) {
   ColorOptions options;
-  options.channel_gains = {1, 1, 1};  // takes the way of all effects
+  options.channel_gains = {1, 1, 1};  // enables the code path with effects
   const Rendering sharp = PlainAt(path_[kAt].world_from_camera);
   EXPECT_TRUE(MovingCamera(scene_, camera_, path_, options).Frame(kAt).color == sharp.color);
   options.exposure_s = 0.1;
-  options.exposure_samples = 4;  // whose sums are exact
+  options.exposure_samples = 4;  // the sums of four samples are exact
   const Trajectory still = {{0, path_[kAt].world_from_camera}};
   EXPECT_TRUE(MovingCamera(scene_, camera_, still, options).Frame(0).color == sharp.color);
 }
@@ -187,9 +189,9 @@ double Srgb(double linear) {
   return 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
 }
 
-// Light is rounded to a step of 1/4095, which is worth at most 12.92 * 255 / 4095 / 2 = 0.4 levels,
-// and the level to a whole one.
-TEST_F(MovingCameraTest, MultipliesLightByTheGains) {
+// Light is rounded to 1/4095, which is at most 12.92 * 255 / 4095 / 2 = 0.4 grey values. The grey
+// value is rounded to an integer.
+TEST_F(MovingCameraTest, MultipliesLightByGains) {
   ColorOptions options;
   options.channel_gains = {1.7, 1, 0.4};
   const Rendering frame = MovingCamera(scene_, camera_, path_, options).Frame(kAt);
@@ -202,8 +204,8 @@ TEST_F(MovingCameraTest, MultipliesLightByTheGains) {
   }
 }
 
-// The first frame as it is seen, 80 pixels wide, is what exposure and balance are set by.
-TEST_F(MovingCameraTest, ExposesTheFirstFrameToAMeanGrey) {
+// Exposure and white balance are set from the first frame, rendered with a width of 80 px.
+TEST_F(MovingCameraTest, ExposesFirstFrameToMeanGrey) {
   ColorOptions options;
   options.auto_exposure_lag_s = 0.5;
   options.auto_white_balance_lag_s = 0.5;
@@ -215,8 +217,8 @@ TEST_F(MovingCameraTest, ExposesTheFirstFrameToAMeanGrey) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(moving.gains(0)[c] * mean[c], 0.18, 1e-6);
 }
 
-// Twice as bright from the second frame on: the third is the first to know.
-TEST(ColorGains, FollowAStepWithTheirLag) {
+// The light doubles at the second frame. The gain changes at the third frame.
+TEST(ColorGains, FollowStepWithLag) {
   ColorOptions options;
   options.auto_exposure_lag_s = 0.2;
   options.channel_gains = {1, 1, 0.5};
@@ -232,7 +234,7 @@ TEST(ColorGains, FollowAStepWithTheirLag) {
   }
 }
 
-TEST(ColorGains, BalanceAWorldToGrey) {
+TEST(ColorGains, BalanceSceneToGrey) {
   ColorOptions options;
   options.auto_white_balance_lag_s = 0.2;
   const auto gains = ColorGains({{0.3, 0.2, 0.1}, {0.3, 0.2, 0.1}}, 30, options);
@@ -243,17 +245,17 @@ TEST(ColorGains, BalanceAWorldToGrey) {
   }
 }
 
-TEST(ColorGains, AreFixedWithoutALag) {
+TEST(ColorGains, AreConstantWithoutLag) {
   for (const Eigen::Vector3f& gain : ColorGains({{0.3, 0.2, 0.1}, {0, 0, 0}}, 30, {})) {
     EXPECT_EQ(gain, Eigen::Vector3f::Ones());
   }
 }
 
-TEST(ColorOptions, MustHaveThreePositiveGains) {
+TEST(ColorOptions, RejectInvalidGains) {
   for (const std::vector<double>& gains : {std::vector<double>{1, 2}, {1, 0, 1}, {1, 1, -1}}) {
     ColorOptions options;
     options.channel_gains = gains;
-    ExpectInputError([&] { Validate(options); }, HasSubstr("must be three positive numbers"));
+    ExpectInputError([&] { Validate(options); }, Names("channel_gains"));
   }
 }
 

@@ -22,22 +22,22 @@ using Eigen::Vector3d;
 
 PinholeCamera TestCamera() { return {80, 60, 65, 66, 39, 30.5, {}}; }
 
-// Looks along world y, x right, z up.
+// Camera pose with the optical axis along world y, x right, z up.
 Rigid3d LookAlongY(const Vector3d& position) {
   Eigen::Matrix3d world_from_camera;
   world_from_camera << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   return {world_from_camera, position};
 }
 
-// depth_m is a float: relative rounding 2^-24, twice for good measure.
+// depth_m is a float: twice the relative rounding 2^-24.
 double DepthTolerance(double depth) { return 1.2e-7 * depth; }
 
-TEST(Render, DepthOfAWallIsZAndNotTheRange) {
+TEST(Render, DepthOfWallIsZ) {
   const Rendering image = Render(MakeScene("wall"), TestCamera(), LookAlongY({0.3, 0.5, 1}));
   for (const float depth : image.depth_m) EXPECT_NEAR(depth, 1.5, DepthTolerance(1.5));
 }
 
-TEST(Render, DepthOfASphereIsThatOfTheQuadraticFormula) {
+TEST(Render, DepthOfSphereAgreesWithQuadraticFormula) {
   const Vector3d eye(0.1, 0.2, 1.05), center(0, 2, 1);
   const PinholeCamera camera = TestCamera();
   const Rendering image = Render(MakeScene("sphere"), camera, LookAlongY(eye));
@@ -49,7 +49,7 @@ TEST(Render, DepthOfASphereIsThatOfTheQuadraticFormula) {
     if (b * b - c <= 0) continue;
     ++on_sphere;
     const double z = -b - std::sqrt(b * b - c);
-    // Near the rim the root amplifies the 1e-10 m at which the iteration stops.
+    // Near the rim the square root amplifies the tolerance of the iteration, 1e-10 m.
     const double rim = 1e-10 / std::sqrt(b * b - c);
     EXPECT_NEAR(image.depth_m(u, v), z, DepthTolerance(z) + rim);
   }
@@ -84,14 +84,14 @@ TEST_P(RenderEveryScene, PixelsLieOnTheSurface) {
       const double z = image.depth_m(u, v);
       if (z == 0) continue;
       const Vector3d point = pose.world_from_camera * (z * camera_.Ray(u, v));
-      // The float depth times the longest ray, 1.3; iterated shapes add 1e-10.
+      // Rounding of the depth times the longest ray, 1.3, plus 1e-10 of iterated shapes.
       ASSERT_LT(std::abs(scene_.Distance(point)), 1.3 * DepthTolerance(z) + 1e-9);
     }
   }
 }
 
-// A point seen by one camera, carried to another by the poses: there it is seen at its depth, or
-// something nearer hides it; never is the pixel empty or farther.
+// A point of one view is projected to another view. There the depth is equal, or smaller if the
+// point is occluded. It is never missing or larger.
 TEST_P(RenderEveryScene, ReprojectsExactlyBetweenPoses) {
   const Rigid3d a = path_[0].world_from_camera, b = path_[25].world_from_camera;
   const Rendering image = Render(scene_, camera_, a);
@@ -103,8 +103,8 @@ TEST_P(RenderEveryScene, ReprojectsExactlyBetweenPoses) {
     if (in_b.z() < 0.1) continue;
     const auto hit = scene_.Intersect(b.translation, b.rotation * (in_b / in_b.z()));
     ASSERT_TRUE(hit.has_value());
-    // Float rounding moves the point by 1e-6 m at most (8 m); seen at a slant of up to 89.9 deg
-    // that is 1e-3 m of depth.
+    // Float rounding moves the point by at most 1e-6 m (at 8 m). At a slant of 89.9 deg, this is
+    // 1e-3 m of depth.
     EXPECT_LT(hit->t, in_b.z() + 1e-3);
     ++seen;
     if (std::abs(hit->t - in_b.z()) < 1e-5) ++same;
@@ -124,7 +124,7 @@ TEST_P(RenderEveryScene, IsTheSameAtAnyNumberOfThreads) {
 INSTANTIATE_TEST_SUITE_P(All, RenderEveryScene, ::testing::ValuesIn(SceneNames()),
                          [](const auto& instance) { return instance.param; });
 
-TEST(RenderFrame, HasTheImagesOfTheRendering) {
+TEST(RenderFrame, ContainsImagesOfRendering) {
   const Scene scene = MakeScene("three_planes");
   const Rigid3d pose = MakePath(scene, 1, 1)[0].world_from_camera;
   const RgbdFrame frame = RenderFrame(scene, TestCamera(), pose, 7, 0.25);
@@ -143,7 +143,7 @@ constexpr double kConstant_m = 351.3;
 
 PinholeCamera Camera() { return {640, 480, 525, 525, 319.5, 239.5, {}}; }
 
-// The plane whose disparity is a u + b v + c steps.
+// Plane with the disparity a u + b v + c, in disparity steps.
 Image<float> PlaneDepth(double a, double b, double c) {
   Image<float> depth(640, 480);
   for (const auto [u, v] : PixelsOf(640, 480)) {
@@ -157,7 +157,7 @@ struct Moments {
   int count = 0;
 };
 
-// Of the error in disparity steps, over pixels away from the border.
+// Moments of the disparity error, in steps, without the image border.
 Moments DisparityError(const Image<float>& exact, const Image<float>& measured) {
   std::vector<double> errors;
   for (const auto [u, v] : Pixels(4, 636, 4, 476)) {
@@ -173,18 +173,19 @@ Moments DisparityError(const Image<float>& exact, const Image<float>& measured) 
   return moments;
 }
 
-// On a plane the error in steps is the sum of independent parts: a shift of (s_u, s_v) px adds
-// a s_u + b s_v, the noise has sd 1/6, and rounding adds a uniform error of variance 1/12, as the
-// disparities of a sloping plane take all fractions of a step alike.
+// On a plane the error is the sum of independent parts. A shift of (s_u, s_v) px adds a s_u + b
+// s_v. The noise has the standard deviation 1/6. Rounding adds a uniform error of variance 1/12,
+// because the disparities of a slanted plane cover all fractions of a step.
 class KinectOnAPlane : public ::testing::TestWithParam<std::array<double, 3>> {};
 
-TEST_P(KinectOnAPlane, HasTheVarianceOfItsParts) {
+TEST_P(KinectOnAPlane, HasVarianceOfNoiseModel) {
   const auto [a, b, c] = GetParam();
   const Image<float> exact = PlaneDepth(a, b, c);
   const Moments error = DisparityError(exact, KinectDepth(exact, Camera(), 3));
   ASSERT_EQ(error.count, 632 * 472);
   const double variance = 0.25 * (a * a + b * b) + 1.0 / 36 + 1.0 / 12;
-  // Five standard errors; for variances with the kurtosis of a normal distribution (ours is lower).
+  // Five standard errors, for variances with the kurtosis of a normal distribution. The kurtosis
+  // here is lower.
   EXPECT_NEAR(error.mean, 0, 5 * std::sqrt(variance / error.count));
   EXPECT_NEAR(error.variance, variance, 5 * variance * std::sqrt(2.0 / error.count));
 }
@@ -195,7 +196,7 @@ INSTANTIATE_TEST_SUITE_P(Slopes, KinectOnAPlane,
                                            std::array<double, 3>{0.013, 0.6, 90},
                                            std::array<double, 3>{-0.3, 0.017, 330}));
 
-TEST(Kinect, IsMissingNearFarAndAtGrazingAngles) {
+TEST(Kinect, IsMissingBelowMinAndAboveMaxDepth) {
   for (const auto& [depth_m, seen] : {std::pair{0.39, false}, std::pair{0.42, true},
                                       std::pair{4.3, true}, std::pair{4.8, false}}) {
     const Image<float> wall(640, 480, static_cast<float>(depth_m));
@@ -205,9 +206,9 @@ TEST(Kinect, IsMissingNearFarAndAtGrazingAngles) {
   }
 }
 
-// A floor 0.3 m below the camera: row v sees it at z = 0.3 fy / (v - cy), at an angle of incidence
-// with cosine (v - cy) / fy / |ray|.
-TEST(Kinect, IsMissingBeyond80DegreesOfIncidence) {
+// Floor 0.3 m below the camera. Row v has the depth z = 0.3 fy / (v - cy). The cosine of the angle
+// of incidence is (v - cy) / fy / |ray|.
+TEST(Kinect, IsMissingAbove80DegreesOfIncidence) {
   const PinholeCamera camera = Camera();
   Image<float> floor(640, 480, 0.f);
   for (const auto [u, v] : Pixels(0, 640, 280, 480)) {
@@ -217,7 +218,7 @@ TEST(Kinect, IsMissingBeyond80DegreesOfIncidence) {
   for (const auto [u, v] : Pixels(0, 640, 282, 478)) {
     const Eigen::Vector3d ray = camera.Ray(u, v);
     const double angle_deg = std::acos(ray.y() / ray.norm()) * 180 / M_PI;
-    // Float depth and one-sided differences at the border: far below 0.1 deg.
+    // Float depth and one-sided differences at the border cause errors far below 0.1 deg.
     if (angle_deg < 79.9 && floor(u, v) > 0.42) {
       EXPECT_GT(measured(u, v), 0) << u << " " << v;
     }
@@ -227,14 +228,15 @@ TEST(Kinect, IsMissingBeyond80DegreesOfIncidence) {
   }
 }
 
-TEST(Kinect, DoesNotMixDepthsAcrossAStep) {
+TEST(Kinect, DoesNotMixDepthsAcrossStep) {
   Image<float> step(640, 480, 1.f);
   for (int v = 0; v < 480; ++v) std::fill(step.row(v) + 320, step.row(v) + 640, 2.f);
   const Image<float> measured = KinectDepth(step, Camera(), 1);
-  // A step of disparity is z^2 / 351.3; rounding and noise of 6 sd move by at most 1.5 of them.
+  // A disparity step is z^2 / 351.3. Rounding and noise of 6 sigma move the depth by at most 1.5
+  // steps.
   for (const auto [u, v] : PixelsOf(640, 480)) {
     if (u == 319 || u == 320) {
-      EXPECT_EQ(measured(u, v), 0) << "a step looks like a surface seen at a grazing angle";
+      EXPECT_EQ(measured(u, v), 0) << "a depth step is missing like a surface at a grazing angle";
     } else {
       const double z = step(u, v);
       EXPECT_NEAR(measured(u, v), z, 1.6 * z * z / kConstant_m);
@@ -242,13 +244,13 @@ TEST(Kinect, DoesNotMixDepthsAcrossAStep) {
   }
 }
 
-TEST(Kinect, KeepsMissingPixelsMissing) {
+TEST(Kinect, KeepsMissingPixels) {
   Image<float> depth(640, 480, 2.f);
   depth(100, 100) = 0;
   EXPECT_EQ(KinectDepth(depth, Camera(), 1)(100, 100), 0);
 }
 
-TEST(Kinect, DependsOnTheSeedAndNotOnTheThreads) {
+TEST(Kinect, DependsOnSeedAndNotOnThreads) {
   const Image<float> depth = PlaneDepth(0.05, 0.031, 110);
   const auto images = AtThreads({1, 2, 5}, [&] { return KinectDepth(depth, Camera(), 7); });
   EXPECT_TRUE(images[0] == images[1]);
@@ -256,14 +258,14 @@ TEST(Kinect, DependsOnTheSeedAndNotOnTheThreads) {
   EXPECT_FALSE(images[0] == KinectDepth(depth, Camera(), 8));
 }
 
-TEST(Kinect, RefusesBadOptionsByName) {
+TEST(Kinect, RejectsInvalidOptionsByName) {
   KinectOptions options;
   options.max_depth_m = 0.2;
   ExpectInputError([&] { KinectDepth(Image<float>(640, 480, 1.f), Camera(), 1, options); },
-                   HasSubstr("max_depth_m is 0.2, must be above min_depth_m"));
+                   Names("max_depth_m", 0.2, "min_depth_m"));
 }
 
-// The shared recording was made from icl_office by the noise model that ours follows.
+// The shared recording is icl_office with the same noise model.
 class KinectAgainstRecording : public ::testing::Test {
  protected:
   static constexpr int kFrames = 5;
@@ -301,7 +303,7 @@ class KinectAgainstRecording : public ::testing::Test {
     return valid / all;
   }
 
-  // Sorted errors where the exact depth is within 10 cm of this one.
+  // Sorted errors of pixels with an exact depth within 10 cm of `depth_m`.
   std::vector<double> Errors(const std::vector<Image<float>>& images, double depth_m) const {
     std::vector<double> errors;
     for (int i = 0; i < kFrames; ++i) {
@@ -321,13 +323,13 @@ double Quantile(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<std::size_t>(share * (sorted.size() - 1))];
 }
 
-TEST_F(KinectAgainstRecording, LosesTheSameShareOfPixels) {
+TEST_F(KinectAgainstRecording, HasSameRatioOfMissingPixels) {
   EXPECT_NEAR(ValidShare(ours_), ValidShare(recorded_), 0.005);
 }
 
-// Half the width of the middle 68.27 %: the sd of a normal distribution, without the outliers that
-// the recording has at edges. Its own description gives 3, 8, 16 and 21 mm with these.
-TEST_F(KinectAgainstRecording, HasTheSameSpreadAtEachDistanceAndNoBias) {
+// Half the width of the central 68.27 %: the standard deviation of a normal distribution, robust to
+// the outliers at edges. The description of the recording states 3, 8, 16 and 21 mm.
+TEST_F(KinectAgainstRecording, HasSameSpreadAtEachDistanceAndNoBias) {
   const double most_mm[] = {3, 8, 16, 21};
   for (int i = 0; i < 4; ++i) {
     const double depth_m = 1.2 + i;
@@ -336,11 +338,11 @@ TEST_F(KinectAgainstRecording, HasTheSameSpreadAtEachDistanceAndNoBias) {
     const auto spread = [](const std::vector<double>& e) {
       return (Quantile(e, 0.84134) - Quantile(e, 0.15866)) / 2;
     };
-    // The recording is quantised to 0.2 mm. The standard error of the spread is 1.2 sd / sqrt(N)
-    // < 1 %; disparities that are whole numbers in one image and not in the other add to it.
+    // The recording is quantised to 0.2 mm. The standard error of the spread is 1.2 sigma / sqrt(N)
+    // < 1 %. Disparities that are integers in only one image add to the difference.
     EXPECT_NEAR(spread(ours), spread(recorded), 0.0002 + 0.03 * spread(recorded)) << depth_m;
     EXPECT_LT(spread(ours), most_mm[i] / 1000);
-    // A few standard errors of the median, 1.25 sd / sqrt(N), and half a unit of the recording.
+    // Five standard errors of the median, 1.25 sigma / sqrt(N), plus half a unit of the recording.
     EXPECT_NEAR(Quantile(ours, 0.5), 0, 5 * 1.25 * spread(ours) / std::sqrt(ours.size()) + 0.0001);
   }
 }

@@ -18,20 +18,20 @@ namespace {
 
 using Eigen::Vector3d;
 
-TEST(TurnZInto, BringsZIntoTheDirectionTheShortWay) {
+TEST(TurnZInto, RotatesZToDirectionByShortestRotation) {
   for (const Vector3d& direction :
        {Vector3d(0, 0, 2), Vector3d(0.3, -0.4, 1.2), Vector3d(5, 0, 0), Vector3d(0, -1e-3, -1),
         Vector3d(0.1, 0.2, -3), Vector3d(0, 0, -0.5)}) {
     const Eigen::Quaterniond turn = TurnZInto(direction);
     EXPECT_NEAR(turn.norm(), 1, 1e-15);
-    // 1 + cos loses up to 1e-16 of 5e-7, what is left near upside down.
+    // 1 + cos has an error of up to 1e-16 at 5e-7, the value close to a half turn.
     EXPECT_THAT(turn * Vector3d::UnitZ(), VectorNear(direction.normalized(), 1e-9));
-    EXPECT_EQ(turn.z(), 0) << "turns about z as well";
+    EXPECT_EQ(turn.z(), 0) << "the rotation has a z component";
     EXPECT_GE(turn.w(), 0);
   }
 }
 
-// How far a ray from the middle of the camera's space goes, above the furniture.
+// Free distance from the centre of the camera space along a ray above the furniture.
 double Free(const Scene& room, const Vector3d& direction) {
   Vector3d start = room.camera_space.center();
   start.z() = 2.0;
@@ -43,7 +43,7 @@ TEST(Room, MeasuresFourToEightMetres) {
   for (int seed = 1; seed <= 20; ++seed) {
     const Scene room = MakeScene("room", seed);
     for (const Vector3d& axis : {Vector3d::UnitX().eval(), Vector3d::UnitY().eval()}) {
-      // The walls; curtains, a bookshelf or the lamp may stand before them.
+      // Distance between walls. Curtains, a bookshelf or the lamp can be in front of a wall.
       const double length = Free(room, axis) + Free(room, -axis);
       EXPECT_GT(length, 4 - 0.4);
       EXPECT_LT(length, 8);
@@ -51,7 +51,7 @@ TEST(Room, MeasuresFourToEightMetres) {
   }
 }
 
-TEST(Room, HoldsFlatAndCurvedAndThinThings) {
+TEST(Room, ContainsFlatCurvedAndThinObjects) {
   const Scene room = MakeScene("room", 1);
   EXPECT_GT(room.objects().size(), 150u);
   int thin = 0;
@@ -62,7 +62,7 @@ TEST(Room, HoldsFlatAndCurvedAndThinThings) {
     const auto hit = room.Intersect(room.camera_space.center(), direction);
     ASSERT_TRUE(hit) << "the room is closed";
     if (hit->face == Shape::kCurved) curved.insert(hit->object);
-    // Thin: the surface is less than 3 cm from where the ray leaves the solid.
+    // Thin: the ray leaves the solid less than 3 cm behind the surface.
     const Vector3d point = room.camera_space.center() + hit->t * direction;
     const Vector3d behind = point - 0.03 * hit->normal_in_world;
     if (room.Distance(behind) > 0) ++thin;
@@ -71,7 +71,7 @@ TEST(Room, HoldsFlatAndCurvedAndThinThings) {
   EXPECT_GE(thin, 50);
 }
 
-TEST(Room, DiffersFromSeedToSeedAndNotFromRunToRun) {
+TEST(Room, DependsOnSeedOnly) {
   const Scene a = MakeScene("room", 1), again = MakeScene("room", 1), b = MakeScene("room", 2);
   Random random(6);
   int same = 0;
@@ -82,11 +82,11 @@ TEST(Room, DiffersFromSeedToSeedAndNotFromRunToRun) {
     EXPECT_EQ(hit_a->t, again.Intersect(eye, direction)->t);
     if (std::abs(hit_a->t - hit_b->t) < 0.01 * hit_a->t) ++same;
   }
-  EXPECT_LT(same, 500);  // half of the rays meet the two walls that stand at x = 0 and at y = 0
+  EXPECT_LT(same, 500);  // half of the rays hit the walls at x = 0 and y = 0, which are equal
 }
 
-// A wall between furniture hardly changes its brightness within a hand's breadth.
-TEST(Room, HasWallsOfLittleTexture) {
+// The brightness of a wall is almost constant within 10 cm.
+TEST(Room, HasWallsWithLittleTexture) {
   const Scene room = MakeScene("room", 1);
   Random random(7);
   int walls = 0, plain = 0;
@@ -107,7 +107,7 @@ TEST(Room, HasWallsOfLittleTexture) {
   EXPECT_GT(plain, 0.95 * walls);
 }
 
-TEST(Scene, DistanceIsTheLeastOfAllObjects) {
+TEST(Scene, DistanceIsMinimumOverObjects) {
   const Scene room = MakeScene("room", 3);
   Random random(8);
   for (int i = 0; i < 300; ++i) {
@@ -117,7 +117,7 @@ TEST(Scene, DistanceIsTheLeastOfAllObjects) {
       const double distance = object.shape->Distance(object.world_from_object.Inverse() * point);
       least = std::min(least, distance);
     }
-    // Inside intersecting solids both are negative, but bounded differently.
+    // Inside intersecting solids both distances are negative, but their bounds differ.
     if (least > 0) {
       EXPECT_NEAR(room.Distance(point), least, 1e-12);
     }
@@ -125,11 +125,10 @@ TEST(Scene, DistanceIsTheLeastOfAllObjects) {
   }
 }
 
-TEST(Scenes, AnUnknownNameListsTheKnown) {
-  ExpectInputError(
-      [] { MakeScene("kitchen"); },
-      ::testing::StrEq("scene is 'kitchen', must be one of building, corridor, room, sphere, "
-                       "three_planes, three_rooms, wall"));
+TEST(Scenes, RejectUnknownNameAndListKnownNames) {
+  ExpectInputError([] { MakeScene("kitchen"); },
+                   Names("scene", "kitchen", "building", "corridor", "room", "sphere",
+                         "three_planes", "three_rooms", "wall"));
 }
 
 struct Step {
@@ -147,7 +146,7 @@ std::vector<Step> Steps(const Trajectory& path) {
 
 constexpr int kFrames = 250;
 
-// Paths of scenes made by the same seed, each made once.
+// Paths in scenes of the same seed. Each path is computed once.
 const Trajectory& Path(const std::string& scene, int seed) {
   static std::map<std::pair<std::string, int>, Trajectory> paths;
   Trajectory& path = paths[{scene, seed}];
@@ -157,7 +156,7 @@ const Trajectory& Path(const std::string& scene, int seed) {
 
 class PathInScene : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(PathInScene, EachFrameMovesAndTurnsWithinTheBounds) {
+TEST_P(PathInScene, StepsAreWithinBounds) {
   for (const int seed : {1, 2}) {
     const Trajectory& path = Path(GetParam(), seed);
     ASSERT_EQ(path.size(), std::size_t{kFrames});
@@ -177,25 +176,26 @@ TEST_P(PathInScene, IsSmooth) {
                   c = path[i].world_from_camera;
     const Vector3d turn1 = QuaternionLog(Eigen::Quaterniond(b.rotation * a.rotation.conjugate()));
     const Vector3d turn2 = QuaternionLog(Eigen::Quaterniond(c.rotation * b.rotation.conjugate()));
-    // The heading of the gaze changes by 7 deg a frame at most, and the turn with it by 7 deg times
-    // 1.5 deg; more where looking down amplifies it, the speed changes and the hand trembles.
+    // The heading changes by at most 7 deg per frame, and the rotation by 7 deg times 1.5 deg.
+    // Looking down, speed changes and hand tremble add to it.
     ASSERT_LT((turn2 - turn1).norm(), 0.5 * kRadPerDeg) << i;
   }
 }
 
-TEST_P(PathInScene, HasALevelHorizonAndUnitRotations) {
+TEST_P(PathInScene, HasLevelHorizonAndUnitRotations) {
   for (const StampedPose& pose : Path(GetParam(), 1)) {
     const Eigen::Matrix3d rotation = pose.world_from_camera.rotation.toRotationMatrix();
     EXPECT_NEAR(pose.world_from_camera.rotation.norm(), 1, 1e-12);
-    EXPECT_LT(std::abs(rotation(2, 0)), std::sin(0.5 * kRadPerDeg));  // the x axis: tremble only
-    EXPECT_LT(rotation(2, 1), 0);                                     // the y axis points down
+    EXPECT_LT(std::abs(rotation(2, 0)),
+              std::sin(0.5 * kRadPerDeg));  // the x axis is horizontal, except for tremble
+    EXPECT_LT(rotation(2, 1), 0);           // the y axis points down
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PathInScene, ::testing::ValuesIn(SceneNames()),
                          [](const auto& instance) { return instance.param; });
 
-TEST(CameraPath, StaysClearOfObjectsInRooms) {
+TEST(CameraPath, KeepsDistanceToObjectsInRooms) {
   for (const int seed : {1, 2, 3, 4}) {
     const Scene room = MakeScene("room", seed);
     int near = 0;
@@ -208,8 +208,8 @@ TEST(CameraPath, StaysClearOfObjectsInRooms) {
   }
 }
 
-// The doorways are 1.2 m wide, and the camera swerves by up to 0.1 m.
-TEST(CameraPath, LeadsThroughThreeRoomsAndBack) {
+// The doorways are 1.2 m wide, and the camera deviates by up to 0.1 m.
+TEST(CameraPath, VisitsThreeRoomsAndReturns) {
   const Scene scene = MakeScene("three_rooms", 1);
   const Trajectory path = MakePath(scene, 1500, 1);
   double least_distance = 1, farthest_x = 0;
@@ -219,21 +219,20 @@ TEST(CameraPath, LeadsThroughThreeRoomsAndBack) {
     const Vector3d eye = path[i].world_from_camera.translation;
     least_distance = std::min(least_distance, scene.Distance(eye));
     farthest_x = std::max(farthest_x, eye.x());
-    // Lintels are the only things above the camera that are lower than the lamps.
+    // Only lintels are above the camera and lower than the lamps.
     const bool in_doorway = eye.z() + scene.Intersect(eye, Vector3d::UnitZ())->t < 2.11;
     if (in_doorway && !was_in_doorway) ++doorways;
     was_in_doorway = in_doorway;
   }
   EXPECT_GT(least_distance, 0.3);
   EXPECT_EQ(doorways, 4);
-  EXPECT_GT(farthest_x, 2 * 5.4);  // rooms are 5 m long at least, and 0.4 m apart
+  EXPECT_GT(farthest_x, 2 * 5.4);  // rooms are at least 5 m long, with a distance of 0.4 m
   const Vector3d gap =
       path.back().world_from_camera.translation - path.front().world_from_camera.translation;
   EXPECT_LT(gap.norm(), 2);
 }
 
-// The share of frames in which at least 80 % of the pixels between 0.4 and 4.5 m lie on one or two
-// flat faces.
+// Ratio of frames with at least 80 % of the pixels between 0.4 and 4.5 m on one or two planes.
 double PlanarShare(const Scene& scene, const Trajectory& path) {
   PinholeCamera camera = {80,   60,   525.0 / 8, 525.0 / 8,
                           39.5, 29.5, {}};  // every eighth pixel of 640 x 480
@@ -255,18 +254,18 @@ double PlanarShare(const Scene& scene, const Trajectory& path) {
   return static_cast<double>(planar) / frames;
 }
 
-TEST(CameraPath, PlanesDominateAFifthOfTheFramesInRooms) {
+TEST(CameraPath, PlanesDominateOneFifthOfFramesInRooms) {
   for (const int seed : {1, 2, 3, 4}) {
     EXPECT_GE(PlanarShare(MakeScene("room", seed), Path("room", seed)), 0.2) << seed;
   }
 }
 
-TEST(CameraPath, PlanesDominateAFifthOfTheFramesOfALongPath) {
+TEST(CameraPath, PlanesDominateOneFifthOfFramesOfLongPath) {
   const Scene room = MakeScene("room", 1);
   EXPECT_GE(PlanarShare(room, MakePath(room, 800, 1)), 0.2);
 }
 
-TEST(CameraPath, DependsOnTheSeed) {
+TEST(CameraPath, DependsOnSeed) {
   const Scene room = MakeScene("room", 1);
   const Trajectory a = MakePath(room, 50, 1), again = MakePath(MakeScene("room", 1), 50, 1),
                    b = MakePath(room, 50, 2);
@@ -276,7 +275,7 @@ TEST(CameraPath, DependsOnTheSeed) {
   EXPECT_GT((a[0].world_from_camera.translation - b[0].world_from_camera.translation).norm(), 0.01);
 }
 
-TEST(CameraPath, HasTheStampsOfTheFrameRate) {
+TEST(CameraPath, HasTimestampsOfFrameRate) {
   PathOptions options;
   options.frames_per_second = 20;
   const Trajectory path = MakePath(MakeScene("wall"), 5, 1, options);
@@ -284,13 +283,12 @@ TEST(CameraPath, HasTheStampsOfTheFrameRate) {
   EXPECT_DOUBLE_EQ(path[4].stamp_s, 0.2);
 }
 
-TEST(CameraPath, RefusesBadInput) {
+TEST(CameraPath, RejectsInvalidOptions) {
   const Scene wall = MakeScene("wall");
-  ExpectInputError([&] { MakePath(wall, 0, 1); },
-                   ::testing::StrEq("frames is 0, must be at least 1"));
+  ExpectInputError([&] { MakePath(wall, 0, 1); }, Names("frames", 0, 1));
   PathOptions options;
   options.max_turn_deg = 0.1;
-  ExpectInputError([&] { MakePath(wall, 5, 1, options); }, HasSubstr("max_turn_deg is 0.1"));
+  ExpectInputError([&] { MakePath(wall, 5, 1, options); }, Names("max_turn_deg", 0.1));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ class ShapeTest : public ::testing::TestWithParam<std::string> {
   Random random_{11};
 };
 
-// Membership by the definition of each solid, without any distance.
+// Membership by the definition of each solid, without its distance function.
 bool Contains(const std::string& name, const Vector3d& p) {
   const double r = std::hypot(p.x(), p.y());
   const auto in_box = [&](double x, double y, double z) {
@@ -59,7 +59,7 @@ bool Contains(const std::string& name, const Vector3d& p) {
   return (r - 0.6) * (r - 0.6) + p.z() * p.z() <= 0.15 * 0.15;  // torus
 }
 
-TEST_P(ShapeTest, IntersectsWhereDenseStepsAlongTheRayFirstEnter) {
+TEST_P(ShapeTest, IntersectAgreesWithRayMarching) {
   constexpr double kStep = 1e-3;
   int hits = 0;
   for (int i = 0; i < 400; ++i) {
@@ -74,8 +74,8 @@ TEST_P(ShapeTest, IntersectsWhereDenseStepsAlongTheRayFirstEnter) {
     }
     if (marched < 8) {
       ASSERT_TRUE(hit.has_value()) << i;
-      // The march notices the entry at its next step; a chord shorter than a step it may overlook,
-      // but then it does not get here before a later entry.
+      // Ray marching finds the entry at its next step. It can miss a chord shorter than a step, and
+      // then finds a later entry.
       EXPECT_LE(hit->t * speed, marched + 1e-9);
       if (hit->t * speed < marched - kStep) {
         const Vector3d grazing = origin + (hit->t + kStep / speed) * direction;
@@ -83,14 +83,14 @@ TEST_P(ShapeTest, IntersectsWhereDenseStepsAlongTheRayFirstEnter) {
       }
       ++hits;
     } else if (hit && hit->t * speed < 8) {
-      // A hit that the march overlooked grazes the surface for less than a step.
+      // Ray marching misses a hit only if the ray is inside for less than a step.
       EXPECT_GT(shape().Distance(origin + (hit->t + kStep / speed) * direction), -kStep);
     }
   }
   EXPECT_GT(hits, 100);
 }
 
-TEST_P(ShapeTest, HitsLieOnTheSurfaceAndFaceTheRay) {
+TEST_P(ShapeTest, HitsAreOnSurfaceAndFaceRay) {
   for (int i = 0; i < 1000; ++i) {
     const Vector3d origin = 2 * RandomPoint(1), direction = RandomPoint(0.7) - origin;
     const auto hit = shape().Intersect(origin, direction);
@@ -98,12 +98,12 @@ TEST_P(ShapeTest, HitsLieOnTheSurfaceAndFaceTheRay) {
     EXPECT_GT(hit->t, 0);
     EXPECT_LT(hit->normal.dot(direction), 0);
     EXPECT_NEAR(hit->normal.norm(), 1, 1e-12);
-    // Iterated shapes stop at 1e-10; formulas are good to some rounding errors of size 4 numbers.
+    // Iterated shapes stop at 1e-10. Formulas have a few rounding errors of values near 4.
     EXPECT_NEAR(shape().Distance(origin + hit->t * direction), 0, 2e-10);
   }
 }
 
-TEST_P(ShapeTest, NormalIsTheGradientOfTheDistance) {
+TEST_P(ShapeTest, NormalIsGradientOfDistance) {
   constexpr double kH = 1e-6;
   for (int i = 0; i < 1000; ++i) {
     const Vector3d origin = 2 * RandomPoint(1), direction = RandomPoint(0.7) - origin;
@@ -115,14 +115,14 @@ TEST_P(ShapeTest, NormalIsTheGradientOfTheDistance) {
       const Vector3d step = kH * Vector3d::Unit(axis);
       gradient[axis] = (shape().Distance(point + step) - shape().Distance(point - step)) / (2 * kH);
     }
-    // Central differences: error h^2 / r^2 / 6 with radii r >= 0.1, and rounding 1e-16 * 4 / h.
-    // A point within h of an edge has no gradient; then its length is off as well.
+    // Central differences have the error h^2 / r^2 / 6 with radii r >= 0.1, and rounding 1e-16 * 4
+    // / h. Points within h of an edge have no gradient: the length of the difference is not 1.
     if (std::abs(gradient.norm() - 1) > 1e-6) continue;
     EXPECT_LT((gradient - hit->normal).norm(), 1e-6) << point.transpose();
   }
 }
 
-TEST_P(ShapeTest, DistanceIsThatToTheNearestOfManySurfacePoints) {
+TEST_P(ShapeTest, DistanceAgreesWithNearestSurfaceSample) {
   std::vector<Vector3d> surface;
   while (surface.size() < 20000) {
     const Vector3d origin = 2.5 * RandomPoint(1), direction = RandomPoint(1.2) - origin;
@@ -135,16 +135,15 @@ TEST_P(ShapeTest, DistanceIsThatToTheNearestOfManySurfacePoints) {
     for (const Vector3d& p : surface) nearest = std::min(nearest, (p - point).norm());
     const double distance = shape().Distance(point);
     EXPECT_EQ(distance < 0, Contains(GetParam(), point));
-    // No sample is nearer than the surface; and 20000 random samples on at most 10 m^2 leave no
-    // disc of area 20 m^2 * ln(20000) / 20000 = 1e-2 m^2, of radius 6 cm, without one (but for a
-    // chance of 1/20000 each); for a far point the lack is less than that radius. The half space
-    // is endless and sampled within 2.5 m only.
+    // No sample is nearer than the surface. With 20000 random samples on at most 10 m^2, every disc
+    // of 20 m^2 * ln(20000) / 20000 = 1e-2 m^2 (radius 6 cm) contains a sample, except with
+    // probability 1/20000 each. The half space is infinite and sampled within 2.5 m only.
     EXPECT_LE(std::abs(distance), nearest + 2e-10);
     EXPECT_GE(std::abs(distance), nearest - (GetParam() == "half_space" ? 0.2 : 0.06));
   }
 }
 
-TEST_P(ShapeTest, LiesInItsBoundingSphereAndBox) {
+TEST_P(ShapeTest, IsInsideBoundingSphereAndBox) {
   const double radius = shape().BoundingRadius();
   const Vector3d half = shape().HalfExtents();
   for (int i = 0; i < 10000; ++i) {
@@ -156,7 +155,7 @@ TEST_P(ShapeTest, LiesInItsBoundingSphereAndBox) {
   }
 }
 
-TEST_P(ShapeTest, IsNotMetFromInside) {
+TEST_P(ShapeTest, HasNoHitFromInside) {
   for (int i = 0; i < 1000; ++i) {
     const Vector3d point = RandomPoint(0.8);
     if (shape().Distance(point) < 0) {
@@ -170,7 +169,7 @@ INSTANTIATE_TEST_SUITE_P(All, ShapeTest,
                                            "cylinder", "cone", "wide_cone", "torus"),
                          [](const auto& instance) { return instance.param; });
 
-TEST(Shape, FacesAreNumbered) {
+TEST(Shape, NumbersItsFaces) {
   EXPECT_EQ(MakeBox({1, 1, 1})->Intersect({3, 0, 0}, {-1, 0, 0})->face, 1);
   EXPECT_EQ(MakeBox({1, 1, 1})->Intersect({0, -3, 0}, {0, 1, 0})->face, 2);
   const ShapePtr cylinder = MakeFrustum(0.5, 0.5, 1);
@@ -178,12 +177,13 @@ TEST(Shape, FacesAreNumbered) {
   EXPECT_EQ(cylinder->Intersect({3, 0, 0}, {-1, 0, 0})->face, Shape::kCurved);
 }
 
-TEST(Shape, KnownHits) {
+TEST(Shape, AgreesWithKnownHits) {
   EXPECT_DOUBLE_EQ(MakeSphere(0.5)->Intersect({0, 0, -2}, {0, 0, 1})->t, 1.5);
   EXPECT_DOUBLE_EQ(MakeBox({1, 2, 3})->Intersect({0, 0, -2}, {0, 0, 2})->t, 0.25);
   EXPECT_NEAR(MakeTorus(1, 0.25)->Intersect({1, 0, 2}, {0, 0, -1})->t, 1.75, 2e-10);
-  EXPECT_FALSE(MakeTorus(1, 0.25)->Intersect({0, 0, 2}, {0, 0, -1}).has_value());  // its hole
-  // A cone of slope 1: radius 1 at z = 0, seen from the side at half height.
+  EXPECT_FALSE(
+      MakeTorus(1, 0.25)->Intersect({0, 0, 2}, {0, 0, -1}).has_value());  // through the hole
+  // Cone of slope 1 with radius 1 at z = 0. The ray hits it at half height.
   EXPECT_DOUBLE_EQ(MakeFrustum(1.5, 0.5, 1)->Intersect({3, 0, 0}, {-1, 0, 0})->t, 2);
 }
 

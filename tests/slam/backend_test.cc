@@ -20,16 +20,16 @@ namespace surfit::testing {
 namespace {
 
 constexpr int kFrames = 200;
-constexpr double kTurnError = 0.002;  // rad a frame: odometry's
+constexpr double kTurnError = 0.002;  // odometry error, rad per frame
 
-// A camera that goes once around a circle and comes back to its first pose.
+// Camera that moves once around a circle and returns to its first pose.
 Rigid3d TruePose(int frame) {
   const double angle = 2 * M_PI * frame / (kFrames - 1);
   return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY())),
           {2 * std::sin(angle), 0, 2 * std::cos(angle) - 2}};
 }
 
-// The same path as odometry sees it, which errs by the same turn in every frame.
+// Path of odometry, with a constant rotation error per frame.
 std::vector<Rigid3d> DriftingPoses() {
   std::vector<Rigid3d> poses = {TruePose(0)};
   const Rigid3d error(Eigen::Quaterniond(Eigen::AngleAxisd(kTurnError, Eigen::Vector3d::UnitY())),
@@ -70,7 +70,7 @@ LoopAttempt Loop(int source, int target, const Rigid3d& target_from_source) {
   return attempt;
 }
 
-// Joins keyframes to those of the first tenth of the path, by the truth.
+// Finds true loops from the last frames of the path to the first keyframe.
 std::vector<LoopAttempt> TrueLoops(int source, const std::vector<Keyframe>& keyframes,
                                    const PlaceIndex&) {
   const int frame = keyframes[source].frame_index;
@@ -81,7 +81,7 @@ std::vector<LoopAttempt> TrueLoops(int source, const std::vector<Keyframe>& keyf
 LoopOptions Enabled() {
   LoopOptions options;
   options.enabled = true;
-  options.noise.odometry_rad = 0.01;  // as planted, of the few frames between two keyframes
+  options.noise.odometry_rad = 0.01;  // odometry error between two keyframes
   options.noise.odometry_m = 0.01;
   return options;
 }
@@ -102,10 +102,10 @@ RgbdFrame Stamped(int index, double stamp_s) {
 struct BackendRun {
   std::vector<PosedFrame> frames;
   BackendCounts counts;
-  std::vector<int> corrected_at;  // frames before which the world moved
+  std::vector<int> corrected_at;  // frames with a preceding world correction
 };
 
-// Drives the backend as Slam does: what enters moves all that comes after.
+// Runs the backend as Slam does: a correction moves all later poses.
 BackendRun RunBackend(const LoopOptions& options, const LoopFinder& finder) {
   const std::vector<Rigid3d> odometry = DriftingPoses();
   Backend backend({}, {}, options, NoCalibration(), finder);
@@ -137,13 +137,14 @@ double RmsError(const std::vector<PosedFrame>& frames) {
   return std::sqrt(sum / static_cast<double>(frames.size()));
 }
 
-TEST(Backend, ClosesALoop) {
+TEST(Backend, ClosesLoop) {
   const LoopFinder none = [](int, const auto&, const auto&) { return std::vector<LoopAttempt>(); };
   const BackendRun open = RunBackend(Enabled(), none);
   const BackendRun closed = RunBackend(Enabled(), TrueLoops);
   ASSERT_EQ(open.frames.size(), static_cast<std::size_t>(kFrames));
   ASSERT_EQ(closed.frames.size(), static_cast<std::size_t>(kFrames));
-  // Drift of a constant turn spreads evenly over the loop, as the graph does with its error.
+  // A constant rotation error is evenly distributed over the loop, and the pose graph distributes
+  // its correction evenly.
   EXPECT_LT(RmsError(closed.frames), 0.25 * RmsError(open.frames));
   EXPECT_THAT(closed.frames.back().world_from_camera, RigidNear(TruePose(kFrames - 1), 0.01, 0.01));
   EXPECT_EQ(open.counts.loops_proposed, 0u);
@@ -154,16 +155,17 @@ TEST(Backend, ClosesALoop) {
   EXPECT_EQ(closed.counts.submaps_apart, 0u);
 }
 
-// Two keyframes alone: the first frame, and one of the last 20, which comes in as max_frames says.
-TEST(Backend, TakesEffectSoManyFramesAfterItsTrigger) {
+// There are only two keyframes: the first frame, and one of the last 20 frames due to max_frames.
+TEST(Backend, AppliesCorrectionAfterDelayFrames) {
   for (const int delay : {1, 3}) {
     LoopOptions options = Enabled();
-    options.keyframes.max_distance_m = 5;   // more than the circle is wide
+    options.keyframes.max_distance_m = 5;   // more than the diameter of the circle
     options.keyframes.max_angle_rad = 3.2;  // more than half a turn
     options.keyframes.min_overlap_share = 0;
     options.keyframes.max_frames = kFrames - 20;
     options.delay_frames = delay;
-    options.noise.odometry_rad = options.noise.odometry_m = 1;  // of all the frames between
+    options.noise.odometry_rad = options.noise.odometry_m =
+        1;  // odometry error of all frames between the keyframes
     const BackendRun run = RunBackend(options, TrueLoops);
     ASSERT_EQ(run.counts.keyframes, 2u);
     const auto trigger = std::find_if(run.frames.begin(), run.frames.end(),
@@ -173,8 +175,8 @@ TEST(Backend, TakesEffectSoManyFramesAfterItsTrigger) {
   }
 }
 
-// Its finder is as slow as it likes: no frame waits, and the loop takes effect when it is found.
-TEST(Backend, InRealTimeTakesLoopsWhenTheyAreThere) {
+// The loop finder is slow. No frame waits, and the loop is applied after it is found.
+TEST(Backend, InRealTimeAppliesLoopsWhenFound) {
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
     std::promise<void> go_on;
@@ -207,7 +209,7 @@ TEST(Backend, InRealTimeTakesLoopsWhenTheyAreThere) {
   }
 }
 
-TEST(Backend, LeavesOutAWrongLoop) {
+TEST(Backend, RejectsWrongLoop) {
   const LoopFinder misled = [](int source, const std::vector<Keyframe>& keyframes,
                                const PlaceIndex& index) {
     std::vector<LoopAttempt> attempts = TrueLoops(source, keyframes, index);
@@ -222,7 +224,7 @@ TEST(Backend, LeavesOutAWrongLoop) {
   EXPECT_LT(RmsError(run.frames), 1.1 * RmsError(clean.frames));
 }
 
-TEST(Backend, JoinsAMapBegunApart) {
+TEST(Backend, ConnectsSubmapByLoop) {
   const auto finder = [](int source, const auto&, const auto&) {
     if (source != 1) return std::vector<LoopAttempt>();
     return std::vector<LoopAttempt>{Loop(1, 0, {Eigen::Quaterniond::Identity(), {0, 0, 0.5}})};
@@ -245,9 +247,9 @@ TEST(Backend, JoinsAMapBegunApart) {
       RigidNear(TruePose(0) * Rigid3d(Eigen::Quaterniond::Identity(), {0, 0, 0.5}), 1e-6, 1e-6));
 }
 
-// Odometry joins a keyframe to the last one, but for the first of a map, and one that was found
-// again.
-TEST(Backend, TellsHowKeyframesHangTogether) {
+// Odometry connects a keyframe to the last keyframe, except for the first keyframe of a map and
+// after relocalisation.
+TEST(Backend, ReportsParentsOfKeyframes) {
   const auto none = [](int, const auto&, const auto&) { return std::vector<LoopAttempt>(); };
   Backend backend({}, {}, Enabled(), NoCalibration(), none);
   const FramePyramid pyramid = FlatPyramid();
@@ -264,14 +266,15 @@ TEST(Backend, TellsHowKeyframesHangTogether) {
                                  ElementsAre(30, 10, 0), ElementsAre(40, KeyframeLink::kNone, 1)));
 }
 
-TEST(BackendThreads, GiveTheSamePoses) {
+TEST(BackendThreads, AreBitwiseIdentical) {
   const auto runs = AtThreads({1, 2, 4}, [] { return RunBackend(Enabled(), TrueLoops).frames; });
   for (const std::vector<PosedFrame>& frames : runs) ExpectSamePoses(frames, runs[0]);
 }
 
 constexpr int kBetween = 12;
 
-// Held a hundred times less along x, as before a wall with an upright edge.
+// The translation along x is 100 times weaker constrained, as in front of a wall with a vertical
+// edge.
 IcpResult HeldLittleAlongX() {
   IcpResult icp;
   Vector6d sigmas = Vector6d::Constant(1e-5);
@@ -285,8 +288,9 @@ Matrix6d CovarianceOfOdometry(const IcpResult& icp, int frames, const Rigid3d& a
   return OdometryInformation(icp, frames, a_from_b, EdgeNoise()).inverse();
 }
 
-// The prior that holds free directions at 0.1 takes (0.017 / 0.1)^2 = 3 % of what is held least.
-TEST(EdgeInformation, OdometryDriftsAsAWalkAtRandom) {
+// The prior of unobservable directions has a sigma of 0.1. Its effect on the weakest direction is
+// (0.017 / 0.1)^2 = 3 %.
+TEST(EdgeInformation, OdometryHasRandomWalkDrift) {
   const EdgeNoise noise;
   const Matrix6d covariance = CovarianceOfOdometry(HeldLittleAlongX(), kBetween, Rigid3d());
   const double walk = noise.shared_points * kBetween;
@@ -296,16 +300,16 @@ TEST(EdgeInformation, OdometryDriftsAsAWalkAtRandom) {
   EXPECT_GT(covariance(3, 3), 1e3 * covariance(4, 4));
 }
 
-// What the later camera sees along x is along y of the earlier one, a quarter of a turn before.
-TEST(EdgeInformation, WhatIsHeldLittleTurnsWithTheCamera) {
+// The later camera is rotated by 90 degrees: its x axis is the y axis of the earlier camera.
+TEST(EdgeInformation, WeakDirectionRotatesWithCamera) {
   const Rigid3d quarter(Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ())),
                         {0, 0, 0});
   const Matrix6d covariance = CovarianceOfOdometry(HeldLittleAlongX(), kBetween, quarter);
   EXPECT_GT(covariance(4, 4), 50 * covariance(3, 3));
 }
 
-TEST(EdgeInformation, HoldsFreeDirectionsLooselyHoweverManyFrames) {
-  IcpResult icp;  // which says nothing
+TEST(EdgeInformation, HasFixedSigmaForUnobservableDirections) {
+  IcpResult icp;  // without information
   for (const int frames : {1, 1000}) {
     const Matrix6d covariance = CovarianceOfOdometry(icp, frames, Rigid3d());
     for (int i = 0; i < 6; ++i) EXPECT_NEAR(std::sqrt(covariance(i, i)), 0.1, 1e-3) << frames;

@@ -1,4 +1,4 @@
-// Calibration of the depth camera while it is tracked, with the exact truth.
+// Tests the calibration of the depth camera during tracking, with exact ground truth.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,17 +14,17 @@ namespace {
 
 constexpr int kCalibratedFrames = 120;
 
-// Half the size of a Kinect's images.
+// Half the image size of a Kinect.
 PinholeCamera TrueCamera() { return {320, 240, 262.5, 262.5, 159.5, 119.5, {}}; }
 
 SimulatedSequence Room(std::uint64_t seed) {
   return Simulate("room", seed, kCalibratedFrames, Sensor::kKinect, TrueCamera());
 }
 
-// A quarter of a Kinect's width and height.
+// A quarter of the image size of a Kinect.
 SimulatedSequence SmallRoom() { return Simulate("room", 1, kCalibratedFrames, Sensor::kKinect); }
 
-// As a sensor gives it whose focal length, centre and depth are not what its user takes them to be.
+// Adds errors of focal length, principal point and depth to the input calibration.
 SimulatedSequence WronglyGiven(SimulatedSequence sequence) {
   for (RgbdFrame& frame : sequence.frames) {
     CorrectDepth(sequence.camera, {{0, 0.02, 0, 0, 0, 0}}, &frame.depth_m);
@@ -36,7 +36,7 @@ SimulatedSequence WronglyGiven(SimulatedSequence sequence) {
 }
 
 struct CalibratedRun {
-  double rms_m = 0;  // of the final positions
+  double rms_m = 0;  // RMSE of the final positions
   bool is_recalibrated = false;
   std::size_t waits = 0;
   DepthCalibration found;
@@ -76,7 +76,7 @@ double UncalibratedRms(const SimulatedSequence& sequence) {
       .rms_m;
 }
 
-TEST(SlamCalibration, LeavesARightCameraAsItIs) {
+TEST(SlamCalibration, KeepsCorrectCalibration) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const SimulatedSequence room = Room(seed);
     const CalibratedRun run = CalibratedRunOf(room);
@@ -87,13 +87,12 @@ TEST(SlamCalibration, LeavesARightCameraAsItIs) {
   }
 }
 
-TEST(SlamCalibration, FindsACameraThatIsWrong) {
+TEST(SlamCalibration, CorrectsWrongCalibration) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const SimulatedSequence room = WronglyGiven(Room(seed));
     const CalibratedRun run = CalibratedRunOf(room);
     ASSERT_TRUE(run.is_recalibrated) << seed;
     EXPECT_LT(run.rms_m, UncalibratedRms(room) / 2) << seed;
-    // Each number within three of its standard deviations.
     const Eigen::VectorXd sigma =
         run.calibrations.back().summary.calibration_covariance.diagonal().cwiseSqrt();
     const PinholeCamera &found = run.found.camera, truth = TrueCamera();
@@ -108,8 +107,8 @@ TEST(SlamCalibration, FindsACameraThatIsWrong) {
   }
 }
 
-// Frames come one after the other, so that all tasks are late; loops are looked for as well.
-TEST(SlamCalibration, InRealTimeLetsNoFrameWait) {
+// Frames arrive without pause, so all tasks are late. Loop closure is enabled as well.
+TEST(SlamCalibration, InRealTimeNoFrameWaits) {
   SlamOptions options;
   options.real_time = true;
   options.loops.enabled = true;
@@ -123,7 +122,7 @@ TEST(SlamCalibration, InRealTimeLetsNoFrameWait) {
   }
 }
 
-TEST(SlamCalibration, EndsWhereAPoseIsGiven) {
+TEST(SlamCalibration, StopsWithGivenPoses) {
   const SimulatedSequence room = WronglyGiven(SmallRoom());
   Slam slam({room.camera, {}}, SlamOptions(), {});
   for (std::size_t i = 0; i < room.frames.size(); ++i) {
@@ -136,7 +135,7 @@ TEST(SlamCalibration, EndsWhereAPoseIsGiven) {
             room.world_from_camera.back().Matrix());
 }
 
-TEST(SlamCalibrationThreads, FindTheSameBitForBit) {
+TEST(SlamCalibrationThreads, AreBitwiseIdentical) {
   const SimulatedSequence room = WronglyGiven(SmallRoom());
   const auto runs = AtThreads({1, 2}, [&] { return CalibratedRunOf(room); });
   EXPECT_TRUE(runs[0].is_recalibrated);
@@ -150,17 +149,17 @@ TEST(SlamCalibrationThreads, FindTheSameBitForBit) {
   ExpectSameMap(runs[0].map, runs[1].map);
 }
 
-// The loop is 5 cm off odometry, and closes while the camera is calibrated. Calibration moves the
-// last keyframe as much as it does without the loop.
-TEST(CalibrationAndLoops, CalibrationKeepsTheCorrectionOfALoop) {
+// The loop has an offset of 5 cm to odometry, and closes during calibration. Calibration moves the
+// last keyframe as much as without the loop.
+TEST(CalibrationAndLoops, CalibrationKeepsCorrectionOfLoop) {
   SlamOptions options;
   options.loops.enabled = true;
   options.loops.delay_frames = 1;
   options.loops.keyframes.max_distance_m = 0.1;
   options.loops.graph.loop_robustness = "none";
-  options.loops.noise.odometry_m = options.loops.noise.odometry_rad = 0.1;  // the loop holds
+  options.loops.noise.odometry_m = options.loops.noise.odometry_rad = 0.1;  // the loop dominates
   options.calibration.first_keyframes = options.calibration.max_keyframes = 5;
-  options.calibration.refinement.calibration_sigmas = 0;  // small changes take effect as well
+  options.calibration.refinement.calibration_sigmas = 0;  // small changes are applied as well
   options.calibration.refinement.model_error_share = 0;
   const SimulatedSequence room =
       WronglyGiven(Simulate("room", 1, 60, Sensor::kKinect, SimulatedCamera()));
@@ -194,8 +193,8 @@ TEST(CalibrationAndLoops, CalibrationKeepsTheCorrectionOfALoop) {
   EXPECT_THAT(first_from_last(true), RigidNear(aside * first_from_last(false), 0.005, 0.005));
 }
 
-// Colours are 30 ms earlier than depth, which their stamps tell or do not tell.
-TEST(ColorLatency, IsWhatTheStampsOfColorsDoNotTell) {
+// Colour is captured 30 ms before depth. The timestamps contain this offset or not.
+TEST(ColorLatency, IsOffsetThatTimestampsDoNotContain) {
   constexpr double kEarlier_s = 0.03;
   RgbdCamera camera;
   camera.depth = SimulatedCamera();

@@ -6,8 +6,8 @@
 namespace surfit::testing {
 namespace {
 
-// A board with blocks on it, upright 0.55 m before the camera that looks along z, from this far to
-// its right on.
+// Adds a vertical board with blocks, 0.55 m in front of the camera. The board begins at this
+// distance to the right.
 void AddBoard(const Rigid3d& world_from_camera, double from_right_m, Scene* scene) {
   const auto add = [&](const Eigen::Vector3d& size, const Eigen::Vector3d& center) {
     const Texture texture = [](const Eigen::Vector3d& p) -> Eigen::Vector3f {
@@ -25,9 +25,9 @@ void AddBoard(const Rigid3d& world_from_camera, double from_right_m, Scene* scen
   }
 }
 
-// A camera passes the side of a doorway: within 20 frames it hides most of a room that is mapped
-// well. It is no obstacle that moves, nor does it speak against the pose.
-TEST(Slam, PassesTheSideOfADoorway) {
+// A camera passes the side of a doorway: within 20 frames it occludes most of a well mapped room.
+// It is not a moving object and does not contradict the pose.
+TEST(Slam, TracksPastSideOfDoorway) {
   Scene scene = MakeScene("room", 1);
   const Rigid3d first = MakePath(scene, 2, 1)[0].world_from_camera;
   AddBoard(first, 0.5, &scene);

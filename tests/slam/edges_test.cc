@@ -1,4 +1,4 @@
-// Edges of the pose graph that Slam builds.
+// Tests the pose graph edges that Slam adds.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ SlamOptions LoopsWithoutCalibration() {
   return options;
 }
 
-TEST(SlamEdges, OdometryHasTheInformationOfAllItsFrames) {
+TEST(SlamEdges, OdometryHasInformationOfAllFrames) {
   SlamOptions options = LoopsWithoutCalibration();
   options.loops.keyframes.max_distance_m = 0.05;
   const SimulatedSequence& room = IdealRoom();
@@ -51,9 +51,9 @@ TEST(SlamEdges, OdometryHasTheInformationOfAllItsFrames) {
   EXPECT_GE(most_frames, 3);
 }
 
-// The second frame is at a known pose in another room. The camera then returns to the first frame's
-// place, and the fourth frame confirms the pose of the third frame.
-TEST(SlamEdges, RelocalisationHasTheInformationOfALoop) {
+// The second frame is at a given pose in another room. The camera then returns to the place of the
+// first frame, and the fourth frame confirms the pose of the third frame.
+TEST(SlamEdges, RelocalisationHasInformationOfLoop) {
   const SlamOptions options = LoopsWithoutCalibration();
   const SimulatedSequence room = SimulateRoom(1, 4, Sensor::kIdeal);
   const SimulatedSequence other = SimulateRoom(3, 2, Sensor::kIdeal);
@@ -74,7 +74,7 @@ TEST(SlamEdges, RelocalisationHasTheInformationOfALoop) {
   const EdgeNoise& noise = options.loops.noise;
   const PoseGraphEdge& edge = slam.backend()->poses().edges().back();
   ExpectSameInformation(edge.information, LoopInformation(proposed.icp.information, noise));
-  // Loop noise is part of the covariance in every direction.
+  // Loop noise adds to the covariance in every direction.
   const Matrix6d covariance = edge.information.inverse();
   const auto least_sigma = [](const Eigen::Matrix3d& block) {
     return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(block).eigenvalues()[0]);
@@ -83,9 +83,9 @@ TEST(SlamEdges, RelocalisationHasTheInformationOfALoop) {
   EXPECT_GT(least_sigma(covariance.bottomRightCorner<3, 3>()), noise.loop_m);
 }
 
-// An edge differs from the poses of its keyframes by an error. A new calibration moves the
+// An edge has an error relative to the poses of its keyframes. A new calibration moves the
 // keyframes and keeps the error.
-TEST(Recalibrate, KeepsTheErrorsOfEdges) {
+TEST(Recalibrate, KeepsErrorsOfEdges) {
   std::mt19937_64 random(1);
   const auto poses = [&] {
     return std::vector<Rigid3d>{RandomPose(1, 1, &random), RandomPose(1, 1, &random),

@@ -15,8 +15,9 @@ const Rigid3d kPosed(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.02, 0, 0)
 const Rigid3d kOther(Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())),
                      Eigen::Vector3d(0.2, 0, 0.1));
 
-// Points of two frames: the first `posed` have moved by kPosed, others by kOther, and `stray` more
-// each in its own way. Others are farther away by so much.
+// Corresponding points of two frames. The first `posed` points move by kPosed, the next `other`
+// points by kOther, and `stray` points have random motions. All except the posed points are farther
+// away by `farther_m`.
 struct Shared {
   FeaturePoints source, target;
 
@@ -42,7 +43,7 @@ FeatureMotion Compare(const Shared& shared) {
   return CompareMotions(shared.source, {kPosed, {}}, shared.target, {Rigid3d(), {}});
 }
 
-TEST(CompareMotions, CountsThoseThatMoveAsPosedAndByOneOtherMotion) {
+TEST(CompareMotions, CountsPointsOfPoseAndOfOtherMotion) {
   const FeatureMotion motion = Compare({40, 25, 10});
   EXPECT_GE(motion.as_posed, 40);
   EXPECT_LE(motion.as_posed, 42);
@@ -52,8 +53,7 @@ TEST(CompareMotions, CountsThoseThatMoveAsPosedAndByOneOtherMotion) {
   EXPECT_TRUE(Compare({20, 25, 10}).IsRefuted());
 }
 
-// Points at rest, seen by two cameras that are far apart.
-TEST(CompareMotions, FindsNoMotionOfPointsAtRest) {
+TEST(CompareMotions, FindsNoMotionOfStaticPoints) {
   const Rigid3d world_from_source(QuaternionExp<double>({0.3, -0.2, 0.1}), {1, 2, 3});
   const Rigid3d world_from_target(QuaternionExp<double>({0.1, 0.2, -0.3}), {1.5, 1.8, 2.7});
   Shared shared(40, 0, 0);
@@ -67,13 +67,13 @@ TEST(CompareMotions, FindsNoMotionOfPointsAtRest) {
   EXPECT_EQ(motion.apart, 0);
 }
 
-TEST(CompareMotions, OfWhatIsBehindHalfAsManyTell) {
+TEST(CompareMotions, PointsBehindCountTwice) {
   EXPECT_TRUE(Compare({40, 25, 10, 1.5}).IsRefuted());
   EXPECT_FALSE(Compare({40, 25, 10, -0.5}).IsRefuted());
   EXPECT_FALSE(Compare({60, 25, 10, 1.5}).IsRefuted());
 }
 
-TEST(CompareMotions, StrayPointsTellOfNoMotion) {
+TEST(CompareMotions, IgnoresPointsWithRandomMotions) {
   EXPECT_FALSE(Compare({40, 0, 30}).IsApart());
   EXPECT_FALSE(Compare({0, 0, 30}).IsApart());
   EXPECT_FALSE(Compare({0, 0, 0}).IsApart());
@@ -92,7 +92,7 @@ class RoomCorners : public ::testing::Test {
                                            PinholeCamera{320, 240, 262.5, 262.5, 159.5, 119.5, {}});
 };
 
-TEST_F(RoomCorners, ConfirmTrueMotionAndRefuteAnother) {
+TEST_F(RoomCorners, ConfirmTrueMotionAndRejectOtherMotion) {
   const std::vector<Rigid3d>& truth = room_.world_from_camera;
   FeatureWatch watch{ErrorModel()};
   EXPECT_TRUE(watch.IsDue(0));
@@ -100,7 +100,7 @@ TEST_F(RoomCorners, ConfirmTrueMotionAndRefuteAnother) {
   EXPECT_FALSE(watch.IsDue(0.4));
   for (int i = 1; i <= kLast; ++i) watch.Follow(Of(i), truth[i], i / 30.);
   ASSERT_TRUE(watch.IsDue(0.5));
-  // As it would be if the camera were held at something that goes where the camera goes.
+  // Simulates registration to an object that moves with the camera.
   EXPECT_TRUE(watch.Check(Of(kLast), {}, {truth[0] * kOther, {}}, 0.5).IsRefuted());
   EXPECT_TRUE(watch.IsDue(0.51));
   watch.Follow(Of(kLast), truth[kLast], 0.53);
@@ -110,7 +110,7 @@ TEST_F(RoomCorners, ConfirmTrueMotionAndRefuteAnother) {
   EXPECT_FALSE(watch.IsDue(0.6));
 }
 
-TEST_F(RoomCorners, AreForgottenWhereThereIsNoColour) {
+TEST_F(RoomCorners, AreRemovedWithoutColor) {
   const std::vector<Rigid3d>& truth = room_.world_from_camera;
   FeatureWatch watch{ErrorModel()};
   watch.Check(Of(0), {}, {truth[0], {}}, 0);

@@ -1,4 +1,4 @@
-// Loops, loss and recovery of the whole pipeline, on simulated rooms.
+// Tests loop closure, tracking loss and relocalisation of the whole pipeline in simulated rooms.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ SlamOptions WithLoops() {
   return options;
 }
 
-// A room's path, another room, which the map does not know, and the beginning of the path again.
+// Path in a room, then a path in an unmapped room, then the begin of the first path.
 SimulatedSequence KidnappedAndBack(int known, int unknown, int seen_again) {
   const SimulatedSequence room = SimulateRoom(1, known, Sensor::kKinect);
   const SimulatedSequence other = SimulateRoom(3, unknown, Sensor::kKinect);
@@ -53,7 +53,7 @@ LoopRun RunLoops(const SimulatedSequence& sequence, const SlamOptions& options) 
   return run;
 }
 
-TEST(SlamLoops, AKidnappedCameraIsRelocalised) {
+TEST(SlamLoops, RelocalisesKidnappedCamera) {
   constexpr int kKnown = 60, kUnknown = 12, kAgain = 15;
   const SimulatedSequence sequence = KidnappedAndBack(kKnown, kUnknown, kAgain);
   const LoopRun run = RunLoops(sequence, WithLoops());
@@ -69,14 +69,14 @@ TEST(SlamLoops, AKidnappedCameraIsRelocalised) {
   EXPECT_LE(found - run.reports.begin(), kKnown + kUnknown + 10);
   EXPECT_EQ(run.counts.relocalisations, 1u);
   EXPECT_EQ(run.counts.submaps, 1u);
-  // As well as the map itself: two pixels at 2 m.
+  // The tolerance is the accuracy of the map: two pixels at 2 m.
   for (auto report = found; report != run.reports.end(); ++report) {
     const Rigid3d& truth = sequence.world_from_camera[report->index];
     EXPECT_LT((report->world_from_camera.translation - truth.translation).norm(), 0.03);
   }
 }
 
-TEST(SlamLoops, ALongLossBeginsANewMapBesideTheFirst) {
+TEST(SlamLoops, StartsNewSubmapAfterLongLoss) {
   SlamOptions options = WithLoops();
   options.loops.new_map_after = 5;
   const LoopRun run = RunLoops(KidnappedAndBack(30, 20, 0), options);
@@ -90,7 +90,7 @@ TEST(SlamLoops, ALongLossBeginsANewMapBesideTheFirst) {
   EXPECT_EQ(run.reports.back().state, FrameState::kTracked);
 }
 
-TEST(SlamLoopsThreads, GiveTheSameResult) {
+TEST(SlamLoopsThreads, AreBitwiseIdentical) {
   const SimulatedSequence sequence = KidnappedAndBack(40, 6, 10);
   const auto runs = AtThreads({1, 2}, [&] { return RunLoops(sequence, WithLoops()); });
   ExpectSameMap(runs[1].map, runs[0].map);

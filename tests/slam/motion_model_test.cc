@@ -28,7 +28,7 @@ MotionModel Moving(const TrackingOptions& options) {
   return model;
 }
 
-TEST(MotionModel, ContinuesTheLastMotion) {
+TEST(MotionModel, ContinuesLastMotion) {
   const TrackingOptions options;
   const MotionModel model = Moving(options);
   EXPECT_THAT(*model.PredictPose(After(0), Shifted(1)), RigidNear(Shifted(1.01), 1e-12, 1e-12));
@@ -36,7 +36,7 @@ TEST(MotionModel, ContinuesTheLastMotion) {
   EXPECT_TRUE(model.PredictMotion(After(1)).IsZero());
 }
 
-TEST(MotionModel, FollowsTheOptionOfItsName) {
+TEST(MotionModel, DependsOnOption) {
   TrackingOptions options;
   options.motion_model = "constant_pose";
   const MotionModel model = Moving(options);
@@ -45,7 +45,7 @@ TEST(MotionModel, FollowsTheOptionOfItsName) {
   EXPECT_FALSE(model.PredictPose(After(0), Shifted(1)));
 }
 
-TEST(MotionModel, BridgesTwoLostFramesWithAPriorAlone) {
+TEST(MotionModel, ContinuesOverTwoLostFramesWithPriorOnly) {
   TrackingOptions options;
   const MotionModel without = Moving(options);
   EXPECT_THAT(*without.PredictPose(After(2), Shifted(1)), RigidNear(Shifted(1), 1e-12, 1e-12));
@@ -59,7 +59,7 @@ TEST(MotionModel, BridgesTwoLostFramesWithAPriorAlone) {
   EXPECT_FALSE(with.PriorCovariance(After(0), 0));
 }
 
-TEST(MotionModel, ForgetsItsMotionAfterAFoundFrame) {
+TEST(MotionModel, ResetsMotionAfterRelocalisation) {
   TrackingOptions options;
   options.acceleration_m_per_s2 = 2;
   for (const bool is_expected : {false, true}) {
@@ -76,7 +76,7 @@ TEST(MotionModel, ForgetsItsMotionAfterAFoundFrame) {
   }
 }
 
-TEST(MotionModel, HasNoVelocityAfterATenthOfASecondOrALoss) {
+TEST(MotionModel, HasNoVelocityAfterTenthOfSecondOrLoss) {
   EXPECT_FALSE(MotionModel::Velocity(After(0), Shifted(0.01), 0.09).IsZero());
   EXPECT_TRUE(MotionModel::Velocity(After(0), Shifted(0.01), 0.11).IsZero());
   EXPECT_TRUE(MotionModel::Velocity(After(1), Shifted(0.01), 0.05).IsZero());

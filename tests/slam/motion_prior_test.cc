@@ -22,11 +22,11 @@ Rigid3d Shifted(double x_m, double y_m) {
 
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
-TEST(MostLikely, GoesAsFarAsTheInformationIsWorth) {
+TEST(MostLikely, CombinesPriorAndRegistrationByInformation) {
   const ExpectedPose expected = {Shifted(1, 2), Diagonal(1e-4, 1e-4)};
   Matrix6d information = Diagonal(1e10, 0);
-  information(3, 3) = 1e10;  // much more than is known before
-  information(4, 4) = 1e4;   // as much; nothing along z
+  information(3, 3) = 1e10;  // much more than the prior
+  information(4, 4) = 1e4;   // equal to the prior; zero along z
   const Rigid3d registered(Eigen::Quaterniond::Identity(), Eigen::Vector3d(1.01, 2.02, 0.03));
   const ExpectedPose likely = MostLikely(expected, registered, information, kNoBound);
   EXPECT_NEAR(likely.target_from_source.translation.x(), 1.01, 1e-6);
@@ -37,10 +37,10 @@ TEST(MostLikely, GoesAsFarAsTheInformationIsWorth) {
   EXPECT_NEAR(likely.covariance(5, 5), 1e-4, 1e-9);
 }
 
-// 1 cm of standard deviation is expected, registration is sure of a tenth of a millimetre. Within
-// three standard deviations it is right. Ten cannot be: from w = 1 / ((10 / 3)^2 - 1) there are
-// left w / (1 + w) = .09 of the way.
-TEST(MostLikely, HardlyGoesToWhereTheCameraCannotBe) {
+// The prior has a standard deviation of 1 cm, and the registration of 0.1 mm. Within three standard
+// deviations, the registration is used. At ten standard deviations, w = 1 / ((10 / 3)^2 - 1), and w
+// / (1 + w) = 0.09 of the motion remains.
+TEST(MostLikely, LimitsImplausibleRegistration) {
   const ExpectedPose expected = {Rigid3d(), Diagonal(1e-4, 1e-4)};
   const Matrix6d information = Diagonal(1e8, 1e8);
   const ExpectedPose near = MostLikely(expected, Shifted(0.029, 0), information, 3);
@@ -52,8 +52,8 @@ TEST(MostLikely, HardlyGoesToWhereTheCameraCannotBe) {
   EXPECT_NEAR(far.covariance(4, 4), 1e-8, 1e-11);
 }
 
-// An increment of a frame seen from another one, as far away as that is, moves by the lever arm.
-TEST(ExpectedPoseIn, TakesTurnsToShifts) {
+// In another frame at this distance, a rotation increment moves the origin by the lever arm.
+TEST(ExpectedPoseIn, MapsRotationToTranslationCovariance) {
   const Matrix6d turns_alone = Diagonal(1e-4, 0);
   const ExpectedPose moved = In(Shifted(2, 0), {Rigid3d(), turns_alone});
   EXPECT_DOUBLE_EQ(moved.target_from_source.translation.x(), 2);
@@ -62,7 +62,7 @@ TEST(ExpectedPoseIn, TakesTurnsToShifts) {
   EXPECT_NEAR(moved.covariance(0, 0), 1e-4, 1e-15);
 }
 
-TEST(MotionPrior, GrowsByAccelerationsAlone) {
+TEST(MotionPrior, GrowsByAccelerationsOnly) {
   MotionPrior prior(2, 4);
   prior.Keep(Diagonal(0, 0), kFrame_s);
   const Matrix6d covariance = prior.Covariance(kFrame_s);
@@ -71,13 +71,13 @@ TEST(MotionPrior, GrowsByAccelerationsAlone) {
   EXPECT_NEAR(std::sqrt(covariance(5, 5)), 2 * square, 1e-12);
 }
 
-TEST(MotionPrior, TakesAMotionForASpeed) {
+TEST(MotionPrior, ExtrapolatesVelocityCovariance) {
   MotionPrior prior(1e-9, 1e-9);
   prior.Keep(Diagonal(0, 1e-6), kFrame_s);
   EXPECT_NEAR(prior.Covariance(3 * kFrame_s)(4, 4), 9e-6, 1e-12);
 }
 
-TEST(MotionPrior, KnowsLittleOnceItForgets) {
+TEST(MotionPrior, HasLargeCovarianceAfterForget) {
   MotionPrior prior(2, 4);
   prior.Keep(Diagonal(0, 0), kFrame_s);
   prior.Forget();

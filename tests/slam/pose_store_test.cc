@@ -62,7 +62,7 @@ TEST(PoseStore, ConnectsFramesToTheLastKeyframe) {
   EXPECT_EQ(store.ParentOf(1), 0);
 }
 
-TEST(PoseStore, CountsSubmapsThatNoLoopConnects) {
+TEST(PoseStore, CountsDisconnectedSubmaps) {
   PoseStore store;
   AddKeyframe(0, KeyframeLink::kNone, &store);
   AddKeyframe(1, KeyframeLink::kNone, &store);
@@ -77,8 +77,8 @@ TEST(PoseStore, CountsSubmapsThatNoLoopConnects) {
   EXPECT_EQ(store.CountDisconnectedSubmaps(), 2u);
 }
 
-// Keyframe 3 comes before or after the loop of the first task.
-TEST(PoseStore, SnapshotOrderDoesNotDependOnTheDurationOfATask) {
+// Keyframe 3 is added before or after the loop of the first task.
+TEST(PoseStore, SnapshotOrderIsIndependentOfTaskDuration) {
   std::vector<std::vector<std::vector<int>>> orders;
   for (const bool is_slow : {false, true}) {
     PoseStore store;
@@ -112,7 +112,7 @@ TEST(PoseStore, ContinuesFromItsSavedContent) {
   EXPECT_EQ(continued.loops()[0].source_frame, 10);
 }
 
-TEST(PoseStore, RecalibrationKeepsTheErrorsOfEdges) {
+TEST(PoseStore, RecalibrationKeepsErrorsOfEdges) {
   PoseStore store;
   AddKeyframe(0, KeyframeLink::kNone, &store);
   AddKeyframe(1, 0, &store);

@@ -41,7 +41,7 @@ TEST(PoseValidation, DependsOnSurfacesAndBrightness) {
   EXPECT_EQ(ValidateRegistration(GoodFit(), Views(100, 80, 0.4), 0, options), Verdict::kRejected);
 }
 
-TEST(PoseValidation, IgnoresMovingCellsAndRequiresTheRestToAgree) {
+TEST(PoseValidation, IgnoresMovingCellsAndRequiresOtherCellsToAgree) {
   const SlamOptions options;
   EXPECT_EQ(ValidateRegistration(GoodFit(), Views(400, 20), 390, options), Verdict::kAccepted);
   EXPECT_EQ(ValidateRegistration(GoodFit(), Views(400, 20), 0, options), Verdict::kRejected);
@@ -61,7 +61,7 @@ TEST(PoseValidation, RejectsFailedRegistration) {
   EXPECT_EQ(ValidateRegistration(icp, Views(0, 0), 0, options), Verdict::kRejected);
 }
 
-TEST(PoseValidation, BoundsTheMotionOfAHand) {
+TEST(PoseValidation, LimitsMotionOfHand) {
   const auto motion = [](double way_m, double turn_rad) {
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY()));
     return Rigid3d(turn, Eigen::Vector3d(way_m, 0, 0));
@@ -77,7 +77,6 @@ FrameLevel SurfaceOf(const RgbdFrame& frame) {
   return pyramid.levels.front();
 }
 
-// Brightness of the cells of a frame.
 Image<float> GreyOfCells(const Image<Rgb8>& color) {
   const ViewGrid grid(SimulatedCamera());
   Image<float> grey(grid.width, grid.height);
@@ -87,8 +86,8 @@ Image<float> GreyOfCells(const Image<Rgb8>& color) {
   return grey;
 }
 
-// Two frames of a simulated room, 10 frames apart, with the truth between them.
-TEST(ViewComparison, FewPointsContradictTheRightPoseAndManyAWrongOne) {
+// Two frames of a simulated room, at a distance of 10 frames, with ground truth.
+TEST(ViewComparison, CountsContradictionsOfCorrectAndWrongPose) {
   const SimulatedSequence& room = IdealRoom();
   const RgbdFrame &model = room.frames[0], &frame = room.frames[10];
   const Rigid3d model_from_frame = room.world_from_camera[0].Inverse() * room.world_from_camera[10];
@@ -106,7 +105,7 @@ TEST(ViewComparison, FewPointsContradictTheRightPoseAndManyAWrongOne) {
 }
 
 // The frame shows a wall in front of the wall of the model.
-TEST(ViewComparison, AllowsForTheNoiseOfBothViews) {
+TEST(ViewComparison, ToleratesNoiseOfBothViews) {
   const DepthNoise noise;
   const ErrorModel error_model;
   const auto wall_at = [](double depth_m) {
@@ -114,7 +113,7 @@ TEST(ViewComparison, AllowsForTheNoiseOfBothViews) {
     wall.depth_m = Image<float>(160, 120, static_cast<float>(depth_m));
     return SurfaceOf(wall);
   };
-  // Five sigmas, the frame's at about 1.9 m.
+  // Five sigmas. The sigma of the frame is computed at about 1.9 m.
   const double bound_m = 5 * std::hypot(error_model.Sigma(1.9, noise), noise.SigmaZ(2));
   const auto share_in_front = [&](double height_m) {
     const ViewComparison views =
@@ -125,7 +124,7 @@ TEST(ViewComparison, AllowsForTheNoiseOfBothViews) {
   EXPECT_EQ(share_in_front(1.05 * bound_m), 1);
 }
 
-// A frame with a ball of 0.25 m radius before the camera.
+// Frame with a ball of 0.25 m radius in front of the camera.
 RgbdFrame WithBall(int i, double across_m) {
   const Rigid3d& world_from_camera = IdealRoom().world_from_camera[i];
   Scene scene = MakeScene("room", 1);
@@ -137,8 +136,8 @@ RgbdFrame WithBall(int i, double across_m) {
   return frame;
 }
 
-// The moving share of the cells of frame 20, of which the model does not know the ball; `before` is
-// what the camera saw 15 frames earlier.
+// Ratio of moving cells in frame 20. The model does not contain the ball. `before` is the view 15
+// frames earlier.
 double MovingShare(const RgbdFrame& before, const RgbdFrame& now) {
   const SimulatedSequence& room = IdealRoom();
   const Rigid3d &then = room.world_from_camera[5], &here = room.world_from_camera[20];
@@ -152,7 +151,7 @@ double MovingShare(const RgbdFrame& before, const RgbdFrame& now) {
          views.points;
 }
 
-TEST(MovingRegions, AreWhatTheCameraSawThroughAMomentAgo) {
+TEST(MovingRegions, AreSurfacesInRecentFreeSpace) {
   const SimulatedSequence& room = IdealRoom();
   const double arrived = MovingShare(room.frames[5], WithBall(20, 0));
   EXPECT_GT(arrived, 0.1);
@@ -161,8 +160,8 @@ TEST(MovingRegions, AreWhatTheCameraSawThroughAMomentAgo) {
   EXPECT_EQ(MovingShare(room.frames[5], room.frames[20]), 0);
 }
 
-// What the model does not show, but the camera saw at the same place, is new, and does not move.
-TEST(MovingRegions, AreNotWhatIsMerelyNew) {
+// A surface that the model does not contain, but that an earlier frame observed, is new and static.
+TEST(MovingRegions, ExcludeNewStaticSurfaces) {
   const SimulatedSequence& room = IdealRoom();
   const Eigen::Vector3d place = room.world_from_camera[20] * Eigen::Vector3d(0, 0, 0.9);
   const Eigen::Vector3d in_camera = room.world_from_camera[5].Inverse() * place;
@@ -176,8 +175,8 @@ TEST(MovingRegions, AreNotWhatIsMerelyNew) {
       0);
 }
 
-// From frame 6 on a ball swings before the camera, at up to 0.6 m/s.
-TEST(Slam, WhatMovesIsNeitherTrackedNorFused) {
+// Starting with frame 6, a ball swings in front of the camera, at up to 0.6 m/s.
+TEST(Slam, MovingObjectsAreNeitherTrackedNorFused) {
   const SimulatedSequence& room = IdealRoom();
   Slam slam({room.camera, {}}, SlamOptions(), room.world_from_camera[0]);
   for (int i = 0; i < 25; ++i) {

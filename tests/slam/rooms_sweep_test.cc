@@ -1,4 +1,4 @@
-// Whole runs over simulated rooms of the size that sensors have, and wrong loops in them.
+// Tests whole runs in simulated rooms at sensor resolution, without and with wrong loops.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,9 +14,9 @@ namespace {
 
 class RoomsSweep : public ::testing::TestWithParam<int> {};
 
-// The bound is what Surfit promises of such rooms. Both paths start at the same pose, and nothing
-// is aligned, so that the error is no smaller than the ATE.
-TEST_P(RoomsSweep, AKinectIsTrackedWithin8MillimetresOver300Frames) {
+// The bound is documented for these rooms. Both paths start at the same pose without alignment, so
+// the error is at least the ATE.
+TEST_P(RoomsSweep, TracksKinectWithin8MillimetresOver300Frames) {
   constexpr int kCount = 300;
   const PinholeCamera camera{640, 480, 525, 525, 319.5, 239.5, {}};
   const auto seed = static_cast<std::uint64_t>(GetParam());
@@ -40,17 +40,16 @@ TEST_P(RoomsSweep, AKinectIsTrackedWithin8MillimetresOver300Frames) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RoomsSweep, ::testing::Values(1, 2, 3, 4, 5));
 
-// Half of a Kinect's resolution: with less, runs that differ by nothing but rounding end as far
-// from each other as some wrong loops would take them.
+// Half of the resolution of a Kinect. At lower resolutions, the differences due to rounding are as
+// large as the effect of some wrong loops.
 const PinholeCamera kCamera = {320, 240, 262.5, 262.5, 159.5, 119.5, {}};
 constexpr int kLength = 1500;
-constexpr int kRightPerWrong = 9;  // a tenth of all loops is wrong
+constexpr int kRightPerWrong = 9;  // 10 % of all loops are wrong
 
-// How a wrong loop errs.
 enum class Wrong {
-  kNone,      // there are none
-  kAnywhere,  // joined to any earlier keyframe, at any pose within the size of a room
-  kNear,      // joined to where odometry believes it is, but for 0.3 m and 10 degrees
+  kNone,      // no wrong loops
+  kAnywhere,  // to any earlier keyframe, with any pose in a room
+  kNear,      // at the pose of odometry, with an error of 0.3 m and 10 degrees
 };
 
 double Uniform(std::mt19937_64* rng) { return 2 * std::ldexp((*rng)() >> 11, -53) - 1; }
@@ -76,7 +75,7 @@ LoopAttempt WrongLoop(Wrong wrong, int source, const std::vector<Keyframe>& keyf
   return attempt;
 }
 
-// The library's way, with wrong loops, as sure of themselves as right ones, among those accepted.
+// Loop finder of the library that adds wrong loops with the covariance of correct loops.
 LoopFinder Misled(Wrong wrong, const FindLoopsOptions& options, int* planted) {
   return [=, rng = std::mt19937_64(5), right = 0](
              int source, const std::vector<Keyframe>& keyframes, const PlaceIndex& index) mutable {
@@ -117,13 +116,13 @@ Outcome RunMisled(const SimulatedSequence& sequence, Wrong wrong) {
   return outcome;
 }
 
-TEST(WrongLoopsSweep, ATenthOfThemHardlyMovesTheTrajectory) {
+TEST(WrongLoopsSweep, TenPercentHardlyChangeTrajectory) {
   const auto sequence = Simulate("three_rooms", 4, kLength, Sensor::kKinect, kCamera);
   const Outcome clean = RunMisled(sequence, Wrong::kNone);
   ASSERT_EQ(clean.planted, 0);
   for (const Wrong wrong : {Wrong::kAnywhere, Wrong::kNear}) {
     const Outcome misled = RunMisled(sequence, wrong);
-    // Of a few loops more or less than in the clean run.
+    // The number of loops can differ slightly from the clean run.
     EXPECT_GE(kRightPerWrong * misled.planted,
               0.8 * static_cast<double>(clean.counts.loops_accepted));
     EXPECT_LE(misled.ate_m, 1.1 * clean.ate_m);

@@ -1,4 +1,4 @@
-// An odd noise of the sensor, told once, is what every stage counts with.
+// All stages use the configured sensor noise, here an unusual value.
 
 #include <gmock/gmock.h>
 
@@ -28,8 +28,8 @@ void SetNoise(double inverse_depth_sigma, FramePyramid* pyramid) {
   for (FrameLevel& level : pyramid->levels) level.noise.inverse_depth_sigma = inverse_depth_sigma;
 }
 
-// The target of a frame that is lost is drawn by the renderer.
-TEST(SensorNoise, IsOnFramesAndOnViewsOfTheMap) {
+// The target of a lost frame is a rendered model view.
+TEST(SensorNoise, IsSetInFramesAndModelViews) {
   const SimulatedSequence& room = IdealRoom();
   Slam slam({room.camera, {kOdd}}, SlamOptions(), room.world_from_camera[0]);
   std::vector<double> noises;
@@ -43,7 +43,7 @@ TEST(SensorNoise, IsOnFramesAndOnViewsOfTheMap) {
   EXPECT_THAT(noises, Each(kOdd));
 }
 
-TEST(SensorNoise, IsOnKeyframesThatLoopsAndRelocalisationWorkOn) {
+TEST(SensorNoise, IsSetInKeyframes) {
   const SimulatedSequence& room = IdealRoom();
   SlamOptions options;
   options.loops.enabled = true;
@@ -63,8 +63,8 @@ TEST(SensorNoise, IsOnKeyframesThatLoopsAndRelocalisationWorkOn) {
   EXPECT_THAT(noises, Each(kOdd));
 }
 
-// With no floor to speak of, twice the noise is a quarter of the information.
-TEST(SensorNoise, WeighsInRegistration) {
+// Without a noise floor, twice the noise is a quarter of the information.
+TEST(SensorNoise, DeterminesWeightsOfRegistration) {
   const SimulatedViews views = MakeViews(0, 3);
   IcpOptions options;
   options.error_model.floor_sigma_m = 1e-6;
@@ -78,9 +78,9 @@ TEST(SensorNoise, WeighsInRegistration) {
   EXPECT_LT((one - 4 * half).norm(), 1e-3 * one.norm());
 }
 
-// At 2 m free space is seen through up to 50 mm + 4 sigma in front of what is measured: 82 mm by
-// the default, 210 mm with a sigma of 40 mm.
-TEST(SensorNoise, WidensWhatFusionTakesForTheSurface) {
+// At 2 m, free space ends 50 mm + 4 sigma in front of the measurement: 82 mm with the default
+// noise, and 210 mm with a sigma of 40 mm.
+TEST(SensorNoise, IncreasesFreeSpaceMarginOfFusion) {
   const PinholeCamera camera = SimulatedCamera();
   const auto removed = [&](double sigma) {
     SurfelMap map;
@@ -95,8 +95,8 @@ TEST(SensorNoise, WidensWhatFusionTakesForTheSurface) {
   EXPECT_EQ(removed(0.01), 0);
 }
 
-// At 2 m sigma is 4 mm with the floor alone, and ten times that with most noise.
-TEST(SensorNoise, WeighsInRecovery) {
+// At 2 m, sigma is 4 mm with the noise floor only, and ten times larger with the largest noise.
+TEST(SensorNoise, DeterminesWeightsOfGlobalRegistration) {
   const SimulatedColoredViews views = MakeColoredViews(70, 50, 12);
   const auto information = [&](double sigma) {
     ColoredView source = views.source, target = views.target;
@@ -111,7 +111,7 @@ TEST(SensorNoise, WeighsInRecovery) {
   EXPECT_LT(information(0.01), 0.1 * information(0.0001));
 }
 
-TEST(SensorNoise, WidensWhatRelocalisationTakesForInliers) {
+TEST(SensorNoise, IncreasesInlierRatioOfRelocalisation) {
   const RoomOfKeyframes& room = MakeRoomOfKeyframes(1);
   const auto inliers = [&](double sigma) {
     std::vector<Keyframe> keyframes = {room.keyframes[0]};
@@ -127,8 +127,8 @@ TEST(SensorNoise, WidensWhatRelocalisationTakesForInliers) {
   EXPECT_GT(noisy, exact);
 }
 
-// With no floor and no kernel, the same residuals are half as many sigmas of twice the noise.
-TEST(SensorNoise, IsTheUnitOfRefinement) {
+// Without noise floor and kernel, doubling the noise halves the residuals in sigmas.
+TEST(SensorNoise, ScalesResidualsOfRefinement) {
   const SimulatedSequence room = SimulateRoom(7, 24, Sensor::kKinect);
   RefinementOptions options;
   options.error_model.floor_sigma_m = 1e-6;

@@ -16,7 +16,6 @@ namespace surfit::testing {
 
 inline PinholeCamera SimulatedCamera() { return {160, 120, 131.25, 131.25, 79.5, 59.5, {}}; }
 
-// Frames of a simulated scene with the exact poses.
 struct SimulatedSequence {
   PinholeCamera camera = SimulatedCamera();
   std::vector<RgbdFrame> frames;
@@ -25,8 +24,8 @@ struct SimulatedSequence {
 
 enum class Sensor { kIdeal, kKinect };
 
-// Each stride-th frame, by a camera as it is in truth; stamps are those of its images, late by its
-// latency.
+// Renders every `stride`-th frame with the true camera. Timestamps are late by the latency of the
+// camera.
 inline SimulatedSequence Simulate(const std::string& name, std::uint64_t seed, int frames,
                                   Sensor sensor, const RgbdCamera& camera,
                                   const ColorOptions& color = {}, int stride = 1) {
@@ -61,7 +60,7 @@ inline SimulatedSequence SimulateRoom(std::uint64_t seed, int frames, Sensor sen
   return Simulate("room", seed, frames, sensor);
 }
 
-// Slam over all frames, from a pose of the first camera.
+// Result of Slam over all frames, from the pose of the first camera.
 struct SlamRun {
   std::vector<FrameReport> reports;
   SurfelMap map;
@@ -82,7 +81,8 @@ struct PoseErrors {
   double max_rad = 0;
 };
 
-// Of camera positions and orientations; both start at the same pose, so nothing is aligned.
+// Errors of camera positions and orientations, without alignment: both trajectories start at the
+// same pose.
 inline PoseErrors ErrorsOf(const SlamRun& run, const std::vector<Rigid3d>& truth) {
   PoseErrors errors;
   double square_sum = 0;
@@ -96,7 +96,7 @@ inline PoseErrors ErrorsOf(const SlamRun& run, const std::vector<Rigid3d>& truth
   return errors;
 }
 
-// Expects the poses of two lists of frames to be the same bit for bit.
+// Expects bitwise identical poses of two lists of frames.
 template <typename Frame>
 void ExpectSamePoses(const std::vector<Frame>& a, const std::vector<Frame>& b) {
   ASSERT_EQ(a.size(), b.size());
@@ -105,21 +105,19 @@ void ExpectSamePoses(const std::vector<Frame>& a, const std::vector<Frame>& b) {
   }
 }
 
-// Frames of a room by an ideal sensor.
 inline const SimulatedSequence& IdealRoom() {
   constexpr int kFrames = 25;
   static const auto* const room = new SimulatedSequence(SimulateRoom(1, kFrames, Sensor::kIdeal));
   return *room;
 }
 
-// One of them without any depth.
 inline RgbdFrame Blank(int index) {
   RgbdFrame frame = IdealRoom().frames[index];
   frame.depth_m = Image<float>(frame.depth_m.width(), frame.depth_m.height(), 0.f);
   return frame;
 }
 
-// At 160 x 120 a pixel sees a spot of 1 / 131 rad, 15 mm wide at 2 m, the typical depth.
+// At 160 x 120, a pixel is 1 / 131 rad, 15 mm at the typical depth of 2 m.
 inline constexpr double kPixelRad = 1 / 131.25;
 inline constexpr double kPixelAt2m = 2 * kPixelRad;
 

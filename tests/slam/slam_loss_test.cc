@@ -13,7 +13,7 @@
 namespace surfit::testing {
 namespace {
 
-TEST(Slam, ALostFrameIsNotFusedAndTrackingGoesOnFromTheLastGoodPose) {
+TEST(Slam, LostFrameIsNotFusedAndTrackingContinues) {
   const SimulatedSequence& room = IdealRoom();
   for (const char* tracking : {"frame_to_model", "frame_to_frame"}) {
     SlamOptions options;
@@ -21,7 +21,7 @@ TEST(Slam, ALostFrameIsNotFusedAndTrackingGoesOnFromTheLastGoodPose) {
     Slam slam({room.camera, {}}, options, room.world_from_camera[0]);
     for (int i = 0; i < 8; ++i) slam.Process(room.frames[i]);
     const SurfelMap before = slam.map();
-    for (int i = 8; i < 10; ++i) {  // the second of them repeats the first: it is no less lost
+    for (int i = 8; i < 10; ++i) {  // the second frame is a duplicate of the first lost frame
       const FrameReport lost = slam.Process(Blank(i));
       EXPECT_EQ(lost.state, FrameState::kLost);
       EXPECT_EQ(lost.icp.termination, Termination::kTooFewInliers);
@@ -37,9 +37,9 @@ TEST(Slam, ALostFrameIsNotFusedAndTrackingGoesOnFromTheLastGoodPose) {
   }
 }
 
-// Four frames' way apart, and three times as far after two lost ones, where nothing is looked for.
-// A second frame confirms the first.
-TEST(Slam, GoesOnOverLostFramesWhereAccelerationsAreGiven) {
+// The motion is four times larger than at the frame rate, and twelve times larger after two lost
+// frames. There is no global registration. A second frame confirms the pose.
+TEST(Slam, ContinuesOverLostFramesWithMotionPrior) {
   const SimulatedSequence room = SimulateRoom(12, 100, Sensor::kIdeal);
   SlamOptions options;
   options.initialize = "identity";
@@ -59,8 +59,7 @@ TEST(Slam, GoesOnOverLostFramesWhereAccelerationsAreGiven) {
   EXPECT_EQ(state_after_loss(), FrameState::kTracked);
 }
 
-// A ball close by instead of the room.
-TEST(Slam, APlaceThatDoesNotMatchIsLost) {
+TEST(Slam, LosesFrameOfOtherPlace) {
   const SimulatedSequence& room = IdealRoom();
   const Scene elsewhere = MakeScene("sphere");
   Slam slam({room.camera, {}}, SlamOptions(), {});
@@ -68,15 +67,15 @@ TEST(Slam, APlaceThatDoesNotMatchIsLost) {
   const SurfelMap before = slam.map();
   Eigen::Matrix3d along_y;
   along_y << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-  const Rigid3d pose(along_y, Eigen::Vector3d(0, 1.1, 1));  // 0.4 m before the ball
+  const Rigid3d pose(along_y, Eigen::Vector3d(0, 1.1, 1));  // 0.4 m in front of the ball
   const FrameReport report = slam.Process(RenderFrame(elsewhere, room.camera, pose, 4));
   EXPECT_EQ(report.state, FrameState::kLost);
   ExpectSameMap(slam.map(), before);
   EXPECT_EQ(slam.Process(room.frames[5]).state, FrameState::kTracked);
 }
 
-// 57 frames left out: 0.8 m, beyond what tracking follows.
-TEST(Slam, FindsAFrameAgainAfterAJump) {
+// Skips 57 frames: 0.8 m, outside the range of tracking.
+TEST(Slam, RelocalisesAfterJump) {
   const SimulatedSequence room = SimulateRoom(12, 122, Sensor::kIdeal);
   for (const char* tracking : {"frame_to_model", "frame_to_frame"}) {
     for (const char* initialize : {"identity", "features"}) {
@@ -103,9 +102,9 @@ TEST(Slam, FindsAFrameAgainAfterAJump) {
   }
 }
 
-// Where a camera returns after a long loss is believed once the next frame agrees; the one before
-// gets its pose then, in the trajectory as well.
-TEST(Slam, TheFrameOfAReturnGetsItsPoseFromTheNext) {
+// After a long loss, the pose is accepted if the next frame agrees. Then the previous frame gets
+// its pose, also in the trajectory.
+TEST(Slam, NextFrameConfirmsPoseAfterLongLoss) {
   const SimulatedSequence room = SimulateRoom(12, 20, Sensor::kIdeal);
   const RgbdFrame nothing = {0, 0, 0, Image<float>(room.camera.width, room.camera.height), {}};
   for (const bool loops : {false, true}) {
@@ -132,9 +131,9 @@ TEST(Slam, TheFrameOfAReturnGetsItsPoseFromTheNext) {
   }
 }
 
-// One frame of 25: most are 0.3 m and 11 degrees from the last. What tracking finds there may be
-// wrong with three quarters of the points within the gates.
-TEST(Slam, FramesThatAreFarApartAreFoundOrLostButNotWrong) {
+// Every 25th frame: most motions are 0.3 m and 11 degrees. Tracking can converge to a wrong pose
+// with 75 % of the points within the gates.
+TEST(Slam, DistantFramesAreTrackedOrLostButNotWrong) {
   constexpr int kStride = 25;
   int held = 0;
   for (const int seed : {3, 5, 8}) {
@@ -152,9 +151,8 @@ TEST(Slam, FramesThatAreFarApartAreFoundOrLostButNotWrong) {
   EXPECT_GE(held, 30) << "of 60";
 }
 
-// The way from the last good frame over lost ones is many frames long: it must not be expected
-// again for the next. The second run expects no motion at all.
-TEST(Slam, AfterALossNoMotionIsExpected) {
+// The motion across lost frames must not be extrapolated. The second run has no motion model.
+TEST(Slam, PredictsNoMotionAfterLoss) {
   const SimulatedSequence& room = IdealRoom();
   std::vector<double> first_losses;
   for (const char* motion_model : {"constant_velocity", "constant_pose"}) {
@@ -169,9 +167,9 @@ TEST(Slam, AfterALossNoMotionIsExpected) {
   EXPECT_EQ(first_losses[0], first_losses[1]);
 }
 
-// The camera repeats one motion, seen in its own frame, and is turned in the world. So the
-// prediction is the true pose, and ICP starts there.
-TEST(Slam, PredictsASteadyMotionInTheCameraFrame) {
+// The camera repeats a motion that is constant in its frame. So the prediction is the true pose,
+// and ICP starts there.
+TEST(Slam, PredictsConstantMotionInCameraFrame) {
   const Scene scene = MakeScene("room", 1);
   const Rigid3d motion(QuaternionExp<double>({0.02, 0.03, 0}), {0.03, 0, 0.02});
   const auto first_loss = [&](const char* motion_model) {
@@ -191,9 +189,8 @@ TEST(Slam, PredictsASteadyMotionInTheCameraFrame) {
   EXPECT_LT(first_loss("constant_velocity"), 0.1 * first_loss("constant_pose"));
 }
 
-// A Kinect needs some frames until it measures: they must not become an empty map that nothing can
-// ever be tracked against.
-TEST(Slam, StartsWithTheFirstFrameThatHasDepth) {
+// A Kinect needs a few frames until it measures depth. These frames must not create an empty map.
+TEST(Slam, StartsWithFirstFrameWithDepth) {
   const SimulatedSequence& room = IdealRoom();
   Slam slam({room.camera, {}}, SlamOptions(), room.world_from_camera[2]);
   EXPECT_EQ(slam.Process(Blank(0)).state, FrameState::kLost);
@@ -205,8 +202,8 @@ TEST(Slam, StartsWithTheFirstFrameThatHasDepth) {
   EXPECT_EQ(slam.Process(room.frames[3]).state, FrameState::kTracked);
 }
 
-// The turns of some frames: f = fused, v = with a view of its own, b = both, - = neither.
-// From those frames on the map period is another one.
+// Actions per frame: f = fused, v = new model view, b = both, - = none. `periods` are changes of
+// the map period, by frame.
 std::string TurnsOf(const SlamOptions& options, int frames,
                     const std::map<int, int>& periods = {}) {
   Slam slam({IdealRoom().camera, {}}, options, {});
@@ -227,7 +224,7 @@ std::string TurnsOf(const SlamOptions& options, int frames,
   return turns;
 }
 
-TEST(Slam, FusionAndViewsOfTheMapTakeTurns) {
+TEST(Slam, AlternatesFusionAndRendering) {
   SlamOptions options;
   options.max_view_shift = 1e9;
   options.min_turn_eigenvalue = 0;
@@ -239,7 +236,7 @@ TEST(Slam, FusionAndViewsOfTheMapTakeTurns) {
   EXPECT_EQ(TurnsOf(options, 10), "fv--fv--fv");
 }
 
-TEST(Slam, MapPeriodMayChangeOnTheWay) {
+TEST(Slam, SupportsChangesOfMapPeriod) {
   SlamOptions options;
   options.max_view_shift = 1e9;
   options.min_turn_eigenvalue = 0;
@@ -247,7 +244,7 @@ TEST(Slam, MapPeriodMayChangeOnTheWay) {
   EXPECT_EQ(TurnsOf(options, 11, {{3, 3}, {9, 1}}), "fbbv-fv-fbb");
 }
 
-TEST(Slam, WhatTheLastViewAndFusionDidNotShowIsDrawnAndFusedAtOnce) {
+TEST(Slam, FusesAndRendersAfterLargeMotion) {
   SlamOptions options;
   options.map_period = 4;
   options.max_view_shift = 0;
@@ -255,10 +252,10 @@ TEST(Slam, WhatTheLastViewAndFusionDidNotShowIsDrawnAndFusedAtOnce) {
   EXPECT_EQ(TurnsOf(options, 6), "fbbbbb");
 }
 
-TEST(Slam, NothingIsSparedAfterAFrameThatHoldsADirectionPoorly) {
+TEST(Slam, FusesAndRendersAfterWeaklyConstrainedFrame) {
   SlamOptions options;
   options.map_period = 4;
-  options.min_turn_eigenvalue = 1;  // more than any frame's
+  options.min_turn_eigenvalue = 1;  // above the eigenvalues of all frames
   EXPECT_EQ(TurnsOf(options, 5), "fvbbb");
 }
 
@@ -267,14 +264,14 @@ TEST(Slam, MapPeriodIsAtLeastOne) {
   EXPECT_THROW(slam.SetMapPeriod(0), InputError);
 }
 
-TEST(Slam, InHasteSuchFramesAreFusedInTurn) {
+TEST(Slam, FusesWeaklyConstrainedFramesPeriodicallyWithLargeMapPeriod) {
   SlamOptions options;
   options.map_period = 2;
   options.min_turn_eigenvalue = 1;
   EXPECT_EQ(TurnsOf(options, 6, {{0, 4}}), "fvvvbv");
 }
 
-TEST(Slam, TheFrameAfterALossIsFusedAndHasItsOwnView) {
+TEST(Slam, FusesAndRendersFrameAfterLoss) {
   SlamOptions options;
   options.map_period = 8;
   Slam slam({IdealRoom().camera, {}}, options, {});

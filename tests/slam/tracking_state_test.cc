@@ -10,7 +10,7 @@ namespace {
 using Event = TrackingEvent;
 using Phase = TrackingPhase;
 
-TEST(TrackingState, FollowsItsTable) {
+TEST(TrackingState, FollowsTransitionTable) {
   struct Transition {
     Phase from;
     Event event;
@@ -58,7 +58,7 @@ TEST(TrackingState, CountsLostFramesUntilAPose) {
   EXPECT_FALSE(Next(state, Event::kPose).NeedsVerification());
 }
 
-TEST(TrackingState, ContinuesItsMotionOverTwoLostFrames) {
+TEST(TrackingState, ContinuesMotionOverTwoLostFrames) {
   TrackingState state;
   EXPECT_FALSE(state.MovesOn());
   state = Next(Next(Next(state, Event::kPose), Event::kNoPose), Event::kNoPose);
@@ -74,7 +74,7 @@ TEST(TrackingState, NeedsAllPointsAfterWeakFrame) {
   EXPECT_TRUE(lost.last.is_weakly_constrained);
 }
 
-TEST(TrackingState, SearchesInAGivenMapUntilAPose) {
+TEST(TrackingState, SearchesInGivenMapUntilPose) {
   TrackingState state = TrackingState::InGivenMap();
   EXPECT_TRUE(state.HasStarted());
   EXPECT_TRUE(state.NeedsSearch());

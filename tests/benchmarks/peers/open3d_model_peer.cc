@@ -15,8 +15,7 @@ namespace o3g = open3d::t::geometry;
 namespace o3o = open3d::t::pipelines::odometry;
 namespace slam = open3d::t::pipelines::slam;
 
-// Of Open3D's own examples of dense SLAM (their default configuration), in metres but for the
-// scale.
+// Default configuration of the dense SLAM examples of Open3D, in metres except the depth scale.
 constexpr float kVoxelSize = 3.f / 512;
 constexpr float kDepthScale = 1000, kDepthMin = 0.1f, kDepthMax = 3;
 constexpr float kTruncationInVoxels = 8;
@@ -37,7 +36,6 @@ Rigid3d ToRigid(const o3c::Tensor& matrix) {
   return {Eigen::Quaterniond(rotation).normalized(), {at(0, 3), at(1, 3), at(2, 3)}};
 }
 
-// Vertex maps and normals of an image and of smaller ones, coarse to fine.
 struct DepthPyramid {
   struct Level {
     o3c::Tensor vertices, normals, intrinsics;
@@ -51,9 +49,9 @@ o3c::Tensor Halved(const o3c::Tensor& intrinsics) {
   return halved;
 }
 
-// As RGBDOdometryMultiScale() makes it, but for the bilateral filter before normals: in Debian's
-// Open3D, built without Intel's IPP, Image::FilterBilateral() throws on a CPU, and with it
-// RGBDOdometryMultiScale() and Model::TrackFrameToModel().
+// As RGBDOdometryMultiScale(), without the bilateral filter before normals. Open3D of Debian is
+// built without Intel IPP: Image::FilterBilateral() throws on a CPU. So RGBDOdometryMultiScale()
+// and Model::TrackFrameToModel() throw as well.
 DepthPyramid MakePyramid(const o3c::Tensor& depth, o3c::Tensor intrinsics) {
   DepthPyramid pyramid;
   o3g::Image image = o3g::Image(depth).ClipTransform(kDepthScale, 0, kDepthMax, NAN);
@@ -82,8 +80,8 @@ o3c::Tensor AlignDepth(const DepthPyramid& source, const DepthPyramid& target) {
   return target_from_source;
 }
 
-// Frame to model: a truncated signed distance field in hashed blocks, ray cast from the last pose,
-// depth odometry against that (point to plane, three scales), integration.
+// Frame-to-model SLAM: a truncated signed distance field in hashed blocks, ray casting from the
+// last pose, depth odometry (point to plane, three scales) and integration.
 class Open3dModelPeer final : public SlamPeer {
  public:
   explicit Open3dModelPeer(const PinholeCamera& c)

@@ -20,7 +20,7 @@ Cloud ToOpen3d(const PeerCloud& cloud) {
   return result;
 }
 
-// Its thresholds are absolute: of the share of source points with a match, and of RMSE in metres.
+// The thresholds are absolute: the ratio of source points with a match, and the RMSE in m.
 class Open3dPeer final : public Peer {
  public:
   std::string name() const override { return "Open3D"; }

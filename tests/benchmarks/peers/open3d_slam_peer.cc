@@ -12,8 +12,7 @@ namespace o3d = open3d::pipelines::odometry;
 using open3d::geometry::Image;
 using open3d::geometry::RGBDImage;
 
-// Frame to frame by brightness and depth at once (its hybrid term), as it does by default (depth up
-// to 4 m).
+// Frame-to-frame odometry with the default hybrid term of brightness and depth (depth up to 4 m).
 class Open3dSlamPeer final : public SlamPeer {
  public:
   explicit Open3dSlamPeer(const PinholeCamera& c)

@@ -6,8 +6,8 @@
 namespace surfit::testing {
 namespace {
 
-// Frame to frame by brightness and ICP at once, as it does by default (depth up to 4 m). What is
-// computed of a frame is kept for the next.
+// Frame-to-frame odometry with the default combination of brightness and ICP (depth up to 4 m).
+// Data computed for a frame are reused for the next frame.
 class OpencvSlamPeer final : public SlamPeer {
  public:
   explicit OpencvSlamPeer(const PinholeCamera& c) {
@@ -17,7 +17,7 @@ class OpencvSlamPeer final : public SlamPeer {
 
   void SetFrame(const RgbdFrame& frame) override {
     const cv::Size size(frame.depth_m.width(), frame.depth_m.height());
-    // The views are copied at once.
+    // The images are copied immediately.
     const cv::Mat color(size, CV_8UC3, const_cast<Rgb8*>(frame.color.data()));
     const cv::Mat depth_m(size, CV_32FC1, const_cast<float*>(frame.depth_m.data()));
     cv::Mat gray;

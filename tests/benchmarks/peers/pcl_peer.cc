@@ -21,7 +21,7 @@ Cloud::Ptr ToPcl(const PeerCloud& cloud) {
   return result;
 }
 
-// It runs on one thread only, whatever the rules say. Its default is ten iterations.
+// PCL uses one thread only, for all settings. Its default is ten iterations.
 class PclPeer final : public Peer {
  public:
   std::string name() const override { return "PCL"; }

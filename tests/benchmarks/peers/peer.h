@@ -12,31 +12,31 @@
 
 namespace surfit::testing {
 
-// What every library gets: the same points with the same normals (unit length, none missing).
+// Input of all libraries: the same points and the same normals, of unit length.
 struct PeerCloud {
   std::vector<Eigen::Vector3f> points, normals;
 };
 
-// Under which rules a library registers.
 struct PeerRules {
   double max_distance_m = 0.1;
   int threads = 1;
-  // Whether it iterates as it does by default, or by the common rule: at most 30 steps, and an end
-  // where RMSE changes by less than 0.1 %, or as near to that as the library can be told.
+  // True: default termination criteria of the library. False: common criteria, at most 30
+  // iterations and a relative RMSE change below 0.1 %, or the closest setting of the library.
   bool own_criteria = true;
 
   static constexpr int kMaxIterations = 30;
   static constexpr double kMinRelativeRmseChange = 1e-3;
 };
 
-// A library that registers clouds by point-to-plane ICP with nearest neighbours.
+// Registers point clouds by point-to-plane ICP with nearest neighbours.
 class Peer {
  public:
   virtual ~Peer() = default;
   virtual std::string name() const = 0;
-  // Turns the clouds into what the library takes; not timed.
+  // Converts the clouds to the types of the library; not timed.
   virtual void SetClouds(const PeerCloud& source, const PeerCloud& target) = 0;
-  // target_from_source, started at the identity; timed, with all trees that it needs.
+  // Returns target_from_source. The initial pose is the identity. Timed, including all search
+  // trees.
   virtual Eigen::Matrix4d Register(const PeerRules& rules) = 0;
 };
 
@@ -44,13 +44,12 @@ std::unique_ptr<Peer> MakeSurfitPeer();
 std::unique_ptr<Peer> MakePclPeer();
 std::unique_ptr<Peer> MakeOpen3dPeer();
 
-// A system that follows an RGB-D camera.
 class SlamPeer {
  public:
   virtual ~SlamPeer() = default;
-  // Turns the next frame into what the library takes; not timed.
+  // Converts the next frame to the types of the library; not timed.
   virtual void SetFrame(const RgbdFrame& frame) = 0;
-  // world_from_camera of that frame, the first camera being the world; nothing if lost. Timed.
+  // Returns world_from_camera of the frame, relative to the first frame. std::nullopt: lost. Timed.
   virtual std::optional<Rigid3d> Track() = 0;
 };
 

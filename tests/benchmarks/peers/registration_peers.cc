@@ -1,16 +1,15 @@
-// Compares point-to-plane ICP with nearest neighbours of Surfit, PCL and Open3D, of which those are
-// here that were found when this was built.
+// Compares point-to-plane ICP with nearest neighbours in Surfit, PCL and Open3D.
+// Only libraries that were found at configure time are included.
 //
 //   registration_peers [folder of sequences] [repetitions]
 //
-// Pairs: frames 50 and 10 of seven_scenes_kitchen (moved onto 10), and ten pairs of
-// icl_office_kinect ten frames apart, at full resolution. Each library gets the same points with
-// the same normals (those of Surfit's preprocessing; points without are left out), starts at the
-// identity, takes pairs up to 0.1 m, and registers once by its own default criteria and once by a
-// common rule (peer.h). Timed is everything from the library's own clouds to the pose, trees
-// included; the conversion to these clouds is not. Repetitions alternate between the libraries; a
-// time is the median over repetitions, summed over the pairs. Errors are those of the pose against
-// ground truth, the mean over the pairs. PCL has one thread only, Open3D has OpenMP's.
+// Pairs: frame 50 to frame 10 of seven_scenes_kitchen, and ten pairs of icl_office_kinect at a
+// distance of ten frames, at full resolution. All libraries get the same points with normals of the
+// Surfit preprocessing, start at the identity, and use correspondences up to 0.1 m. They register
+// with their default criteria and with common criteria (peer.h). The time includes search trees,
+// but not the conversion to the types of the library. Repetitions alternate between the libraries.
+// A time is the median over repetitions, summed over the pairs. The error is the pose error to
+// ground truth, averaged over the pairs. PCL uses one thread, and Open3D the threads of OpenMP.
 
 #include <algorithm>
 #include <chrono>
@@ -76,7 +75,6 @@ std::vector<Scene> ReadScenes(const std::string& folder) {
   return scenes;
 }
 
-// What a library did to a scene under some rules.
 struct Outcome {
   double time_ms = 0, translation_error_m = 0, rotation_error_deg = 0;
 };
@@ -86,7 +84,6 @@ double Median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-// One line for each peer in `outcomes`, by rules and peer.
 std::vector<Outcome> Compare(const Scene& scene, const PeerRules& rules, int repetitions,
                              const std::vector<std::unique_ptr<Peer>>& peers) {
   std::vector<Outcome> outcomes(peers.size());

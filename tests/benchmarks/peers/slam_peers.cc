@@ -1,13 +1,14 @@
-// Compares SLAM by Surfit with RGB-D odometry of OpenCV (RgbdICPOdometry) and Open3D and with
-// Open3D's dense SLAM, of which those are here that were found when this was built.
+// Compares SLAM of Surfit with RGB-D odometry of OpenCV (RgbdICPOdometry) and Open3D, and with
+// dense SLAM of Open3D.
+// Only systems that were found at configure time are included.
 //
 //   slam_peers [sequence] [frames]
 //
-// Every system gets the same frames at full resolution, two threads and its own default options,
-// in a process of its own, so that peak memory is known of each. Timed is what it takes to follow
-// a frame, from the library's own images to the pose, on the clock and over all threads; reading
-// and conversion are not. Surfit and Open3D's dense SLAM also make a map in this time: the others
-// go from frame to frame. Errors are Surfit's ATE.
+// All systems get the same frames at full resolution, two threads and their default options. Each
+// system runs in a separate process, to measure its peak memory. The time is wall time and CPU time
+// per frame, from the images of the library to the pose. Reading and conversion are not included.
+// In this time, Surfit and dense SLAM of Open3D also build a map. The other systems are
+// frame-to-frame odometry. The error is the ATE of Surfit's evaluation.
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -35,12 +36,11 @@ struct System {
   MakeSlamPeer make;
 };
 
-// What a system did; travels through a pipe.
 struct Outcome {
   int frames = 0, lost = 0;
   double ate_m = -1;  // unknown
   double median_ms = 0, p95_ms = 0;
-  double cpu_ms = 0;  // of all threads, mean
+  double cpu_ms = 0;  // mean CPU time of all threads
   long peak_kib = 0;
 };
 
@@ -79,12 +79,12 @@ Outcome Follow(const SequenceOptions& options, MakeSlamPeer make) {
   return outcome;
 }
 
-// In a child process. Throws if that fails, having said why.
+// Runs the system in a child process. Throws if it fails, after the child has printed the error.
 Outcome FollowApart(const SequenceOptions& options, const System& system) {
   int ends[2];
-  if (pipe(ends) != 0) throw InputError("no pipe can be made");
+  if (pipe(ends) != 0) throw InputError("cannot create a pipe");
   const pid_t child = fork();
-  if (child < 0) throw InputError("no process can be made");
+  if (child < 0) throw InputError("cannot create a process");
   if (child == 0) {
     try {
       const Outcome outcome = Follow(options, system.make);

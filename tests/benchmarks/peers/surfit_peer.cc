@@ -11,8 +11,8 @@ PointSet ToSurfit(const PeerCloud& cloud, double sigma_m) {
   return set;
 }
 
-// With one sigma for all points: the peers know nothing of the sensor either. The common rule also
-// means what the peers do: least squares over all points, whatever their normals, on one level.
+// One sigma for all points, because the peers do not use a sensor model. The common criteria also
+// match the peers: least squares over all points, for all normals, on one level.
 class SurfitPeer final : public Peer {
  public:
   std::string name() const override { return "Surfit"; }

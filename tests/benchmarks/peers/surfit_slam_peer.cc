@@ -5,7 +5,7 @@
 namespace surfit::testing {
 namespace {
 
-// Frame to model, with a map.
+// Frame-to-model SLAM with a map.
 class SurfitSlamPeer final : public SlamPeer {
  public:
   SurfitSlamPeer(const PinholeCamera& camera, int threads)
