@@ -31,20 +31,17 @@ void BindErrors(py::module_& module) {
           "rotation_is_unique",
           [](const AbsoluteTrajectoryError& error) {
             return error.alignment.status == AlignmentStatus::kAligned;
-
-            BindReport<MountFit>(
-                module, "MountFit",
-                "Fit of a constant offset between the bodies of the estimate and of the "
-                "ground truth.")
-                .def_readonly(FIELD(MountFit, true_body_in_estimated_m),
-                              "origin of the true body in the frame of the estimated body, m")
-                .def_readonly(FIELD(MountFit, scale),
-                              "true metres per estimated metre; 1 if not fitted")
-                .def_readonly(FIELD(MountFit, is_unique),
-                              "False if the path does not determine the fit")
-                .def_readonly(FIELD(MountFit, ate), "AbsoluteTrajectoryError of the true body");
           },
           "False for a straight path: the rotation of the alignment is not unique");
+
+  BindReport<MountFit>(module, "MountFit",
+                       "Fit of a constant offset between the bodies of the estimate and of the "
+                       "ground truth.")
+      .def_readonly(FIELD(MountFit, true_body_in_estimated_m),
+                    "origin of the true body in the frame of the estimated body, m")
+      .def_readonly(FIELD(MountFit, scale), "true metres per estimated metre; 1 if not fitted")
+      .def_readonly(FIELD(MountFit, is_unique), "False if the path does not determine the fit")
+      .def_readonly(FIELD(MountFit, ate), "AbsoluteTrajectoryError of the true body");
 
   BindReport<RelativePoseError>(module, "RelativePoseError",
                                 "Relative pose error (RPE) over a fixed interval.")
