@@ -8,10 +8,11 @@
 
 #include "surfit/core/error.h"
 #include "surfit/geometry/rigid3.h"
+#include "testing/names_matcher.h"
 
 namespace surfit::testing {
 
-// gmock's that many tests use.
+// Matchers of gmock for all tests.
 using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::Each;
@@ -57,12 +58,14 @@ void ExpectInputError(const Call& call, const Matcher& message) {
   }
 }
 
-// Expects that options which are changed so are refused with a message that says this.
+// Expects that Validate() rejects default options with this change, and names the field and its
+// value.
 template <typename Options>
-void ExpectOptionsRefused(const std::function<void(Options&)>& change, const std::string& message) {
+void ExpectOptionsRefused(const std::function<void(Options&)>& change, const std::string& field,
+                          const std::string& value) {
   Options options;
   change(options);
-  ExpectInputError([&] { Validate(options); }, HasSubstr(message));
+  ExpectInputError([&] { Validate(options); }, Names(field, value));
 }
 
 // A file that a reader must refuse, and what the message says besides the file's name.
