@@ -5,6 +5,7 @@
 #include <functional>
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include "surfit/core/error.h"
 #include "surfit/geometry/rigid3.h"
@@ -68,11 +69,11 @@ void ExpectOptionsRefused(const std::function<void(Options&)>& change, const std
   ExpectInputError([&] { Validate(options); }, Names(field, value));
 }
 
-// A file that a reader must refuse, and what the message says besides the file's name.
+// A file that a reader must reject, with the names in the message besides the path.
 struct MalformedFile {
-  const char* name;
+  const char* name;  // of the test case
   std::string content;
-  const char* message;
+  std::vector<std::string> names;
 };
 
 inline void PrintTo(const MalformedFile& file, std::ostream* out) { *out << file.name; }
