@@ -144,7 +144,7 @@ TEST_F(OpenSequenceTest, WarnsIfTheCameraOfTheFolderDiffers) {
   EXPECT_THAT(warnings(), ElementsAre(names_own(29, 28, 15, 11)));
   options_.intrinsics.reset();
   options_.depth_units_per_metre = 500;
-  EXPECT_THAT(warnings(), Contains(names_own(500)));
+  EXPECT_THAT(warnings(), ::testing::Contains(names_own(500)));
   options_.depth_units_per_metre.reset();
   options_.camera = folder_.Write("other.yaml", SmallCameraYaml(33));
   EXPECT_THAT(warnings(), ElementsAre(names_own(33, "other.yaml")));
@@ -229,7 +229,7 @@ TEST_F(OpenSequenceTest, WarnsAboutAnImplausibleDepthScale) {
   EXPECT_TRUE(OpenSequence(options_)->info().warnings.empty());
   options_.depth_units_per_metre = 10000;
   EXPECT_THAT(OpenSequence(options_)->info().warnings,
-              Contains(Names("depth/000.png", 0.1003, 10000, 1000)));
+              ::testing::Contains(Names("depth/000.png", 0.1003, 10000, 1000)));
 }
 
 // Warning for an image with mostly depth `count`, and some invalid codes.

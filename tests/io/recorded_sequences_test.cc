@@ -63,8 +63,9 @@ TEST(RecordedSequences, WarnAboutUnregisteredColor) {
     options.camera = "redwood";
     options.intrinsics = {585, 585, 320, 240};
     options.first = first;
-    EXPECT_THAT(OpenSequence(options)->info().warnings,
-                Contains(AnyOf(Names("color_camera", 89), Names("color_camera", 92))))
+    EXPECT_THAT(
+        OpenSequence(options)->info().warnings,
+        ::testing::Contains(::testing::AnyOf(Names("color_camera", 89), Names("color_camera", 92))))
         << first;
   }
 }

@@ -25,9 +25,9 @@ MINUTES = 10
 
 
 def give_processor(process, policy):
-    """To it and all that it has started. SCHED_OTHER: as others have it; SCHED_IDLE: what is left of it."""
+    """Sets the scheduling policy of a process and its children: SCHED_OTHER is normal, SCHED_IDLE uses idle time."""
     for task in pathlib.Path(f"/proc/{process}/task").iterdir():
-        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # it has ended
+        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # the process has ended
             os.sched_setscheduler(int(task.name), policy, os.sched_param(0))
             for child in (task / "children").read_text().split():
                 give_processor(child, policy)
@@ -46,7 +46,7 @@ def in_each(browsers, act):
 
 @pytest.fixture
 def serve():
-    """Begins runs that do not outlive the test."""
+    """Starts runs that end with the test."""
     runs = []
 
     def begin(*of_run):
@@ -58,7 +58,7 @@ def serve():
 
 
 def watch(browsers, run):
-    """Opens the run's page in each, and counts what it asks for."""
+    """Opens the page of the run in each browser, and counts the requests."""
     def open_page(browser):
         browser.get(run.url)
         browser.execute_script("const get = surfit.live.get; surfit.answers = 0;"
@@ -69,7 +69,7 @@ def watch(browsers, run):
 
 
 def look_away(browsers):
-    """Returns how many answers each page had, and up to which frame."""
+    """Returns the number of answers and the last frame of each page."""
     for browser in browsers:
         give_processor(browser.service.process.pid, os.SCHED_OTHER)
 
@@ -121,7 +121,7 @@ def resident_mb(run):
 
 
 def follow_memory(watched, unwatched):
-    """How much more the watched run has, each ten seconds."""
+    """Additional memory of the watched run, every ten seconds."""
     begin = time.monotonic()
     more_mb = []
     for second in range(0, 60 * MINUTES + 1, 10):
@@ -134,7 +134,7 @@ def follow_memory(watched, unwatched):
 
 
 def test_memory_stays_flat_and_little_time_goes(browsers, serve, tmp_path):
-    """Beside a run of the same frames at the same time that nobody watches: the map grows in both."""
+    """Compares the run with a simultaneous unwatched run of the same frames. The map grows in both."""
     with Feed(pathlib.Path(simulate_room(tmp_path, 160)), tmp_path / "feed") as feed:
         runs = [serve(feed.folder, tmp_path / name, "--format=watch") for name in ["watched", "unwatched"]]
         watch(browsers, runs[0])
@@ -153,4 +153,4 @@ def test_memory_stays_flat_and_little_time_goes(browsers, serve, tmp_path):
     print(f"{processor_s[0]:.1f} and {processor_s[1]:.1f} s of the processor: {100 * share:.1f} % of one core more")
     assert min(shown) > done - 60 * Feed.PER_SECOND, (shown, done)
     assert late_mb - early_mb < 5
-    assert share < 0.10  # as live.load has it
+    assert share < 0.10  # the bound of live.load

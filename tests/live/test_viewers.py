@@ -1,4 +1,4 @@
-"""Viewers of a run change nothing of what it comes to, and cost it no memory."""
+"""Viewers do not change the result of a run, and hardly its memory."""
 
 import json
 import signal
@@ -17,7 +17,7 @@ def room(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def unwatched(room, tmp_path_factory):
-    """The summary of the run that nobody watches."""
+    """Summary of the unwatched run."""
     run = tmp_path_factory.mktemp("unwatched")
     run_slam(room, run, "--loop_closure")
     return json.loads((run / "summary.json").read_text())
@@ -36,7 +36,7 @@ def test_ten_viewers_and_a_stalled_one_change_nothing(room, unwatched, tmp_path)
     assert summary["frames_total"] == FRAMES
     for viewer in viewers:
         assert viewer.is_done and viewer.answers > 50, (viewer.is_done, viewer.answers)
-    # The sample of the map, pictures, and what is on its way.
+    # Memory of the map sample, pictures and unsent data.
     more = summary["peak_rss_bytes"] - unwatched["peak_rss_bytes"]
     print(f"{more / 1e6:.1f} MB more than unwatched, {viewers[0].bytes / 1e6:.1f} MB sent to each")
     assert more < 60e6
@@ -65,7 +65,7 @@ def test_pause_step_and_stop(room, tmp_path):
 
 
 def test_stops_a_run_that_ignores_ctrl_c(room, tmp_path):
-    """As shells begin what is to run in the background."""
+    """Ignores SIGINT, like shells for background processes."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     run = ServedRun(room, tmp_path / "out")
     signal.signal(signal.SIGINT, before)
