@@ -98,13 +98,14 @@ TEST_F(BatchTest, WritesARowForEachSequence) {
   EXPECT_EQ(rows[1].state, "failed");
   EXPECT_EQ(rows[1].seconds, 1.5);
   EXPECT_EQ(rows[2].state, "open");
-  EXPECT_THAT(ReadBytes(batch_ / "table.csv"),
-            StartsWith("sequence,state,frames,frames_tracked,frames_lost,frames_skipped,ate_rmse_m,"
-            "rpe_translation_rmse_m,rpe_rotation_rmse_deg,seconds,frame_ms,peak_mb,map_points,"
-            "digest,error\n"
-            "done,done,10,9,1,0,0.0125,,,1.5,7.5,20.0,5.0,12ab,\n"
-            "failed,failed,,,,,,,,1.5,,20.0,,,\"error: a \"\"b\"\", <c>\"\n"
-            "open,open,,,,,,,,,,,,,"));
+  EXPECT_THAT(
+      ReadBytes(batch_ / "table.csv"),
+      StartsWith("sequence,state,frames,frames_tracked,frames_lost,frames_skipped,ate_rmse_m,"
+                 "rpe_translation_rmse_m,rpe_rotation_rmse_deg,seconds,frame_ms,peak_mb,map_points,"
+                 "digest,error\n"
+                 "done,done,10,9,1,0,0.0125,,,1.5,7.5,20.0,5.0,12ab,\n"
+                 "failed,failed,,,,,,,,1.5,,20.0,,,\"error: a \"\"b\"\", <c>\"\n"
+                 "open,open,,,,,,,,,,,,,"));
   const auto summary = nlohmann::json::parse(ReadBytes(batch_ / "summary.json"));
   EXPECT_EQ(summary["done"], 1);
   EXPECT_EQ(summary["failed"], 1);

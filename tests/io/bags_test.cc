@@ -196,7 +196,7 @@ TEST_F(BagTest, ReadsEveryEncodingOfDepth) {
   EXPECT_EQ(frame.depth_m[3], 0);
 }
 
-TEST_F(BagTest, TakesRawImagesBeforeCompressedOnesAndColorBeforeGrey) {
+TEST_F(BagTest, PrefersRawImagesAndColor) {
   AddDepth();
   AddInfos();
   AddOne("/camera/ir/image_raw", {"mono16", std::string(2 * 32 * 24, '\x01')});

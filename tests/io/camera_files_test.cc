@@ -120,7 +120,7 @@ RgbdCamera SomeCamera() {
   return camera;
 }
 
-TEST(CameraYaml, ReadsWhatItWrites) {
+TEST(CameraYaml, RoundTripsCameras) {
   TempFolder folder;
   const RgbdCamera camera = SomeCamera();
   WriteCameraYaml(camera, folder / "camera.yaml");
@@ -164,7 +164,7 @@ TEST(CameraYaml, UsesTheDefaultPriorWithoutPriorKeys) {
   EXPECT_EQ(Numbers(read.prior), Numbers(CalibrationPrior()));
 }
 
-TEST(CameraYaml, KeepsTheFormulaOfDisparities) {
+TEST(CameraYaml, KeepsTheDisparityModel) {
   const TempFolder folder;
   RgbdCamera camera = CameraPreset("tum_fr1");
   camera.disparity = {580, 0.075, -8, 1090.5};

@@ -53,7 +53,7 @@ TEST(G2o, CostUsesTheErrorInTheFrameOfTheSecondPose) {
               1e-14);
 }
 
-TEST(G2o, ReadsWhatItWrote) {
+TEST(G2o, RoundTripsGraphs) {
   const TempFolder folder;
   PoseGraph graph = MakeTorus(5, 6).graph;
   graph.poses[3].fixed = true;

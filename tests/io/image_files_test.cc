@@ -50,7 +50,7 @@ std::string BigEndian(std::size_t number) {
   return bytes;
 }
 
-TEST(ReadDepthImage, GivesTheCountsOfPngAndPgm) {
+TEST(ReadDepthImage, ReadsCountsOfPngAndPgm) {
   TempFolder folder;
   for (const char* name : {"depth.png", "depth.pgm"}) {
     WriteDepth(folder / name, SomeDepth());
@@ -58,7 +58,7 @@ TEST(ReadDepthImage, GivesTheCountsOfPngAndPgm) {
   }
 }
 
-TEST(ReadDepthImage, GivesTheMetresOfFloatTiff) {
+TEST(ReadDepthImage, ReadsMetresOfFloatTiff) {
   TempFolder folder;
   Image<float> metres(5, 4, 1.25f);
   metres(3, 2) = 0;
@@ -72,13 +72,13 @@ TEST(ReadDepthImage, RejectsAColorImage) {
   ExpectInputError([&] { ReadDepthImage(folder / "color.png"); }, Names("color.png", 3, 8));
 }
 
-TEST(ReadColorImage, GivesRedGreenBlueOfPng) {
+TEST(ReadColorImage, ReadsRedGreenBlueOfPng) {
   TempFolder folder;
   WriteColor(folder / "color.png", SomeColor());
   EXPECT_EQ(ReadColorImage(folder / "color.png"), SomeColor());
 }
 
-TEST(ReadColorImage, GivesTheSameJpegPixelsAsOpenCv) {
+TEST(ReadColorImage, ReadsTheSameJpegPixelsAsOpenCv) {
   TempFolder folder;
   WriteColor(folder / "color.jpg", SomeColor());
   const Image<Rgb8> read = ReadColorImage(folder / "color.jpg");
@@ -90,7 +90,7 @@ TEST(ReadColorImage, GivesTheSameJpegPixelsAsOpenCv) {
 }
 
 // Depth 0.5 + 0.01 (u + 37 v) m in deflate-compressed tiles of 16 x 16 pixels, as in GIS files.
-TEST(ReadDepthImage, GivesTheMetresOfATiledTiff) {
+TEST(ReadDepthImage, ReadsMetresOfATiledTiff) {
   const std::string bytes = ReadBytes(SURFIT_CORPUS_DIR "/tiled_metres.tiff");
   Image<float> metres(37, 20);
   for (std::size_t i = 0; i < metres.size(); ++i) metres[i] = 0.5f + 0.01f * static_cast<float>(i);
@@ -109,7 +109,7 @@ TEST(ReadColorImage, IgnoresTheOrientationOfATiff) {
   EXPECT_EQ(image(3, 2), (Rgb8{0, 0, 255}));
 }
 
-TEST(ReadDepthImage, GivesTheCountsOfTiff) {
+TEST(ReadDepthImage, ReadsCountsOfTiff) {
   const TempFolder folder;
   WriteDepth(folder / "depth.tiff", SomeDepth());
   EXPECT_EQ(std::get<Image<std::uint16_t>>(ReadDepthImage(folder / "depth.tiff")), SomeDepth());
@@ -207,7 +207,7 @@ std::string Png(ImageSize size, char bits, char type, const std::string& rows,
 constexpr char kGray = 0, kRgb = 2, kPalette = 3, kRgbAlpha = 6;
 
 // Hand-made files, compared with OpenCV.
-TEST(DecodeColorImage, GivesEveryKindOfPngAsOpenCvDoes) {
+TEST(DecodeColorImage, DecodesEveryKindOfPngLikeOpenCv) {
   const std::string palette = Chunk("PLTE", "abcdefghijkl");
   for (const std::string& png :
        {Png({4, 2}, 2, kPalette, {"\0\x1B\0\xE4", 4}, palette),
@@ -305,7 +305,7 @@ TEST(EncodePng, RoundTripsThePixels) {
   ExpectInputError([] { EncodePng(Image<Rgb8>()); }, Names("PNG", 0));
 }
 
-TEST(DecodeColorImage, GivesPgmAndPpmOfTextAndBytes) {
+TEST(DecodeColorImage, DecodesTextAndBinaryPgmAndPpm) {
   const Image<Rgb8> two(2, 1, {255, 0, 102});
   for (const std::string& bytes :
        {std::string("P3 2 1 255 255 0 102 255 0 102"),
@@ -318,7 +318,7 @@ TEST(DecodeColorImage, GivesPgmAndPpmOfTextAndBytes) {
   EXPECT_EQ(DecodeColorImage("P2 1 1 255 7", "a.pgm"), Image<Rgb8>(1, 1, {7, 7, 7}));
 }
 
-TEST(DecodeDepthImage, GivesThePgmOfText) {
+TEST(DecodeDepthImage, DecodesATextPgm) {
   Image<std::uint16_t> expected(1, 2, 7);
   expected[1] = 59999;
   EXPECT_EQ(std::get<Image<std::uint16_t>>(DecodeDepthImage("P2 1 2 60000 7 59999", "a.pgm")),
@@ -330,7 +330,7 @@ TEST(DecodeDepthImage, GivesThePgmOfText) {
 }
 
 // The smallest kind of PNG: black, with one bit per pixel.
-TEST(ReadColorImage, GivesAPngOfOneBitAPixel) {
+TEST(ReadColorImage, ReadsAPngWithOneBitPerPixel) {
   const TempFolder folder;
   cv::imwrite(folder / "black.png", cv::Mat(480, 640, CV_8UC1, cv::Scalar(0)),
               {cv::IMWRITE_PNG_BILEVEL, 1, cv::IMWRITE_PNG_COMPRESSION, 9});

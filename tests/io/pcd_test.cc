@@ -93,7 +93,7 @@ TEST(Pcd, ReadsCompressedMatches) {
   EXPECT_EQ(cloud.points, std::vector<V>(100, V(1.5f, 1.5f, 1.5f)));
 }
 
-TEST(Pcd, ReadsShortMatchesFromFarBack) {
+TEST(Pcd, ReadsShortMatchesAtLongDistance) {
   // 300 bytes: x of 25 points is literal. y repeats x in matches of 4 bytes (length 2 + 2) with
   // distance 100, and z in matches with distance 200.
   std::string lzf;

@@ -19,7 +19,7 @@ constexpr char kBinary[] = "ply\nformat binary_little_endian 1.0\n";
 constexpr char kAscii[] = "ply\nformat ascii 1.0\n";
 constexpr char kXyz[] = "property float x\nproperty float y\nproperty float z\n";
 
-TEST(Ply, ReadsBackWhatIsWritten) {
+TEST(Ply, RoundTripsClouds) {
   const TempFolder dir;
   const std::string path = dir / "a.ply";
   PointCloud cloud;
@@ -272,7 +272,7 @@ TEST(WriteSurfelPly, WritesAnEmptyMap) {
   EXPECT_TRUE(ReadPly(dir / "map.ply").points.empty());
 }
 
-TEST(ReadSurfelPly, ReadsWhatWasWritten) {
+TEST(ReadSurfelPly, RoundTripsMaps) {
   const TempFolder dir;
   SurfelMap map;
   map.Append(TestSurfel());

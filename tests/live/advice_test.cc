@@ -33,8 +33,8 @@ TEST(Advice, ReportsLostFrames) {
   EXPECT_THAT(Kinds(live, &before), ElementsAre("lost"));
 }
 
-// The image is 160 px wide with a focal length of 140 px. It moves by 5 % of its width for a rotation of
-// 0.057 rad, or a translation of 0.114 m at a depth of 2 m.
+// The image is 160 px wide with a focal length of 140 px. It moves by 5 % of its width for a
+// rotation of 0.057 rad, or a translation of 0.114 m at a depth of 2 m.
 TEST(Advice, ReportsFastMotion) {
   LiveFixture live;
   const Rigid3d before;

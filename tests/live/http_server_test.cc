@@ -21,8 +21,8 @@ using testing::HasSubstr;
 const char* const kGood = "GET /good HTTP/1.1\r\nHost: localhost\r\n\r\n";
 constexpr std::size_t kLarge = 16 << 20;  // bytes, more than the buffers of sockets
 
-// Test server: /good returns a short answer, /large a large answer, /later answers after Wake(), and
-// other targets return 403.
+// Test server: /good returns a short answer, /large a large answer, /later answers after Wake(),
+// and other targets return 403.
 class HttpServerTest : public testing::Test {
  protected:
   explicit HttpServerTest(HttpLimits limits = Short())

@@ -139,7 +139,7 @@ TEST(Pace, ActsAtOnceAndThenAtMostAtItsRate) {
   EXPECT_EQ(acts, 2);
 }
 
-// What takes a while is done again only when it has taken its share of the time since.
+// A slow task is repeated after a pause that keeps its ratio of time.
 TEST(Pace, UsesAtMostItsRatioOfTime) {
   using Clock = std::chrono::steady_clock;
   Pace pace(0, 0.1);

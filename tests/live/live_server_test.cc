@@ -222,8 +222,8 @@ TEST_F(LiveServerTest, ServesMapTrajectoryAndPicturesInAPause) {
   run.join();
 }
 
-// Frame and model pictures belong to the same frame. A late request is rejected instead of receiving
-// the next frame.
+// Frame and model pictures belong to the same frame. A late request is rejected instead of
+// receiving the next frame.
 TEST_F(LiveServerTest, ServesFrameAndModelOfTheSameFrame) {
   State();
   std::uint32_t last = 0;

@@ -118,8 +118,8 @@ TEST(MapSample, ContainsEveryNthSurfelWithinItsCapacity) {
   }
 }
 
-// Clients request parts of different sizes at random times. The map grows, moves, loses surfels, and is
-// subsampled during their rounds.
+// Clients request parts of different sizes at random times. The map grows, moves, loses surfels,
+// and is subsampled during their rounds.
 TEST(MapSample, ChangesBringEveryClientToTheSample) {
   std::mt19937_64 random(3);
   SurfelMap map;

@@ -61,7 +61,7 @@ def pause_after(browser, frames):
     wait_until(browser, "surfit.live.state.paused")
 
 
-def test_shows_a_run_and_steers_it(browser, run):
+def test_shows_and_controls_a_run(browser, run):
     browser.set_window_size(1200, 800)
     browser.get(run.url)
     pause_after(browser, 30)
@@ -114,7 +114,7 @@ def test_stops_a_run(browser, run):
     assert run.summary()["interrupted"] is True
 
 
-def test_keeps_what_the_run_has_come_to(browser, run):
+def test_keeps_the_final_result(browser, run):
     browser.set_window_size(1200, 800)
     browser.get(run.url)
     code, _ = run.finish()
@@ -166,7 +166,7 @@ def test_each_figure_takes_one_line(browser, run, width):
     assert max(heights) < 30, heights  # one line has 21 px
 
 
-def test_advice_is_large_and_stays_to_be_read(browser, run):
+def test_advice_is_large_and_remains_visible(browser, run):
     browser.set_window_size(1200, 800)
     browser.get(run.url)
     pause_after(browser, 1)

@@ -1,10 +1,9 @@
-"""What ten browsers that watch a run for ten minutes cost it: memory, and processor time.
+"""Memory and CPU time of a run that ten browsers watch for ten minutes.
 
-Each is a Chromium of its own, as one browser opens six connections to a server at most, whatever its pages. They draw
-on the cores that the run is on, as browsers elsewhere do not: once their pages are open they get such time of the
-processor as nobody else wants (SCHED_IDLE), and so ask less often than ten machines would; test_viewers.py's ask as
-often as pages can. Their drawing still delays a run on the same cores, watched or not, by more than serving them does:
-so the processor time of both runs is compared, not how long frames take."""
+The viewers are ten Chromium processes, because one browser opens at most six connections to a server. They render on
+the same cores as the run. With open pages they use idle CPU time (SCHED_IDLE), so they send fewer requests than ten
+machines. test_viewers.py uses the maximum request rate of pages. Rendering delays a run on the same cores more than
+serving does, so the test compares the CPU time of both runs, not the frame times."""
 
 import concurrent.futures
 import contextlib
@@ -81,8 +80,8 @@ def look_away(browsers):
 
 
 class Feed:
-    """Puts a room's frames into a folder for --format=watch, forward and backward, over and over. Those that were
-    taken long ago go. So runs at a camera's pace hold no frames that are still to come."""
+    """Copies the frames of a room into a folder for --format=watch, forward and backward in a loop, at sensor rate.
+    Deletes old frames."""
     PER_SECOND = 10
     KEPT = 100
 
@@ -133,7 +132,7 @@ def follow_memory(watched, unwatched):
     return more_mb
 
 
-def test_memory_stays_flat_and_little_time_goes(browsers, serve, tmp_path):
+def test_memory_is_constant_and_cpu_time_is_small(browsers, serve, tmp_path):
     """Compares the run with a simultaneous unwatched run of the same frames. The map grows in both."""
     with Feed(pathlib.Path(simulate_room(tmp_path, 160)), tmp_path / "feed") as feed:
         runs = [serve(feed.folder, tmp_path / name, "--format=watch") for name in ["watched", "unwatched"]]

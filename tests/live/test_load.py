@@ -24,8 +24,8 @@ def room(tmp_path_factory):
 
 
 def count_instructions(room, output, *flags):
-    """Of all threads, as Valgrind counts them: a machine's other work does not change them. It takes many times as
-    long, and what keeps to the clock is done as many times as often: what is made for pages is overrated."""
+    """Instructions of all threads, counted by Valgrind. They do not depend on other load of the machine. The run is
+    many times slower, so periodic work for pages is overestimated."""
     done = subprocess.run(
         ["valgrind", "--tool=cachegrind", "--cache-sim=no", f"--cachegrind-out-file={os.devnull}", TOOL,
          f"--sequence={room}", f"--output={output}", f"--last={COUNTED_FRAMES - 1}", "--nopictures", "--threads=1",
@@ -35,7 +35,7 @@ def count_instructions(room, output, *flags):
 
 
 @pytest.mark.skipif(not shutil.which("valgrind"), reason="Valgrind (valgrind) is missing")
-def test_costs_next_to_nothing_where_nobody_looks(room, tmp_path):
+def test_costs_little_without_viewers(room, tmp_path):
     unserved = count_instructions(room, tmp_path / "unserved")
     served = count_instructions(room, tmp_path / "served", "--serve")
     print(f"{unserved / 1e9:.3f} G instructions unserved, {100 * (served / unserved - 1):.2f} % more served")
@@ -53,8 +53,8 @@ def run_watched(room, output, viewers, stalled):
 
 
 def test_viewers_cost_little(room, tmp_path):
-    """Of the time that the run takes: what is made for viewers keeps to the clock, not to the run's work. A machine
-    grows faster and slower: each run is compared with the mean of those before and after that nobody watches."""
+    """CPU time for viewers relative to the duration of the run, because work for viewers is periodic. The speed of a
+    machine varies: each run is compared with the mean of the unwatched runs before and after it."""
     kinds = {
         "one viewer": (1, 0),
         "ten viewers, one stalled": (10, 1),

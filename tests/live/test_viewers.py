@@ -1,4 +1,4 @@
-"""Viewers do not change the result of a run, and hardly its memory."""
+"""Viewers do not change the result of a run. They use little memory."""
 
 import json
 import signal
@@ -23,7 +23,7 @@ def unwatched(room, tmp_path_factory):
     return json.loads((run / "summary.json").read_text())
 
 
-def test_ten_viewers_and_a_stalled_one_change_nothing(room, unwatched, tmp_path):
+def test_ten_viewers_and_a_stalled_viewer_do_not_change_the_result(room, unwatched, tmp_path):
     run = ServedRun(room, tmp_path / "out", "--loop_closure")
     viewers = [Viewer(run.url) for _ in range(10)]
     stalled = StalledViewer(run.url)
@@ -42,7 +42,7 @@ def test_ten_viewers_and_a_stalled_one_change_nothing(room, unwatched, tmp_path)
     assert more < 60e6
 
 
-def test_served_and_unwatched_is_the_same(room, unwatched, tmp_path):
+def test_serving_does_not_change_the_result(room, unwatched, tmp_path):
     run = ServedRun(room, tmp_path / "out", "--loop_closure")
     code, _ = run.finish()
     assert code == 0

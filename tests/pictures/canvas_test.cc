@@ -113,7 +113,7 @@ TEST(EqualAspect, WidensTheOtherAxisToTheSameScale) {
   EXPECT_DOUBLE_EQ(ranges.y.end, 7);
 }
 
-TEST(EqualAspect, KeepsTheDirectionOfATurnedAxis) {
+TEST(EqualAspect, KeepsTheDirectionOfAReversedAxis) {
   const AxisRanges ranges = EqualAspect({{0, 1}, {9, 0}}, 100, 100);
   EXPECT_DOUBLE_EQ(ranges.y.begin, 9.5);
   EXPECT_DOUBLE_EQ(ranges.y.end, -0.5);

@@ -7,8 +7,8 @@
 namespace surfit::testing {
 namespace {
 
-// End colours of viridis (van der Walt and Smith 2015): (0.267, 0.005, 0.329) and (0.993, 0.906, 0.144),
-// in 8 bits with a rounding error of 1.
+// End colours of viridis (van der Walt and Smith 2015): (0.267, 0.005, 0.329) and (0.993, 0.906,
+// 0.144), in 8 bits with a rounding error of 1.
 void ExpectNear(Rgb8 color, int r, int g, int b) {
   EXPECT_NEAR(color.r, r, 1);
   EXPECT_NEAR(color.g, g, 1);

@@ -30,8 +30,8 @@ void AppendPlane(Part part, const Eigen::Vector3f& corner, const Eigen::Vector3f
   }
 }
 
-// A room of 6 x 3 x 5 m (width, height, depth). Its frame is x right, y down, z forward. The origin is
-// 1.5 m above the centre of the near edge of the floor.
+// A room of 6 x 3 x 5 m (width, height, depth). Its frame is x right, y down, z forward. The origin
+// is 1.5 m above the centre of the near edge of the floor.
 SurfelMap Room(const Rigid3d& world_from_room) {
   SurfelMap map;
   AppendPlane(kFloor, {-3, 1.5, 0}, {6, 0, 0}, {0, 0, 5}, world_from_room, &map);
@@ -93,8 +93,8 @@ TEST_F(MapViewsTest, TopViewIsUprightAndNotMirrored) {
   EXPECT_GT(near_right.x() - near_left.x(), 0.8 * kViewWidth);
   EXPECT_NEAR(near_right.y(), near_left.y(), 0.02 * kViewWidth);
   EXPECT_LT(far_left.y() - near_left.y(), -0.8 * kViewHeight);
-  // The wall of 3 m height is seen from a distance of at least four times the room diagonal of 8.4 m. Its
-  // length is at most 3 / 33 of the distance to the image centre, here 56 pixels.
+  // The wall of 3 m height is seen from a distance of at least four times the room diagonal of 8.4
+  // m. Its length is at most 3 / 33 of the distance to the image centre, here 56 pixels.
   const double wall_px = (Project(0, {0, -1.5, 5}) - Project(0, {0, 1.5, 5})).norm();
   EXPECT_LT(wall_px, 56 * 3 / 33. + 1);
 }

@@ -44,8 +44,9 @@ TEST(WriteMapPictures, WritesFourSheetsThatShowTheMap) {
   }
   const Image<Rgb8> color = ReadPicture(folder / "map_color.png");
   const Image<Rgb8> normals = ReadPicture(folder / "map_normals.png");
-  // The third cell begins at (0, 76 + 634). Its camera is 0.4 m (20 % of 2 m) behind the first camera. With
-  // a focal length of 0.75 * 800 pixels, +-2 m of wall at 2.4 m are +-500 pixels: the cell is covered.
+  // The third cell begins at (0, 76 + 634). Its camera is 0.4 m (20 % of 2 m) behind the first
+  // camera. With a focal length of 0.75 * 800 pixels, +-2 m of wall at 2.4 m are +-500 pixels: the
+  // cell is covered.
   for (const int u : {2, 400, 797}) {
     for (const int v : {712, 1000, 1307}) {
       EXPECT_EQ(color(u, v), kGreen);
@@ -73,7 +74,8 @@ TEST(WriteMapPictures, ShowsWhiteBlackAndGreySurfaces) {
     const TempFolder folder;
     WriteMapPictures(map, Trajectory(1), folder.path());
     const Image<Rgb8> picture = ReadPicture(folder / "map_color.png");
-    const Rgb8 thing = picture(400, 1000), around = picture(2, 712);  // in the cell of the first camera
+    const Rgb8 thing = picture(400, 1000),
+               around = picture(2, 712);  // in the cell of the first camera
     EXPECT_EQ(thing, surfel.color);
     const double difference =
         Eigen::Vector3d(thing.r - around.r, thing.g - around.g, thing.b - around.b).norm();

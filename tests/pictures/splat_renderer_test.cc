@@ -41,8 +41,8 @@ const Eigen::Vector3f kTowardsCamera(0, 0, -1);
 
 TEST(RenderSurfels, DiscThatFacesTheCameraFillsACircle) {
   SurfelMap map;
-  // The radius is 20.05 pixels, and 20.05^2 = 402.0025. Squared pixel distances are integers, and 402 is
-  // not a sum of two squares. So no pixel is at the border of the disc.
+  // The radius is 20.05 pixels, and 20.05^2 = 402.0025. Squared pixel distances are integers, and
+  // 402 is not a sum of two squares. So no pixel is at the border of the disc.
   map.Append(MakeSurfel({0, 0, 2}, kTowardsCamera, 0.401f));
   const Image<std::int32_t> seen = Render(map);
   for (const auto [u, v] : PixelsOf(101, 101)) {

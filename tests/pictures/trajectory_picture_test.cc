@@ -114,7 +114,8 @@ TEST(WriteTrajectoryPicture, BothAxesHaveTheSameScaleAndZGrowsUpwards) {
   // 2 m fill 90 % of 700 pixels: 315 pixels per metre, plus up to 8 pixels per side for markers.
   EXPECT_NEAR(path.right - path.left, 630, 16);
   EXPECT_NEAR(path.bottom - path.top, 315, 16);
-  EXPECT_EQ(picture(path.left + 40, path.bottom - 40).r, 255);  // the corner of the path is at the lower right
+  EXPECT_EQ(picture(path.left + 40, path.bottom - 40).r,
+            255);  // the corner of the path is at the lower right
 }
 
 TEST(WriteTrajectoryPicture, AcceptsPathsWithZeroAndOnePose) {

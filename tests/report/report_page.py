@@ -3,6 +3,7 @@
 import io
 import os
 import pathlib
+import re
 import subprocess
 import time
 
@@ -40,6 +41,11 @@ def browser():
     driver = open_browser()
     yield driver
     driver.quit()
+
+
+def numbers(text):
+    """The numbers in a text, as strings."""
+    return re.findall(r"-?\d+(?:\.\d+)?", text)
 
 
 def frame_drawn(browser):

@@ -164,7 +164,8 @@ Trajectory Moved(Trajectory path, const Rigid3d& by) {
 
 // The data are exact up to rounding.
 TEST(AlignRuns, EstimatesTheTransformBetweenTheWorldFrames) {
-  for (const bool turns : {true, false}) {  // positions on a line do not constrain the rotation about it
+  for (const bool turns :
+       {true, false}) {  // positions on a line do not constrain the rotation about it
     const Trajectory path = Path(10, turns);
     const auto alignment = AlignRuns(path, Moved(path, kElsewhere));
     ASSERT_TRUE(alignment);
@@ -181,7 +182,8 @@ TEST(AlignRuns, NeedsThreePosesOfEqualTimes) {
   EXPECT_FALSE(AlignRuns(later, Path(10, true)));
 }
 
-// The map is a row of discs with a radius of 1 cm and normal -y, 1 m apart along x, at y = 2, z = -3.
+// The map is a row of discs with a radius of 1 cm and normal -y, 1 m apart along x, at y = 2, z =
+// -3.
 TEST(DistancesFromMap, AreFromTheClosestDisc) {
   std::vector<Surfel> surfels = Row(4);
   surfels[1].position_in_world += Eigen::Vector3f(0.005f, 0.1f, 0);  // above the disc

@@ -22,8 +22,8 @@ struct Recording {
   DepthSensor sensor;
   std::vector<RgbdFrame> frames;
   std::vector<std::optional<Rigid3d>> truth;
-  // Final drift of a run over all frames against the ground truth, with equal first poses. The ground
-  // truth of the kitchen is a map of another system from the same depth.
+  // Final drift of a run over all frames against the ground truth, with equal first poses. The
+  // ground truth of the kitchen is a map of another system from the same depth.
   double drift_m = 0, drift_rad = 0;
 
   void Add(const Recording& other, std::size_t i) {
@@ -73,8 +73,8 @@ inline Recording Joined(const Recording& all, const std::vector<std::pair<int, i
   return joined;
 }
 
-// Adds a textured object in front of the camera that occludes `share` of the view, starting at frame
-// `begin`. It moves with the camera, and sideways by +-0.15 m.
+// Adds a textured object in front of the camera that occludes `share` of the view, starting at
+// frame `begin`. It moves with the camera, and sideways by +-0.15 m.
 inline Recording Hidden(Recording recording, double share, int begin) {
   const PinholeCamera& camera = recording.sensor.camera;
   constexpr double kDistance_m = 0.55;
@@ -174,8 +174,8 @@ inline Recording InTwoRooms(std::uint64_t seed, std::uint64_t other_seed) {
   return recording;
 }
 
-// Statistics of frames with ground truth. A pose is correct within 10 cm and 5 degrees, plus the drift
-// of the recording.
+// Statistics of frames with ground truth. A pose is correct within 10 cm and 5 degrees, plus the
+// drift of the recording.
 struct Verdicts {
   int frames = 0;
   int believed = 0;  // accepted frames: every state except lost

@@ -15,8 +15,8 @@ SlamOptions WithLoops() {
   return options;
 }
 
-// At most 1 of 10,000 accepted poses may be wrong. At most 1 of 100 correct poses may be lost, or more
-// with moving objects.
+// At most 1 of 10,000 accepted poses may be wrong. At most 1 of 100 correct poses may be lost, or
+// more with moving objects.
 constexpr double kCalledRight = 0.99, kCalledRightWhereThingsMove = 0.85;
 
 void ExpectFewMistakes(const Verdicts& verdicts, double least_called_right) {
@@ -80,8 +80,8 @@ TEST_P(BeliefSweep, MovingObjectInFrontOfTheCamera) {
   ExpectFewMistakes(sum, kCalledRightWhereThingsMove);
 }
 
-// An object that is present in the first frame may be mapped as the scene. If poses are wrong then, two
-// motions are reported, or most frames are lost and the run fails.
+// An object that is present in the first frame may be mapped as the scene. If poses are wrong then,
+// two motions are reported, or most frames are lost and the run fails.
 TEST_P(BeliefSweep, MovingObjectSinceTheFirstFrame) {
   SURFIT_REQUIRE_SHARED_DATA(GetParam());
   const std::string name = GetParam();
@@ -112,8 +112,8 @@ TEST(BeliefSweepPeople, WalkBeforeTheCamera) {
   ExpectFewMistakes(sum, kCalledRightWhereThingsMove);
 }
 
-// The camera moves into a similar room and back. A relocalised pose is accepted after confirmation by
-// the next frame.
+// The camera moves into a similar room and back. A relocalised pose is accepted after confirmation
+// by the next frame.
 TEST(BeliefSweepRooms, AreDistinguished) {
   Verdicts sum;
   for (const int seed : {2, 3, 4, 5}) {

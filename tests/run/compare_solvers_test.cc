@@ -132,17 +132,20 @@ TEST(SolverCombinations, RejectUnknownNamesAndListKnownNames) {
   CompareOptions options = OnKnownPairs();
   options.solvers = {"ceres", "svd"};
   options.residuals = {"point_to_point", "plane_to_plane"};
-  ExpectInputError([&] { Validate(options); }, Names("solvers", "svd", "residuals", "plane_to_plane", "point_to_point"));
+  ExpectInputError([&] { Validate(options); },
+                   Names("solvers", "svd", "residuals", "plane_to_plane", "point_to_point"));
   options = OnKnownPairs();
   options.solvers = {"magic"};
   ExpectInputError([&] { Validate(options); },
                    Names("solvers", "magic", "closed_form_ldlt", "ceres", "tiny"));
   options = OnKnownPairs();
   options.residuals = {"magic"};
-  ExpectInputError([&] { Validate(options); }, Names("residuals", "magic", "symmetric_point_to_plane"));
+  ExpectInputError([&] { Validate(options); },
+                   Names("residuals", "magic", "symmetric_point_to_plane"));
   options = OnKnownPairs();
   options.linear_solvers = {"magic"};
-  ExpectInputError([&] { Validate(options); }, Names("linear_solvers", "magic", "sparse_normal_cholesky"));
+  ExpectInputError([&] { Validate(options); },
+                   Names("linear_solvers", "magic", "sparse_normal_cholesky"));
   options = OnKnownPairs();
   options.associations = {"kd_tree"};
   ExpectInputError([&] { Validate(options); }, Names("associations", "kd_tree"));

@@ -86,12 +86,13 @@ TEST_F(FinalMap, UsesTheEstimatedCalibration) {
   const Eigen::Vector3f corrected = centre_and_depth(*Fused(found));
   EXPECT_NEAR(given.z(), 1, 1e-5);
   EXPECT_NEAR(corrected.z(), 1.25, 1e-5);
-  // 3.1 px of a focal length of 31 px are 10 % of the depth. Surfel positions are exact to one pixel.
+  // 3.1 px of a focal length of 31 px are 10 % of the depth. Surfel positions are exact to one
+  // pixel.
   EXPECT_NEAR(corrected.x() - given.x(), -0.125, 0.01);
 }
 
-// Red increases by 4 per pixel to the right. The camera moves to the right at 0.5 m/s, so 50 ms earlier
-// a point at 1 m was 0.775 px farther right.
+// Red increases by 4 per pixel to the right. The camera moves to the right at 0.5 m/s, so 50 ms
+// earlier a point at 1 m was 0.775 px farther right.
 TEST_F(FinalMap, UsesTheEstimatedColorLatency) {
   Image<Rgb8> ramp(32, 24);
   for (const auto [u, v] : PixelsOf(ramp)) {
@@ -126,8 +127,8 @@ TEST_F(FinalMap, SkipsMovingRegions) {
   for (const std::int32_t id : map->Ids()) EXPECT_GE((*map)[id].position_in_world.x(), 0);
 }
 
-// Surfels at depth edges that only the last frame observed may be spurious. Surfels between edges are
-// kept.
+// Surfels at depth edges that only the last frame observed may be spurious. Surfels between edges
+// are kept.
 TEST_F(FinalMap, RemovesDepthEdgesObservedOnce) {
   Image<std::uint16_t> depth(32, 24, 1000);
   for (int v = 4; v < 20; ++v) {
@@ -178,8 +179,8 @@ TEST_F(FinalMap, IsSmootherThanTheMeasurement) {
   EXPECT_LT(std::sqrt(squares / static_cast<double>(map->size())), 0.003 / 2);
 }
 
-// Colour images are shifted by 2 px to the left and to the right alternately. Their mean would reduce
-// the amplitude of a wave of 16 px by cos(pi / 4).
+// Colour images are shifted by 2 px to the left and to the right alternately. Their mean would
+// reduce the amplitude of a wave of 16 px by cos(pi / 4).
 TEST_F(FinalMap, RegistersTheColors) {
   constexpr double kPeriod_px = 16, kHeight = 60;
   const auto wave = [&](double x, double y) {

@@ -24,8 +24,7 @@ TEST(OutputFolder, RejectsASecondOwner) {
   {
     const OutputFolder owned(dir.path(), {});
     dir.Write("map.ply", "of the owner");
-    ExpectInputError([&] { OutputFolder(dir.path(), {"map.ply"}); },
-                     Names(dir.path(), getpid()));
+    ExpectInputError([&] { OutputFolder(dir.path(), {"map.ply"}); }, Names(dir.path(), getpid()));
     EXPECT_EQ(ReadBytes(dir / "map.ply"), "of the owner");
   }
   EXPECT_NO_THROW(OutputFolder(dir.path(), {}));

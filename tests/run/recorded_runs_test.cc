@@ -81,8 +81,9 @@ TEST(RecordedRuns, KitchenOf1000FramesWithin6Centimetres) {
   EXPECT_LE(AteOf(Options("seven_scenes_kitchen", -1), 1000), 0.060);
 }
 
-// A hand-held Kinect with motion capture. The camera is calibrated during the run. The best published
-// ATE is 15 mm. The latency of the preset must leave at most a quarter of the estimated time offset.
+// A hand-held Kinect with motion capture. The camera is calibrated during the run. The best
+// published ATE is 15 mm. The latency of the preset must leave at most a quarter of the estimated
+// time offset.
 TEST(RecordedRuns, DeskOfTumWithin14Millimetres) {
   SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk");
   const SlamRunSummary summary = RunOnce(Options("tum_fr1_desk", -1));
@@ -110,7 +111,8 @@ TEST(RecordedRuns, EveryThirdFrameOfTheDeskWithin22MillimetresAndEveryFifthWithi
   EXPECT_LE(summary.evaluation->ate->translation_m.max, 0.1);
 }
 
-// Refinement of a run without online calibration, with the readout time and the prior of the preset.
+// Refinement of a run without online calibration, with the readout time and the prior of the
+// preset.
 TEST(RecordedRuns, RefinedDeskOfTumWithin14Millimetres) {
   SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk");
   const testing::TempFolder folder;
@@ -181,8 +183,9 @@ TEST(RecordedRuns, DigestDoesNotDependOnThreads) {
   EXPECT_EQ(RunOnce(options).digest, digest);
 }
 
-// Loop closures by appearance: the ground truth only selects keyframes. The ground truth is an estimate
-// as well. If a loop closure deviates from it by more than 5 cm, the surfaces must agree with the loop.
+// Loop closures by appearance: the ground truth only selects keyframes. The ground truth is an
+// estimate as well. If a loop closure deviates from it by more than 5 cm, the surfaces must agree
+// with the loop.
 TEST(RecordedRuns, RevisitsInTheKitchenAreClosedByAppearance) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
   const TempFolder folder;

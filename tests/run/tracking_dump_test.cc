@@ -125,12 +125,10 @@ TEST_F(TrackingDumps, KeepEveryOption) {
 }
 
 TEST_F(TrackingDumps, RejectMalformedFiles) {
-  ExpectInputError([] { ReadTrackingDump("nowhere"); },
-                   Names("nowhere/frame.json"));
+  ExpectInputError([] { ReadTrackingDump("nowhere"); }, Names("nowhere/frame.json"));
   Write(SlamOptions());
   folder_.Write("frame-000017/frame.json", "{\"frame\": 1}");
-  ExpectInputError([&] { ReadTrackingDump(path()); },
-                   Names("frame.json", "preprocess"));
+  ExpectInputError([&] { ReadTrackingDump(path()); }, Names("frame.json", "preprocess"));
   folder_.Write("frame-000017/frame.json", "nonsense");
   ExpectInputError([&] { ReadTrackingDump(path()); }, Names("frame.json"));
   Write(SlamOptions());

@@ -44,7 +44,7 @@ class SessionDamage : public ::testing::Test {
   }
   // Expects that CheckSession() reports this file, and that ReadSession() rejects it.
   static void ExpectTold(const std::string& session, const std::string& name) {
-    EXPECT_THAT(CheckSession(session), Contains(Names(name)));
+    EXPECT_THAT(CheckSession(session), ::testing::Contains(Names(name)));
     ExpectInputError([&] { ReadSession(session); }, Names(name));
   }
 

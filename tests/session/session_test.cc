@@ -75,8 +75,8 @@ TEST(Session, EqualsTheStateOfSlamAfterEachSave) {
   EXPECT_EQ(counts.frames, kFrames);
 }
 
-// After a save the files contain the state of SLAM at this time, including all changes since the last
-// save.
+// After a save the files contain the state of SLAM at this time, including all changes since the
+// last save.
 TEST(Session, EverySaveIsComplete) {
   const TempFolder folder;
   const std::string path = folder.path() + "/session";
@@ -126,8 +126,7 @@ TEST(Session, RejectsAnotherSensor) {
   other.camera.fx += 1;
   Slam slam(other, SessionSlamOptions(), {});
   SessionWriter writer(folder.path(), SessionWriter::Mode::kContinue);
-  ExpectInputError([&] { writer.Begin({SomeRun()}, other, &slam); },
-                   Names(folder.path()));
+  ExpectInputError([&] { writer.Begin({SomeRun()}, other, &slam); }, Names(folder.path()));
 }
 
 TEST(Session, RejectsOtherVersionsAndFiles) {

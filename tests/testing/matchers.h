@@ -25,8 +25,8 @@ using ::testing::Not;
 using ::testing::StartsWith;
 using ::testing::ThrowsMessage;
 
-// EXPECT_THAT(actual, VectorNear(expected, tolerance)): the Euclidean norm of the difference (Frobenius
-// for matrices) is at most the tolerance. NaN never matches.
+// EXPECT_THAT(actual, VectorNear(expected, tolerance)): the Euclidean norm of the difference
+// (Frobenius for matrices) is at most the tolerance. NaN never matches.
 MATCHER_P2(VectorNear, expected, tolerance,
            "is within " + ::testing::PrintToString(tolerance) + " of (" +
                ::testing::PrintToString(expected) + ")") {
@@ -35,8 +35,8 @@ MATCHER_P2(VectorNear, expected, tolerance,
   return distance <= tolerance;
 }
 
-// EXPECT_THAT(actual, RigidNear(expected, tolerance_m, tolerance_rad)): translation and rotation differ
-// by at most the tolerances. q and -q are equal rotations. NaN never matches.
+// EXPECT_THAT(actual, RigidNear(expected, tolerance_m, tolerance_rad)): translation and rotation
+// differ by at most the tolerances. q and -q are equal rotations. NaN never matches.
 MATCHER_P3(RigidNear, expected, tolerance_m, tolerance_rad,
            "is within " + ::testing::PrintToString(tolerance_m) + " m and " +
                ::testing::PrintToString(tolerance_rad) + " rad of\n" +

@@ -60,8 +60,8 @@ inline Rigid3d PoseAlong(const Eigen::Vector3d& place, const Eigen::Vector3d& wa
   return {rotation, place};
 }
 
-// A spiral on a sphere of radius 100 m, like create_sphere of g2o. Loop edges connect each pose to the
-// pose of the previous turn.
+// A spiral on a sphere of radius 100 m, like create_sphere of g2o. Loop edges connect each pose to
+// the pose of the previous turn.
 inline TrueGraph MakeSphere(int turns, int poses_per_turn, const GraphNoise& noise = {}) {
   std::mt19937_64 rng(1);
   TrueGraph graph;
@@ -138,8 +138,8 @@ inline TrueGraph MakeGrid(int size, const GraphNoise& noise = {0.05, 0.1}) {
   return graph;
 }
 
-// Adds loops between random poses with random measurements of up to 0.5 rad and 1 m, until they are this
-// ratio of all loops. Returns the indices of these edges.
+// Adds loops between random poses with random measurements of up to 0.5 rad and 1 m, until they are
+// this ratio of all loops. Returns the indices of these edges.
 inline std::vector<std::size_t> PlantWrongLoops(double share, TrueGraph* graph) {
   std::mt19937_64 rng(4);
   std::size_t loops = 0;

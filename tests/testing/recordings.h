@@ -53,8 +53,8 @@ inline std::string KlgFrame(std::int64_t stamp_us, const std::string& depth,
          depth + color;
 }
 
-// A .klg file with `count` small numbered frames at 10 Hz, starting at 5 s. `color`: "" for raw, ".jpg"
-// or "none".
+// A .klg file with `count` small numbered frames at 10 Hz, starting at 5 s. `color`: "" for raw,
+// ".jpg" or "none".
 inline std::string KlgFile(int count, bool zlib, const std::string& color) {
   std::string file = LittleEndian(static_cast<std::int32_t>(count));
   for (int i = 0; i < count; ++i) {
@@ -81,7 +81,8 @@ struct SensEncoder {
   int depth_delay_us = 0;    // delay of depth timestamps after colour timestamps
   bool registered = false;   // colour has the pixels of depth
   Matrix16 color_extrinsics = TranslationMatrix(0, 0, 0);
-  std::vector<Matrix16> poses;  // one per frame; default of further frames: translation (number, 2, 3)
+  std::vector<Matrix16>
+      poses;  // one per frame; default of further frames: translation (number, 2, 3)
 
   std::string Header(std::uint64_t count) const {
     const Matrix16 depth_intrinsics = {31, 0, 15.5f, 0, 0, 30, 11.5f, 0, 0, 0, 1, 0, 0, 0, 0, 1};

@@ -41,8 +41,8 @@ inline SequenceOptions OptionsOf(const std::string& path) {
 }
 inline SequenceOptions Options(const TempFolder& folder) { return OptionsOf(folder.path()); }
 
-// Small images that encode the frame number: depth is between 1 and 2 m at 1000 counts per metre, and
-// red is the frame number.
+// Small images that encode the frame number: depth is between 1 and 2 m at 1000 counts per metre,
+// and red is the frame number.
 inline Image<std::uint16_t> NumberedDepth(int frame, int width = 32, int height = 24) {
   Image<std::uint16_t> depth(width, height);
   for (std::size_t i = 0; i < depth.size(); ++i)
@@ -67,8 +67,8 @@ inline std::string SmallCameraYaml(double fy = 30) {
          ", cx: 15.5, cy: 11.5 }\ndepth_units_per_metre: 1000.\nframes_per_second: 30.\n";
 }
 
-// Writes a TUM folder with camera.yaml and `count` frames at 10 Hz, starting at 5 s. Depth is 3 ms later
-// than colour. The pose of frame i is the translation (i, 2, 3).
+// Writes a TUM folder with camera.yaml and `count` frames at 10 Hz, starting at 5 s. Depth is 3 ms
+// later than colour. The pose of frame i is the translation (i, 2, 3).
 inline void WriteTumSequence(const TempFolder& folder, int count, double fy = 30) {
   std::string rgb = "# colour\n", depth = "# depth\n", poses = "# poses\n";
   for (int i = 0; i < count; ++i) {

@@ -25,8 +25,8 @@ struct FilmFrame {
   Image<Rgb8> color;
 };
 
-// The virtual camera of test_driver.cc, for this process and its children. It is connected during the
-// lifetime of this object. Use library() as openni2_library.
+// The virtual camera of test_driver.cc, for this process and its children. It is connected during
+// the lifetime of this object. Use library() as openni2_library.
 class VirtualCamera {
  public:
   static std::string library() { return SURFIT_TOOLS_DIR "/../tests/openni/libOpenNI2.so.0"; }
@@ -66,8 +66,8 @@ class VirtualCamera {
   TempFolder folder_;
 };
 
-// Frame of a film at 30 Hz with timestamps from 0. The recorder of OpenNI2 drops the first frame, and
-// sets the timestamp of the second frame to 0.
+// Frame of a film at 30 Hz with timestamps from 0. The recorder of OpenNI2 drops the first frame,
+// and sets the timestamp of the second frame to 0.
 inline FilmFrame FilmFrameOf(int number, Image<std::uint16_t> depth, Image<Rgb8> color) {
   constexpr std::uint64_t kPeriod_us = 33333;
   const std::uint64_t stamp_us = kPeriod_us * number;
