@@ -228,7 +228,7 @@ TEST_F(AlignTool, FlagsOverrideThePreset) {
 TEST_F(AlignTool, RejectsBadInputInOneLine) {
   const RefusedFlags cases = {
       {{"--source_frame=-1"}, {"source_frame", "-1"}},
-      {{"--target_frame=6"}, {"target_frame", "6"}},
+      {{"--target_frame=6"}, {"6"}},
       {{"--max_normal_angle_deg=-1"}, {"--max_normal_angle_deg", "-1"}},
       {{"--max_free_space_share=2"}, {"max_free_space_share", "2"}},
       {{"--solver=magic"}, {"solver", "magic", "closed_form_ldlt"}},
