@@ -17,8 +17,7 @@ const char kImage[] = "sensor_msgs/Image", kInfo[] = "sensor_msgs/CameraInfo",
 const char kDepth[] = "/camera/depth/image_raw", kColor[] = "/camera/rgb/image_raw";
 const char kOptical[] = "camera_optical_frame";
 
-// What rosbag, @mcap/core and SQLite have written of the small numbered frames: see
-// tests/tools/bags/write_bags.py.
+// Bags written by rosbag, @mcap/core and SQLite: see tests/tools/bags/write_bags.py.
 class ForeignBag : public ::testing::TestWithParam<const char*> {};
 
 void ExpectWrittenFrames(const SequenceOptions& options) {
@@ -26,14 +25,14 @@ void ExpectWrittenFrames(const SequenceOptions& options) {
   const SequenceInfo& info = source->info();
   EXPECT_TRUE(info.warnings.empty());
   EXPECT_TRUE(info.camera.color_is_registered);
-  EXPECT_EQ(info.camera_from, "the bag's CameraInfo");
+  EXPECT_THAT(info.camera_from, Names("CameraInfo"));
   EXPECT_EQ(info.pinhole.fx, 31);
   EXPECT_EQ(info.pinhole.fy, 30);
   EXPECT_EQ(info.pinhole.cx, 15.5);
   EXPECT_EQ(info.pinhole.cy, 11.5);
   const auto results = ReadAll(source.get());
   ASSERT_EQ(results.size(), 3u);
-  const double depth_s[] = {5.003, 5.103, 5.203}, color_s[] = {5., 5.1, 5.2};  // as text has them
+  const double depth_s[] = {5.003, 5.103, 5.203}, color_s[] = {5., 5.1, 5.2};  // as decimal text
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(results[i].frame) << results[i].error;
     EXPECT_EQ(results[i].frame->stamp_s, depth_s[i]);
@@ -45,7 +44,7 @@ void ExpectWrittenFrames(const SequenceOptions& options) {
   }
 }
 
-TEST_P(ForeignBag, HasTheFramesThatWereWritten) {
+TEST_P(ForeignBag, HasTheWrittenFrames) {
   ExpectWrittenFrames(OptionsOf(std::string(SURFIT_CORPUS_DIR) + "/" + GetParam()));
 }
 
@@ -61,13 +60,13 @@ INSTANTIATE_TEST_SUITE_P(Files, ForeignBag,
                                            "room.db3"),
                          NameOfBag);
 
-// ROS 2's bags are folders, of files that the recorder splits.
-TEST(BagFolder, HasTheFramesOfItsFiles) {
+// A ROS 2 bag is a folder. The recorder splits long recordings into several files.
+TEST(BagFolder, ReadsTheFramesOfAllFiles) {
   const TempFolder folder;
   folder.Write("metadata.yaml", "rosbag2_bagfile_information:\n");
   folder.Write("bag_0.db3", ReadBytes(std::string(SURFIT_CORPUS_DIR) + "/room.db3"));
   ExpectWrittenFrames(Options(folder));
-  // The same twice.
+  // Two copies of one file.
   const std::string mcap = ReadBytes(std::string(SURFIT_CORPUS_DIR) + "/room_plain.mcap");
   std::filesystem::remove(folder / "bag_0.db3");
   folder.Write("bag_0.mcap", mcap);
@@ -108,14 +107,14 @@ class BagTest : public ::testing::Test {
     options_.path = folder_.Write("a.bag", bag_.File());
     return OpenSequence(options_);
   }
-  // The first frame; where there is none, an empty one.
+  // The first frame, or an empty frame if the bag has none.
   RgbdFrame First() {
     const auto result = Open()->Next();
     EXPECT_TRUE(result && result->frame) << (result ? result->error : "nothing");
     return result && result->frame ? *result->frame : RgbdFrame();
   }
-  void ExpectError(const ::testing::Matcher<const std::string&>& sentence) {
-    ExpectInputError([&] { Open(); }, sentence);
+  void ExpectError(const ::testing::Matcher<const std::string&>& message) {
+    ExpectInputError([&] { Open(); }, message);
   }
 
   TempFolder folder_;
@@ -186,7 +185,7 @@ TEST_F(BagTest, ReadsEveryEncodingOfDepth) {
                 std::string(12, '\0') + PngBytes(NumberedDepth(2)));
   EXPECT_FLOAT_EQ(First().depth_m[37], 0.001f * NumberedDepth(2)[37]);
 
-  // z = a / (count - b), by the transport's source.
+  // compressed_depth_image_transport: z = a / (count - b).
   bag_ = empty;
   Image<std::uint16_t> counts(32, 24, 500);
   counts[3] = 0;
@@ -197,7 +196,7 @@ TEST_F(BagTest, ReadsEveryEncodingOfDepth) {
   EXPECT_EQ(frame.depth_m[3], 0);
 }
 
-TEST_F(BagTest, TakesRawImagesBeforeCompressedOnesAndColorBeforeGrey) {
+TEST_F(BagTest, PrefersRawImagesAndColor) {
   AddDepth();
   AddInfos();
   AddOne("/camera/ir/image_raw", {"mono16", std::string(2 * 32 * 24, '\x01')});
@@ -208,47 +207,43 @@ TEST_F(BagTest, TakesRawImagesBeforeCompressedOnesAndColorBeforeGrey) {
   EXPECT_EQ(First().color, NumberedColor(0));
 }
 
-TEST_F(BagTest, NamesTheTopicsThatItCannotChooseFrom) {
+TEST_F(BagTest, RejectsMissingAndAmbiguousTopics) {
   AddInfos();
-  ExpectError(AllOf(HasSubstr("a.bag has no topic of images that is read; it has "),
-                    HasSubstr("/camera/depth/camera_info (sensor_msgs/CameraInfo)")));
+  ExpectError(Names("a.bag", "/camera/depth/camera_info", "sensor_msgs/CameraInfo"));
   AddColor();
-  ExpectError(AllOf(HasSubstr("a.bag has no topic of depth images"),
-                    HasSubstr("/camera/rgb/image_raw (rgb8); if one is, name it as depth_topic")));
+  ExpectError(Names("a.bag", "/camera/rgb/image_raw", "rgb8", "depth_topic"));
   AddDepth();
   AddDepth("/left/depth/image");
   ExpectError(
-      HasSubstr("a.bag has 2 topics of depth images: /camera/depth/image_raw (16UC1), "
-                "/left/depth/image (16UC1); name one as depth_topic"));
+      Names("a.bag", 2, "/camera/depth/image_raw", "/left/depth/image", "16UC1", "depth_topic"));
   options_.depth_topic = "/right/depth/image";
-  ExpectError(HasSubstr("depth_topic is '/right/depth/image', must be a topic of images of"));
+  ExpectError(Names("depth_topic", "/right/depth/image"));
   options_.depth_topic = kDepth;
   EXPECT_EQ(Open()->info().frame_count, 3);
   AddColor("/left/rgb/image");
-  ExpectError(AllOf(HasSubstr("2 topics of colour images"), HasSubstr("name one as color_topic")));
+  ExpectError(Names(2, "/camera/rgb/image_raw", "/left/rgb/image", "color_topic"));
   options_.color_topic = "none";
   EXPECT_TRUE(First().color.empty());
   options_.color_topic = kColor;
   EXPECT_EQ(First().color, NumberedColor(0));
   options_.depth_topic = kColor;
-  ExpectError(HasSubstr("/camera/rgb/image_raw of frame 0 is encoded as 'rgb8', must be 16UC1"));
+  ExpectError(Names("/camera/rgb/image_raw", 0, "rgb8", "16UC1"));
 }
 
-TEST_F(BagTest, ACameraThatNothingTellsMustBeGiven) {
+TEST_F(BagTest, RejectsBagWithoutCalibration) {
   AddDepth();
   AddColor("/camera/rgb/image_raw", "rgb_frame");
-  ExpectError(HasSubstr("has no CameraInfo of /camera/depth/image_raw: give intrinsics"));
+  ExpectError(Names("CameraInfo", "/camera/depth/image_raw", "intrinsics"));
   AddInfo("/camera/depth/camera_info");
-  ExpectError(HasSubstr("has no CameraInfo of /camera/rgb/image_raw: give color_intrinsics"));
+  ExpectError(Names("CameraInfo", "/camera/rgb/image_raw", "color_intrinsics"));
   AddInfo("/camera/rgb/camera_info", "rgb_frame");
-  ExpectError(
-      HasSubstr("no tf tells where /camera/rgb/image_raw (rgb_frame) is from "
-                "/camera/depth/image_raw (camera_optical_frame): give color_from_depth"));
+  ExpectError(Names("tf", "/camera/rgb/image_raw", "rgb_frame", "/camera/depth/image_raw",
+                    "camera_optical_frame", "color_from_depth"));
   options_.color_from_depth = Rigid3d(Eigen::Quaterniond::Identity(), {0.1, 0, 0});
   EXPECT_EQ(Open()->info().camera.color_from_depth.translation.x(), 0.1);
 }
 
-TEST_F(BagTest, TfTellsWhereColorIs) {
+TEST_F(BagTest, ReadsColorExtrinsicsFromTf) {
   AddDepth(kDepth, "/depth_frame");
   AddColor(kColor, "rgb_frame");
   AddInfo("/camera/depth/camera_info", "/depth_frame");
@@ -290,48 +285,48 @@ TEST_F(BagTest, ReadsTheLensOfRawImagesAndTheProjectionOfRectifiedOnes) {
   AddDepth();
   info.model = "equidistant";
   AddInfo("/camera/depth/camera_info", kOptical, info);
-  ExpectError(AllOf(HasSubstr("/camera/depth/camera_info"), HasSubstr("model 'equidistant'")));
+  ExpectError(Names("/camera/depth/camera_info", "equidistant"));
 }
 
-TEST_F(BagTest, StampsThatAreNotSetAreTheTimesOfRecording) {
+TEST_F(BagTest, UsesRecordingTimesForMissingStamps) {
   AddInfos();
   for (int i = 0; i < 3; ++i)
     bag_.Add(kDepth, kImage, 7 + i,
              RosImage{"16UC1", RawBytes(NumberedDepth(i))}.Bytes(0, kOptical));
   const auto source = Open();
-  EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("have no stamps")));
+  EXPECT_THAT(source->info().warnings, ElementsAre(Names("a.bag", kDepth)));
   EXPECT_EQ(source->Next()->stamp_s, 7);
   AddColor();
-  ExpectError(HasSubstr("no stamp of /camera/rgb/image_raw is within 0.02 s of one of"));
+  ExpectError(Names("/camera/rgb/image_raw", 0.02));
 }
 
-TEST_F(BagTest, ReadsADamagedFileAsFarAsItGoes) {
+TEST_F(BagTest, ReadsADamagedFileUpToTheDamage) {
   AddInfos();
   AddDepth();
   std::string bytes = bag_.File();
   options_.path = folder_.Write("a.bag", bytes.substr(0, bytes.size() - 1));
   auto source = OpenSequence(options_);
   EXPECT_EQ(source->info().frame_count, 2);
-  EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("damaged or ends early")));
+  EXPECT_THAT(source->info().warnings, ElementsAre(Names("a.bag")));
   bag_.AddChunk("lz4", 1000, "no frame of lz4");
   AddColor();
   source = Open();
   EXPECT_EQ(source->info().frame_count, 3);
-  EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("do not expand to 1000")));
+  EXPECT_THAT(source->info().warnings, ElementsAre(Names(1000)));
   bag_.AddChunk("rar", 1000, "");
-  ExpectError(HasSubstr("is compressed by 'rar', must be by lz4, zstd, bz2 or not at all"));
+  ExpectError(Names("rar", "lz4", "zstd", "bz2"));
 }
 
-TEST_F(BagTest, RefusesOtherFilesByName) {
+TEST_F(BagTest, RejectsOtherFilesByName) {
   for (const char* name : {"x.bag", "x.mcap", "x.db3"}) {
     options_.path = folder_.Write(name, "something else, of more bytes than a first line has");
-    ExpectInputError([&] { OpenSequence(options_); }, HasSubstr(name));
+    ExpectInputError([&] { OpenSequence(options_); }, Names(name));
   }
   options_.path = folder_.Write("x.bag", bag_.File("rosbag/AesCbcEncryptor"));
-  ExpectInputError([&] { OpenSequence(options_); }, HasSubstr("is encrypted"));
+  ExpectInputError([&] { OpenSequence(options_); }, AllOf(Names("x.bag"), HasSubstr("encrypt")));
 }
 
-TEST_F(BagTest, AbsurdSizesAreRefusedBeforeTheyTakeMemory) {
+TEST_F(BagTest, RejectsHugeSizesBeforeAllocation) {
   AddInfos();
   AddDepth();
   bag_.AddChunk("lz4", 0xFFFFFFFF, std::string(100, 'x'));
@@ -343,7 +338,7 @@ TEST_F(BagTest, AbsurdSizesAreRefusedBeforeTheyTakeMemory) {
   AddInfos();
   AddOne(kDepth, {"16UC1", std::string(100, 'x'), 16384, 16384, 32768});
   ResetLargestAllocation();
-  ExpectError(HasSubstr("has 100 bytes in rows of 32768, must have 32768 for each of 16384 rows"));
+  ExpectError(Names(100, 32768, 16384));
   EXPECT_LT(LargestAllocation(), 1u << 20);
 }
 

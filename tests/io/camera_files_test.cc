@@ -17,8 +17,8 @@ TEST(CameraPreset, EveryNameGivesAValidCamera) {
   }
 }
 
-// Of Kinects and Xtions that are stamped on arrival; nothing tells of the others' stamps.
-TEST(CameraPreset, OnlyTumsAndTheirSensorsHaveALatency) {
+// Kinect and Xtion images get their timestamps on arrival. The latency of other sensors is unknown.
+TEST(CameraPreset, OnlyTumSensorsHaveALatency) {
   for (const std::string& name : CameraPresetNames()) {
     const bool is_stamped_on_arrival =
         name.rfind("tum_", 0) == 0 || name == "kinect_v1" || name == "xtion";
@@ -32,19 +32,19 @@ std::array<double, 9> Numbers(const CalibrationPrior& prior) {
   return {focal, aspect, center, depth, latency, color_latency, readout, translation, rotation};
 }
 
-// What a data set's own calibration is known to: its results stay as they were.
-TEST(CameraPreset, OfDataSetsHaveTheUsualPrior) {
+// Calibrated data sets keep the default prior.
+TEST(CameraPreset, DataSetsHaveTheDefaultPrior) {
   for (const char* const name :
        {"tum_fr1", "tum_fr2", "tum_fr3", "icl_nuim", "seven_scenes", "redwood", "replica", "klg"}) {
     EXPECT_EQ(Numbers(CameraPreset(name).prior), Numbers(CalibrationPrior())) << name;
   }
 }
 
-// TUM's three calibrated sensors are within three standard deviations of their series, and what is
-// known of it is no wider than they show.
-TEST(CameraPreset, KnowsHowFarPrimeSensesSensorsDiffer) {
+// TUM's three calibrated sensors deviate from the kinect_v1 preset by at most three sigma, and
+// their mean squared deviation is about one variance: the prior is not too wide.
+TEST(CameraPreset, PriorMatchesTheSpreadOfCalibratedSensors) {
   const RgbdCamera series = CameraPreset("kinect_v1");
-  double focal = 0, aspect = 0, center = 0;  // mean squares, in variances
+  double focal = 0, aspect = 0, center = 0;  // mean squared deviations, in variances
   for (const char* const name : {"tum_fr1", "tum_fr2", "tum_fr3"}) {
     const PinholeCamera one = CameraPreset(name).depth;
     const double fx = (one.fx / series.depth.fx - 1) / series.prior.focal_share;
@@ -60,8 +60,8 @@ TEST(CameraPreset, KnowsHowFarPrimeSensesSensorsDiffer) {
   for (const double mean_square : {focal, aspect, center}) EXPECT_NEAR(mean_square, 1, 0.15);
 }
 
-// Inverse depth off by what the makers and testers tell.
-TEST(CameraPreset, KnowsTheErrorsOfDepthThatDataSheetsTell) {
+// Depth errors from the data sheets and from published tests.
+TEST(CameraPreset, DepthErrorsMatchTheDataSheets) {
   const auto error_m = [](const char* name, double z_m) {
     return CameraPreset(name).prior.inverse_depth_sigma * z_m * z_m;
   };
@@ -71,10 +71,10 @@ TEST(CameraPreset, KnowsTheErrorsOfDepthThatDataSheetsTell) {
   EXPECT_NEAR(error_m("azure_kinect", 2), 0.011 + 0.001 * 2, 0.002);
 }
 
-TEST(CameraPreset, AnUnknownNameListsTheKnownOnes) {
-  ExpectInputError([] { CameraPreset("kinect9"); },
-                   AllOf(HasSubstr("'kinect9'"), HasSubstr("tum_fr1, tum_fr2, tum_fr3"),
-                         HasSubstr("icl_nuim, seven_scenes, redwood")));
+TEST(CameraPreset, RejectsUnknownNameAndListsKnownNames) {
+  ExpectInputError(
+      [] { CameraPreset("kinect9"); },
+      Names("kinect9", "tum_fr1", "tum_fr2", "tum_fr3", "icl_nuim", "seven_scenes", "redwood"));
 }
 
 void ExpectSame(const PinholeCamera& a, const PinholeCamera& b) {
@@ -120,7 +120,7 @@ RgbdCamera SomeCamera() {
   return camera;
 }
 
-TEST(CameraYaml, ReadsWhatItWrites) {
+TEST(CameraYaml, RoundTripsCameras) {
   TempFolder folder;
   const RgbdCamera camera = SomeCamera();
   WriteCameraYaml(camera, folder / "camera.yaml");
@@ -139,11 +139,11 @@ TEST(CameraYaml, ReadsWhatItWrites) {
   EXPECT_EQ(read.noise.inverse_depth_sigma, camera.noise.inverse_depth_sigma);
   EXPECT_EQ(read.frames_per_second, camera.frames_per_second);
   EXPECT_EQ(read.latency_s, camera.latency_s);
-  // Numbers are written with 17 digits; reading normalises the quaternion: a rounding error.
+  // Files have 17 digits. Reading normalises the quaternion, with a rounding error.
   EXPECT_LT((read.color_from_depth.Matrix() - camera.color_from_depth.Matrix()).norm(), 1e-15);
 }
 
-// Also what is written only where it is not the default.
+// These keys are written only if they differ from the default.
 TEST(CameraYaml, KeepsColorsLatencyAndThePrior) {
   TempFolder folder;
   RgbdCamera camera = SomeCamera();
@@ -156,7 +156,7 @@ TEST(CameraYaml, KeepsColorsLatencyAndThePrior) {
   EXPECT_NE(Numbers(read.prior), Numbers(CalibrationPrior()));
 }
 
-TEST(CameraYaml, TakesTheUsualPriorWhereItTellsNone) {
+TEST(CameraYaml, UsesTheDefaultPriorWithoutPriorKeys) {
   TempFolder folder;
   WriteCameraYaml(SomeCamera(), folder / "camera.yaml");
   const RgbdCamera read = ReadCameraYaml(folder / "camera.yaml");
@@ -164,7 +164,7 @@ TEST(CameraYaml, TakesTheUsualPriorWhereItTellsNone) {
   EXPECT_EQ(Numbers(read.prior), Numbers(CalibrationPrior()));
 }
 
-TEST(CameraYaml, KeepsTheFormulaOfDisparities) {
+TEST(CameraYaml, KeepsTheDisparityModel) {
   const TempFolder folder;
   RgbdCamera camera = CameraPreset("tum_fr1");
   camera.disparity = {580, 0.075, -8, 1090.5};
@@ -177,19 +177,21 @@ TEST(CameraYaml, KeepsTheFormulaOfDisparities) {
   EXPECT_FALSE(CameraPreset("tum_fr1").disparity.IsGiven());
 
   const std::string text = ReadBytes(folder / "camera.yaml");
-  const auto refused = [&](const std::string& from, const std::string& to, const char* message) {
+  const auto refused = [&](const std::string& from, const std::string& to, const auto&... names) {
     std::string changed = text;
     changed.replace(changed.find(from), from.size(), to);
     WriteBytes(folder / "changed.yaml", changed);
-    ExpectInputError([&] { ReadCameraYaml(folder / "changed.yaml"); }, HasSubstr(message));
+    ExpectInputError([&] { ReadCameraYaml(folder / "changed.yaml"); },
+                     Names("changed.yaml", names...));
   };
-  refused("disparity:", "depth_units_per_metre: 1000.\ndisparity:", "exclude each other");
-  refused("counts_per_px", "count_per_px", "'count_per_px' is no known key");
-  refused("-8", "0", "disparity: counts_per_px is 0, must be finite and not 0");
-  refused("580", "-580", "disparity: focal_px is -580, must be finite and positive");
+  refused("disparity:", "depth_units_per_metre: 1000.\ndisparity:", "disparity",
+          "depth_units_per_metre");
+  refused("counts_per_px", "count_per_px", "count_per_px");
+  refused("-8", "0", "disparity", "counts_per_px", 0);
+  refused("580", "-580", "disparity", "focal_px", -580);
 }
 
-TEST(CameraYaml, KeepsADepthFieldBesideTheCamera) {
+TEST(CameraYaml, KeepsTheInverseDepthField) {
   TempFolder folder;
   const InverseDepthField field = {{-0.0067, 0.001, -0.002, 0.003, -0.004, 0.005}};
   WriteCameraYaml(SomeCamera(), folder / "camera.yaml", field);
@@ -199,7 +201,7 @@ TEST(CameraYaml, KeepsADepthFieldBesideTheCamera) {
   EXPECT_TRUE(ReadInverseDepthField(folder / "camera.yaml").IsZero());
 }
 
-TEST(CameraYaml, WritesNoColorCameraWhereColorIsRegistered) {
+TEST(CameraYaml, WritesNoColorCameraForRegisteredColor) {
   TempFolder folder;
   RgbdCamera camera = SomeCamera();
   camera.color_is_registered = true;
@@ -207,9 +209,10 @@ TEST(CameraYaml, WritesNoColorCameraWhereColorIsRegistered) {
   EXPECT_TRUE(ReadCameraYaml(folder / "camera.yaml").color_is_registered);
 }
 
-// Expects an error about the file with `from` replaced by `to`.
+// Replaces `from` by `to` in a valid file. Expects an error with the path and the names.
+template <typename... Parts>
 void ExpectErrorAfterReplacing(const std::string& from, const std::string& to,
-                               const std::string& message) {
+                               const Parts&... names) {
   TempFolder folder;
   const std::string path = folder / "camera.yaml";
   std::string text =
@@ -223,31 +226,29 @@ void ExpectErrorAfterReplacing(const std::string& from, const std::string& to,
   EXPECT_NO_THROW(ReadCameraYaml(path));
   ASSERT_NE(text.find(from), std::string::npos);
   WriteBytes(path, text.replace(text.find(from), from.size(), to));
-  ExpectInputError([&] { ReadCameraYaml(path); }, AllOf(HasSubstr(path), HasSubstr(message)));
+  ExpectInputError([&] { ReadCameraYaml(path); }, Names(path, names...));
 }
 
-TEST(CameraYaml, NamesFileAndKeyOfWhatIsWrong) {
-  ExpectErrorAfterReplacing("fx: 525., ", "", "depth_camera: fx is missing");
-  ExpectErrorAfterReplacing("fx: 525.", "fx: -5.", "depth camera: fx is -5");
-  ExpectErrorAfterReplacing("fx: 525.", "fx: many", "depth_camera: fx must be a number");
-  ExpectErrorAfterReplacing("width: 640", "width: 640.5", "width must be an integer");
-  ExpectErrorAfterReplacing("depth_camera", "depth_kamera", "'depth_kamera' is no known key");
-  ExpectErrorAfterReplacing("distortion", "distorsion", "'distorsion' is no known key");
-  ExpectErrorAfterReplacing("[ 0., 0., 0., 0., 0. ]", "[ 0., 0. ]", "must be a list of 5 numbers");
-  ExpectErrorAfterReplacing("[ 0., 0., 0., 1. ]", "[ 0., 0., 0., 0. ]",
-                            "has length 0, must have 1");
-  ExpectErrorAfterReplacing("depth_units_per_metre: 5000.\n", "",
-                            "depth_units_per_metre is missing");
-  ExpectErrorAfterReplacing("color_camera: {", "color_camera: [", "");
-  ExpectErrorAfterReplacing("5000.", "0.", "depth_units_per_metre is 0");
-  ExpectErrorAfterReplacing("5000.", "5000.\ninverse_depth_sigma: 0.", "inverse_depth_sigma is 0");
-  ExpectErrorAfterReplacing("5000.", "5000.\nlatency_s: 20.", "latency_s is 20, must be from -1");
-  ExpectErrorAfterReplacing("5000.", "5000.\ncolor_latency_s: 2.", "color_latency_s is 2, must");
-  ExpectErrorAfterReplacing("5000.", "5000.\nprior: { focal_share: -1. }", "focal_share is -1");
-  ExpectErrorAfterReplacing("5000.", "5000.\nprior: { focus: 1. }", "'focus' is no known key");
+TEST(CameraYaml, RejectsBadValuesByFileAndKey) {
+  ExpectErrorAfterReplacing("fx: 525., ", "", "depth_camera", "fx");
+  ExpectErrorAfterReplacing("fx: 525.", "fx: -5.", "fx", -5);
+  ExpectErrorAfterReplacing("fx: 525.", "fx: many", "depth_camera", "fx");
+  ExpectErrorAfterReplacing("width: 640", "width: 640.5", "width");
+  ExpectErrorAfterReplacing("depth_camera", "depth_kamera", "depth_kamera");
+  ExpectErrorAfterReplacing("distortion", "distorsion", "distorsion");
+  ExpectErrorAfterReplacing("[ 0., 0., 0., 0., 0. ]", "[ 0., 0. ]", "distortion", 5);
+  ExpectErrorAfterReplacing("[ 0., 0., 0., 1. ]", "[ 0., 0., 0., 0. ]", 0, 1);
+  ExpectErrorAfterReplacing("depth_units_per_metre: 5000.\n", "", "depth_units_per_metre");
+  ExpectErrorAfterReplacing("color_camera: {", "color_camera: [");
+  ExpectErrorAfterReplacing("5000.", "0.", "depth_units_per_metre", 0);
+  ExpectErrorAfterReplacing("5000.", "5000.\ninverse_depth_sigma: 0.", "inverse_depth_sigma", 0);
+  ExpectErrorAfterReplacing("5000.", "5000.\nlatency_s: 20.", "latency_s", 20);
+  ExpectErrorAfterReplacing("5000.", "5000.\ncolor_latency_s: 2.", "color_latency_s", 2);
+  ExpectErrorAfterReplacing("5000.", "5000.\nprior: { focal_share: -1. }", "focal_share", -1);
+  ExpectErrorAfterReplacing("5000.", "5000.\nprior: { focus: 1. }", "focus");
 }
 
-TEST(CameraYaml, MayHaveBlocksCommentsQuotesAndLinesWithinBrackets) {
+TEST(CameraYaml, ReadsBlocksCommentsQuotesAndLineBreaksInBrackets) {
   const TempFolder folder;
   const std::string path = folder.Write("camera.yaml",
                                         "# as by hand\r\n"
@@ -278,40 +279,40 @@ TEST(CameraYaml, MayHaveBlocksCommentsQuotesAndLinesWithinBrackets) {
   EXPECT_THAT(ReadInverseDepthField(path).coefficients, ElementsAre(1, 2, 3, 4, 5, 6));
 }
 
-TEST(CameraYaml, TellsTheLineOfWhatIsNoYaml) {
-  ExpectErrorAfterReplacing("5000.", "5000.\n latency_s: 0.", "camera.yaml:7 is not YAML");
-  ExpectErrorAfterReplacing("5000.", "5000. 1.", "must be a number");
-  ExpectErrorAfterReplacing("5000.", "[ 5000. ] 1.", ":6 is not YAML as a camera needs it: it has");
-  ExpectErrorAfterReplacing("0., 0., 0. ],", "0. 0., 0. ],", "must be a list of 3 numbers");
-  ExpectErrorAfterReplacing("fx: 525., fy", "fx: 525. fy", "fx must be a number");
-  ExpectErrorAfterReplacing("1. ] }", "1. ]", "it has no comma between values");
-  ExpectErrorAfterReplacing("fx: 525.", "fx: 525., fx: 525.", "the key 'fx' once more");
-  ExpectErrorAfterReplacing("5000.\n", "'5000.\n", "it ends within quotation marks");
+TEST(CameraYaml, RejectsBadSyntaxByFileAndLine) {
+  ExpectErrorAfterReplacing("5000.", "5000.\n latency_s: 0.", "camera.yaml:7");
+  ExpectErrorAfterReplacing("5000.", "5000. 1.", "depth_units_per_metre");
+  ExpectErrorAfterReplacing("5000.", "[ 5000. ] 1.", "camera.yaml:6");
+  ExpectErrorAfterReplacing("0., 0., 0. ],", "0. 0., 0. ],", "translation_m", 3);
+  ExpectErrorAfterReplacing("fx: 525., fy", "fx: 525. fy", "fx");
+  ExpectErrorAfterReplacing("1. ] }", "1. ]", "camera.yaml:6");
+  ExpectErrorAfterReplacing("fx: 525.", "fx: 525., fx: 525.", "fx");
+  ExpectErrorAfterReplacing("5000.\n", "'5000.\n", "camera.yaml:6");
   std::string many = "5000.";
   for (int i = 0; i < 200; ++i) many += "\nkey" + std::to_string(i) + ": 1";
-  ExpectErrorAfterReplacing("5000.", many, "it has too many keys");
+  ExpectErrorAfterReplacing("5000.", many);
 }
 
-TEST(CameraYaml, RefusesWhatIsNotFiniteNestedTooDeeplyOrTooLong) {
+TEST(CameraYaml, RejectsNonFiniteNestedAndHugeFiles) {
   const TempFolder dir;
   const std::string path = dir.path() + "/camera.yaml";
-  const auto refuse = [&](const std::string& text, const std::string& message) {
+  const auto refuse = [&](const std::string& text, const auto&... names) {
     WriteBytes(path, "%YAML:1.0\n---\n" + text);
-    ExpectInputError([&] { ReadCameraYaml(path); }, AllOf(HasSubstr(path), HasSubstr(message)));
-    ExpectInputError([&] { ReadInverseDepthField(path); }, HasSubstr(path));
+    ExpectInputError([&] { ReadCameraYaml(path); }, Names(path, names...));
+    ExpectInputError([&] { ReadInverseDepthField(path); }, Names(path));
   };
-  refuse("depth_camera: " + std::string(100000, '['), "is too large");
-  refuse("depth_camera: " + std::string(50000, '['), "lists and maps, must have at most 200");
-  refuse("depth_camera: x'" + std::string(50000, '{'), "lists and maps, must have at most 200");
+  refuse("depth_camera: " + std::string(100000, '['));
+  refuse("depth_camera: " + std::string(50000, '['), 200);
+  refuse("depth_camera: x'" + std::string(50000, '{'), 200);
   std::string dashes = "depth_camera:\n  ";
   for (int i = 0; i < 20000; ++i) dashes += "- ";
-  refuse(dashes + "1\n", "lists and maps, must have at most 200");
-  refuse("depth_camera:\n   : 1.\n", ":4 is not YAML as a camera needs it: it has no key");
+  refuse(dashes + "1\n", 200);
+  refuse("depth_camera:\n   : 1.\n", path + ":4");
   WriteBytes(path, "%YAML:1.0\n---\ninverse_depth_field: [ .Nan, 0., 0., 0., 0., 0. ]\n");
-  ExpectInputError([&] { ReadInverseDepthField(path); }, HasSubstr("inverse_depth_field must be"));
+  ExpectInputError([&] { ReadInverseDepthField(path); }, Names("inverse_depth_field"));
 }
 
-TEST(CameraYaml, OfAFolderIsAFileOrMissing) {
+TEST(CameraYaml, RejectsPipesAndFolders) {
   for (const bool is_pipe : {false, true}) {
     const TempFolder folder;
     WriteTumSequence(folder, 2);
@@ -322,16 +323,14 @@ TEST(CameraYaml, OfAFolderIsAFileOrMissing) {
     } else {
       std::filesystem::create_directory(path);
     }
-    ExpectInputError([&] { OpenSequence(Options(folder)); },
-                     HasSubstr("camera.yaml is no regular file"));
+    ExpectInputError([&] { OpenSequence(Options(folder)); }, Names(path));
   }
 }
 
-TEST(CameraYaml, NamesAFileThatCannotBeReadOrWritten) {
-  ExpectInputError([] { ReadCameraYaml("/nowhere/camera.yaml"); },
-                   HasSubstr("/nowhere/camera.yaml does not exist"));
+TEST(CameraYaml, RejectsUnreadableAndUnwritableFiles) {
+  ExpectInputError([] { ReadCameraYaml("/nowhere/camera.yaml"); }, Names("/nowhere/camera.yaml"));
   ExpectInputError([] { WriteCameraYaml(SomeCamera(), "/nowhere/camera.yaml"); },
-                   HasSubstr("cannot write '/nowhere/camera.yaml'"));
+                   Names("/nowhere/camera.yaml"));
 }
 
 }  // namespace

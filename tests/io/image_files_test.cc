@@ -50,7 +50,7 @@ std::string BigEndian(std::size_t number) {
   return bytes;
 }
 
-TEST(ReadDepthImage, GivesTheCountsOfPngAndPgm) {
+TEST(ReadDepthImage, ReadsCountsOfPngAndPgm) {
   TempFolder folder;
   for (const char* name : {"depth.png", "depth.pgm"}) {
     WriteDepth(folder / name, SomeDepth());
@@ -58,7 +58,7 @@ TEST(ReadDepthImage, GivesTheCountsOfPngAndPgm) {
   }
 }
 
-TEST(ReadDepthImage, GivesTheMetresOfFloatTiff) {
+TEST(ReadDepthImage, ReadsMetresOfFloatTiff) {
   TempFolder folder;
   Image<float> metres(5, 4, 1.25f);
   metres(3, 2) = 0;
@@ -66,20 +66,19 @@ TEST(ReadDepthImage, GivesTheMetresOfFloatTiff) {
   EXPECT_EQ(std::get<Image<float>>(ReadDepthImage(folder / "depth.tiff")), metres);
 }
 
-TEST(ReadDepthImage, RefusesAColorImage) {
+TEST(ReadDepthImage, RejectsAColorImage) {
   TempFolder folder;
   WriteColor(folder / "color.png", SomeColor());
-  ExpectInputError([&] { ReadDepthImage(folder / "color.png"); },
-                   HasSubstr("color.png has 3 channel(s) of 8 bits"));
+  ExpectInputError([&] { ReadDepthImage(folder / "color.png"); }, Names("color.png", 3, 8));
 }
 
-TEST(ReadColorImage, GivesRedGreenBlueOfPng) {
+TEST(ReadColorImage, ReadsRedGreenBlueOfPng) {
   TempFolder folder;
   WriteColor(folder / "color.png", SomeColor());
   EXPECT_EQ(ReadColorImage(folder / "color.png"), SomeColor());
 }
 
-TEST(ReadColorImage, GivesTheSameJpegPixelsAsOpenCv) {
+TEST(ReadColorImage, ReadsTheSameJpegPixelsAsOpenCv) {
   TempFolder folder;
   WriteColor(folder / "color.jpg", SomeColor());
   const Image<Rgb8> read = ReadColorImage(folder / "color.jpg");
@@ -90,9 +89,8 @@ TEST(ReadColorImage, GivesTheSameJpegPixelsAsOpenCv) {
   }
 }
 
-// Metres of 0.5 + 0.01 (u + 37 v) in tiles of 16 x 16 pixels, packed by deflate, as GIS programs
-// do.
-TEST(ReadDepthImage, GivesTheMetresOfATiledTiff) {
+// Depth 0.5 + 0.01 (u + 37 v) m in deflate-compressed tiles of 16 x 16 pixels, as in GIS files.
+TEST(ReadDepthImage, ReadsMetresOfATiledTiff) {
   const std::string bytes = ReadBytes(SURFIT_CORPUS_DIR "/tiled_metres.tiff");
   Image<float> metres(37, 20);
   for (std::size_t i = 0; i < metres.size(); ++i) metres[i] = 0.5f + 0.01f * static_cast<float>(i);
@@ -102,8 +100,8 @@ TEST(ReadDepthImage, GivesTheMetresOfATiledTiff) {
   EXPECT_THROW(DecodeDepthImage(damaged, "a.tiff"), InputError);
 }
 
-// In its own order, though viewers would turn it upside down: rows of red, green and blue.
-TEST(ReadColorImage, GivesTheRowsOfATiffAsTheyStand) {
+// The rows are red, green and blue in file order. The orientation tag (upside down) is ignored.
+TEST(ReadColorImage, IgnoresTheOrientationOfATiff) {
   const Image<Rgb8> image = ReadColorImage(SURFIT_CORPUS_DIR "/upside_down.tiff");
   ASSERT_EQ(image.height(), 3);
   EXPECT_EQ(image(0, 0), (Rgb8{255, 0, 0}));
@@ -111,14 +109,13 @@ TEST(ReadColorImage, GivesTheRowsOfATiffAsTheyStand) {
   EXPECT_EQ(image(3, 2), (Rgb8{0, 0, 255}));
 }
 
-TEST(ReadDepthImage, GivesTheCountsOfTiff) {
+TEST(ReadDepthImage, ReadsCountsOfTiff) {
   const TempFolder folder;
   WriteDepth(folder / "depth.tiff", SomeDepth());
   EXPECT_EQ(std::get<Image<std::uint16_t>>(ReadDepthImage(folder / "depth.tiff")), SomeDepth());
 }
 
-// Wherever the file ends, and whether the rest is gone or was never written (zeros), the picture
-// must count as unreadable.
+// Truncates the file at every byte, with and without zero padding. Expects that no version decodes.
 void ExpectEveryTruncationIsRefused(const std::string& path) {
   const std::string bytes = ReadBytes(path);
   ASSERT_GT(bytes.size(), 100u);
@@ -131,7 +128,7 @@ void ExpectEveryTruncationIsRefused(const std::string& path) {
   }
 }
 
-TEST(DecodeColorImage, RefusesEveryTruncation) {
+TEST(DecodeColorImage, RejectsEveryTruncation) {
   TempFolder folder;
   WriteColor(folder / "color.png", SomeColor());
   ExpectEveryTruncationIsRefused(folder / "color.png");
@@ -141,8 +138,8 @@ TEST(DecodeColorImage, RefusesEveryTruncation) {
   ExpectEveryTruncationIsRefused(folder / "progressive.jpg");
 }
 
-// Cut anywhere, the depth is refused, or all of it is there (a TIFF may lack bytes that say
-// nothing).
+// Truncates the file at every byte. Expects an error or all depths: a TIFF may end with unused
+// bytes.
 void ExpectTruncatedDepthIsRefusedOrWhole(const std::string& path) {
   const std::string bytes = ReadBytes(path);
   const RawDepth whole = DecodeDepthImage(bytes, path);
@@ -157,8 +154,8 @@ void ExpectTruncatedDepthIsRefusedOrWhole(const std::string& path) {
   EXPECT_GT(refused, static_cast<int>(bytes.size()) - 10);
 }
 
-// A few bytes that claim 256 million pixels, before any memory is taken for them.
-TEST(DecodeDepthImage, RefusesMorePixelsThanBytesCanHold) {
+// Small files whose headers claim 256 million pixels are rejected before memory is allocated.
+TEST(DecodeDepthImage, RejectsMorePixelsThanBytesCanHold) {
   const auto entry = [](int tag, int type, int value) {
     return LittleEndian(static_cast<std::int16_t>(tag), static_cast<std::int16_t>(type), 1, value);
   };
@@ -170,19 +167,19 @@ TEST(DecodeDepthImage, RefusesMorePixelsThanBytesCanHold) {
   for (const std::string& bytes : {std::string("P5 16000#\n 16000 65535\n"),
                                    tiff + entry(256, 3, 16000) + entry(257, 4, 16000), png, jpeg}) {
     ResetLargestAllocation();
-    ExpectInputError([&] { ClaimedSize(bytes, "a.png"); }, HasSubstr("cannot hold 16000 x 16000"));
+    ExpectInputError([&] { ClaimedSize(bytes, "a.png"); }, Names("a.png", 16000));
     EXPECT_THROW(DecodeDepthImage(bytes, "a.png"), InputError);
     EXPECT_THROW(DecodeColorImage(bytes, "a.png"), InputError);
     EXPECT_LT(LargestAllocation(), 1u << 20);
   }
   ExpectInputError([&] { ClaimedSize(tiff + entry(256, 16, 1) + entry(257, 4, 1), "a.tiff"); },
-                   HasSubstr("its size is odd"));
+                   Names("a.tiff"));
 }
 
-TEST(DecodeColorImage, RefusesOtherKinds) {
+TEST(DecodeColorImage, RejectsOtherFormats) {
   for (const char* kind : {".bmp", ".webp", ".ras"}) {
     ExpectInputError([&] { DecodeColorImage(EncodedBytes(NumberedColor(0), kind), "a.png"); },
-                     HasSubstr("neither PNG, JPEG, TIFF, PGM nor PPM"));
+                     Names("a.png", "PNG", "JPEG", "TIFF", "PGM", "PPM"));
   }
 }
 
@@ -192,8 +189,8 @@ std::string Chunk(const std::string& type, const std::string& data) {
   return BigEndian(data.size()) + body + BigEndian(checksum);
 }
 
-// A PNG of such rows, each with its filter before it (PNG specification, 4 and 7), with other
-// chunks in between.
+// PNG file with these rows. Each row begins with its filter byte (PNG specification, 4 and 7).
+// `chunks` is inserted before the image data.
 std::string Png(ImageSize size, char bits, char type, const std::string& rows,
                 const std::string& chunks = "") {
   const std::string header =
@@ -209,8 +206,8 @@ std::string Png(ImageSize size, char bits, char type, const std::string& rows,
 
 constexpr char kGray = 0, kRgb = 2, kPalette = 3, kRgbAlpha = 6;
 
-// Written by hand, against what OpenCV makes of them.
-TEST(DecodeColorImage, GivesEveryKindOfPngAsOpenCvDoes) {
+// Hand-made files, compared with OpenCV.
+TEST(DecodeColorImage, DecodesEveryKindOfPngLikeOpenCv) {
   const std::string palette = Chunk("PLTE", "abcdefghijkl");
   for (const std::string& png :
        {Png({4, 2}, 2, kPalette, {"\0\x1B\0\xE4", 4}, palette),
@@ -224,7 +221,7 @@ TEST(DecodeColorImage, GivesEveryKindOfPngAsOpenCvDoes) {
   }
 }
 
-// Rows of any bytes, each filter of the specification at the top and below each other.
+// Rows of random bytes. Every filter occurs in the first row and after every other filter.
 std::string FilteredRows(ImageSize size, int pixel_bytes) {
   std::mt19937_64 rng(7);
   std::string rows;
@@ -259,8 +256,8 @@ TEST(DecodeDepthImage, UndoesEveryFilterOfAPng) {
   }
 }
 
-// What is not quite as most are goes to libpng: a chunk between the data, which it refuses, and a
-// palette of colours beside them, which it knows.
+// libpng decodes unusual files. It rejects a chunk between the data chunks, and accepts a palette
+// in an RGB image.
 TEST(DecodeColorImage, LeavesOddPngsToLibpng) {
   std::string apart = EncodedBytes(SomeColor(), ".png");
   const std::size_t end = apart.size() - 12;
@@ -271,21 +268,21 @@ TEST(DecodeColorImage, LeavesOddPngsToLibpng) {
   EXPECT_EQ(DecodeColorImage(palette, "a.png"), ByOpenCv(palette));
 }
 
-TEST(DecodeDepthImage, RefusesPngsOfOtherKinds) {
+TEST(DecodeDepthImage, RejectsPngsOfOtherTypes) {
   ExpectInputError(
       [&] {
         DecodeDepthImage(Png({3, 1}, 8, kGray, {"\0azy", 4}), "a.png");
       },
-      HasSubstr("a.png has 1 channel(s) of 8 bits"));
+      Names("a.png", 1, 8));
   ExpectInputError(
       [&] {
         DecodeDepthImage(Png({1, 1}, 16, kRgb, {"\0aAbBcC", 7}), "a.png");
       },
-      HasSubstr("a.png has 3 channel(s) of 16 bits"));
+      Names("a.png", 3, 16));
 }
 
-// All checksums are right: only the decoder can tell.
-TEST(DecodeImage, RefusesPngsWhoseRowsAreNotWhole) {
+// All checksums are correct, so only the decoder can detect the fault.
+TEST(DecodeImage, RejectsPngsWithIncompleteRows) {
   const std::string two_of_three_rows = {"\0ab\0cd", 6};
   for (const std::string& png :
        {Png({2, 3}, 8, kGray, two_of_three_rows), Png({1, 3}, 16, kGray, two_of_three_rows),
@@ -300,15 +297,15 @@ TEST(DecodeImage, RefusesPngsWhoseRowsAreNotWhole) {
   }
 }
 
-TEST(EncodePng, GivesBackWhatItTook) {
+TEST(EncodePng, RoundTripsThePixels) {
   EXPECT_EQ(DecodeColorImage(EncodePng(SomeColor()), "a.png"), SomeColor());
   EXPECT_EQ(ByOpenCv(EncodePng(SomeColor())), SomeColor());
   EXPECT_EQ(std::get<Image<std::uint16_t>>(DecodeDepthImage(EncodePng(SomeDepth()), "a.png")),
             SomeDepth());
-  ExpectInputError([] { EncodePng(Image<Rgb8>()); }, HasSubstr("cannot make a PNG of 0 x 0"));
+  ExpectInputError([] { EncodePng(Image<Rgb8>()); }, Names("PNG", 0));
 }
 
-TEST(DecodeColorImage, GivesPgmAndPpmOfTextAndBytes) {
+TEST(DecodeColorImage, DecodesTextAndBinaryPgmAndPpm) {
   const Image<Rgb8> two(2, 1, {255, 0, 102});
   for (const std::string& bytes :
        {std::string("P3 2 1 255 255 0 102 255 0 102"),
@@ -321,7 +318,7 @@ TEST(DecodeColorImage, GivesPgmAndPpmOfTextAndBytes) {
   EXPECT_EQ(DecodeColorImage("P2 1 1 255 7", "a.pgm"), Image<Rgb8>(1, 1, {7, 7, 7}));
 }
 
-TEST(DecodeDepthImage, GivesThePgmOfText) {
+TEST(DecodeDepthImage, DecodesATextPgm) {
   Image<std::uint16_t> expected(1, 2, 7);
   expected[1] = 59999;
   EXPECT_EQ(std::get<Image<std::uint16_t>>(DecodeDepthImage("P2 1 2 60000 7 59999", "a.pgm")),
@@ -332,15 +329,15 @@ TEST(DecodeDepthImage, GivesThePgmOfText) {
   }
 }
 
-// As little as there may be: nothing but black, in one bit a pixel.
-TEST(ReadColorImage, GivesAPngOfOneBitAPixel) {
+// The smallest kind of PNG: black, with one bit per pixel.
+TEST(ReadColorImage, ReadsAPngWithOneBitPerPixel) {
   const TempFolder folder;
   cv::imwrite(folder / "black.png", cv::Mat(480, 640, CV_8UC1, cv::Scalar(0)),
               {cv::IMWRITE_PNG_BILEVEL, 1, cv::IMWRITE_PNG_COMPRESSION, 9});
   EXPECT_EQ(ReadColorImage(folder / "black.png"), Image<Rgb8>(640, 480));
 }
 
-TEST(DecodeDepthImage, RefusesTruncatedDepth) {
+TEST(DecodeDepthImage, RejectsTruncatedDepth) {
   TempFolder folder;
   WriteDepth(folder / "depth.png", SomeDepth());
   ExpectTruncatedDepthIsRefusedOrWhole(folder / "depth.png");
@@ -350,7 +347,7 @@ TEST(DecodeDepthImage, RefusesTruncatedDepth) {
   ExpectTruncatedDepthIsRefusedOrWhole(folder / "depth.tiff");
 }
 
-TEST(DecodeDepthImage, RefusesAPngWithAnyByteFlipped) {
+TEST(DecodeDepthImage, RejectsAPngWithAnyByteFlipped) {
   TempFolder folder;
   const std::string path = folder / "depth.png";
   WriteDepth(path, SomeDepth());
@@ -362,24 +359,23 @@ TEST(DecodeDepthImage, RefusesAPngWithAnyByteFlipped) {
   }
 }
 
-// JPEG has no checksums, so that damage to a coefficient can pass for a picture; damage that the
-// decoder notices must not: here a piece cut out of the middle.
-TEST(DecodeColorImage, RefusesAJpegWithAPieceMissing) {
+// JPEG has no checksums, so damaged coefficients can go unnoticed. A missing piece must be
+// rejected.
+TEST(DecodeColorImage, RejectsAJpegWithAMissingPiece) {
   TempFolder folder;
   const std::string path = folder / "color.jpg";
   WriteColor(path, SomeColor());
   std::string bytes = ReadBytes(path);
   bytes.erase(bytes.size() - 40, 20);
-  ExpectInputError([&] { DecodeColorImage(bytes, path); },
-                   HasSubstr("color.jpg is truncated or damaged"));
+  ExpectInputError([&] { DecodeColorImage(bytes, path); }, Names("color.jpg"));
 }
 
-TEST(ReadImage, NamesWhatIsNoImage) {
+TEST(ReadImage, RejectsFilesThatAreNoImages) {
   TempFolder folder;
   WriteBytes(folder / "text.png", "no image at all");
-  ExpectInputError([&] { ReadColorImage(folder / "text.png"); }, HasSubstr("text.png"));
-  ExpectInputError([&] { ReadColorImage(folder / "missing.png"); }, HasSubstr("missing.png"));
-  ExpectInputError([&] { ReadColorImage(folder.path()); }, HasSubstr(folder.path()));
+  ExpectInputError([&] { ReadColorImage(folder / "text.png"); }, Names("text.png"));
+  ExpectInputError([&] { ReadColorImage(folder / "missing.png"); }, Names("missing.png"));
+  ExpectInputError([&] { ReadColorImage(folder.path()); }, Names(folder.path()));
 }
 
 std::string SomePng() {
@@ -388,7 +384,7 @@ std::string SomePng() {
   return ReadBytes(folder / "depth.png");
 }
 
-TEST(PngChunks, AcceptsAWholeFileWhateverFollows) {
+TEST(PngChunks, AcceptsAFileWithTrailingBytes) {
   EXPECT_TRUE(IsPng(SomePng()));
   for (const std::string& png : {SomePng(), SomePng() + "padding"}) {
     const std::vector<PngChunk> chunks = PngChunks(png, "a.png");
@@ -398,24 +394,23 @@ TEST(PngChunks, AcceptsAWholeFileWhateverFollows) {
   }
 }
 
-TEST(PngChunks, RefusesEveryTruncation) {
+TEST(PngChunks, RejectsEveryTruncation) {
   const std::string bytes = SomePng();
   for (std::size_t size = 8; size < bytes.size(); ++size) {
-    ExpectInputError([&] { PngChunks(bytes.substr(0, size), "a.png"); },
-                     ::testing::StrEq("a.png is truncated"));
+    ExpectInputError([&] { PngChunks(bytes.substr(0, size), "a.png"); }, Names("a.png"));
   }
 }
 
-TEST(PngChunks, RefusesEveryFlippedByte) {
+TEST(PngChunks, RejectsEveryFlippedByte) {
   const std::string bytes = SomePng();
   for (std::size_t i = 8; i < bytes.size(); ++i) {
     std::string damaged = bytes;
     damaged[i] ^= 0x10;
-    ExpectInputError([&] { PngChunks(damaged, "a.png"); }, HasSubstr("a.png is "));
+    ExpectInputError([&] { PngChunks(damaged, "a.png"); }, Names("a.png"));
   }
 }
 
-TEST(IsPng, LooksAtTheSignature) {
+TEST(IsPng, ChecksTheSignature) {
   EXPECT_FALSE(IsPng(""));
   EXPECT_FALSE(IsPng("\x89PNG"));
   EXPECT_FALSE(IsPng("P5 20 10 65535 and so on"));

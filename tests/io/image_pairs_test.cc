@@ -22,7 +22,7 @@ DeviceImage ColorAt(std::uint64_t stamp_us) {
   return image;
 }
 
-// The stamps of depth and colour of all pairs that are decided; 0 for no colour.
+// Timestamps of depth and colour of all complete pairs; 0: no colour.
 std::vector<std::pair<std::uint64_t, std::uint64_t>> TakeAll(ImagePairs* pairs) {
   std::vector<std::pair<std::uint64_t, std::uint64_t>> stamps;
   while (const auto pair = pairs->Take()) {
@@ -34,16 +34,16 @@ std::vector<std::pair<std::uint64_t, std::uint64_t>> TakeAll(ImagePairs* pairs) 
 
 using Stamps = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
 
-TEST(ImagePairs, WaitForTheNearestColour) {
+TEST(ImagePairs, WaitForTheClosestColour) {
   ImagePairs pairs(/*has_color=*/true);
   pairs.Add(ColorAt(90000));
   pairs.Add(DepthAt(100000));
-  EXPECT_EQ(TakeAll(&pairs), Stamps());  // a nearer one may come
+  EXPECT_EQ(TakeAll(&pairs), Stamps());  // a closer colour image may arrive
   pairs.Add(ColorAt(104000));
   EXPECT_EQ(TakeAll(&pairs), (Stamps{{100000, 104000}}));
 }
 
-TEST(ImagePairs, GiveAColourToOneDepth) {
+TEST(ImagePairs, UseEachColourOnce) {
   ImagePairs pairs(/*has_color=*/true);
   pairs.Add(ColorAt(100000));
   pairs.Add(DepthAt(95000));
@@ -52,7 +52,7 @@ TEST(ImagePairs, GiveAColourToOneDepth) {
   EXPECT_EQ(TakeAll(&pairs), (Stamps{{95000, 100000}, {105000, 0}}));
 }
 
-TEST(ImagePairs, LetDepthBeAloneWhereColourIsFarOrDoesNotCome) {
+TEST(ImagePairs, KeepDepthAloneIfColourIsFarOrMissing) {
   ImagePairs pairs(/*has_color=*/true);
   pairs.Add(ColorAt(10000));
   for (const std::uint64_t stamp_us : {100000, 133000, 166000}) pairs.Add(DepthAt(stamp_us));
@@ -61,13 +61,13 @@ TEST(ImagePairs, LetDepthBeAloneWhereColourIsFarOrDoesNotCome) {
   EXPECT_EQ(TakeAll(&pairs), (Stamps{{133000, 140000}}));
 }
 
-TEST(ImagePairs, WithoutColourAreMadeAtOnce) {
+TEST(ImagePairs, WithoutColourStreamDoNotWait) {
   ImagePairs pairs(/*has_color=*/false);
   pairs.Add(DepthAt(100000));
   EXPECT_EQ(TakeAll(&pairs), (Stamps{{100000, 0}}));
 }
 
-TEST(ImagePairs, ForgetWhatWaits) {
+TEST(ImagePairs, DropWaitingImagesOnReset) {
   ImagePairs pairs(/*has_color=*/true);
   pairs.Add(DepthAt(100000));
   pairs.Clear();

@@ -22,8 +22,7 @@ void Note(std::size_t size) {
 
 }  // namespace surfit::testing
 
-// The sanitizers bring an operator new of their own, which must keep its company; they limit what
-// can be asked for themselves.
+// Sanitizers replace operator new and delete together, and limit allocation sizes.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 void* operator new(std::size_t size) {
   surfit::testing::Note(size);

@@ -18,7 +18,7 @@ struct SeedFile {
   std::string bytes;
 };
 
-// Every coding once: what stands in tests/io/corpus.
+// Files of every encoding: the contents of tests/io/corpus.
 std::vector<SeedFile> SeedFiles() {
   SensEncoder zlib_jpeg, raw_png;
   zlib_jpeg.color_coding = ".jpg";
@@ -30,7 +30,7 @@ std::vector<SeedFile> SeedFiles() {
           {"raw_png.sens", raw_png.File(2)},           {"zlib_raw.sens", raw_color.File(2)}};
 }
 
-// Reads all that can be read; refusing is fine. Returns whether any frame could.
+// Reads all frames. InputError is allowed. Returns true if at least one frame was readable.
 bool ReadAsFarAsPossible(const std::string& path) {
   bool any = false;
   try {
@@ -42,12 +42,13 @@ bool ReadAsFarAsPossible(const std::string& path) {
   return any;
 }
 
-// What deflate can make of a file of that size at most, as floats, and what reading takes besides.
+// Maximum allocation for a file of this size: deflate expands by at most 1032, counts become
+// floats, plus 1 MiB.
 std::size_t Promise(std::size_t file_size) { return 2 * 1032 * file_size + (1 << 20); }
 
 void ReadMutations(const std::string& ending, int count) {
   const TempFolder folder;
-  folder.Write("mutated.klg.yaml", SmallCameraYaml());  // which .klg files need
+  folder.Write("mutated.klg.yaml", SmallCameraYaml());  // required for .klg files
   const int level = std::exchange(FLAGS_minloglevel, google::GLOG_ERROR);
   Random random(7);
   int read = 0, tried = 0;
@@ -55,7 +56,7 @@ void ReadMutations(const std::string& ending, int count) {
     if (seed.name.find(ending) == std::string::npos) continue;
     for (int i = 0; i < count / 3 + 1; ++i, ++tried) {
       const std::string bytes = Mutated(seed.bytes, &random);
-      std::filesystem::remove(folder / ("mutated" + ending));  // quicker than to write over it
+      std::filesystem::remove(folder / ("mutated" + ending));  // faster than overwriting
       const std::string path = folder.Write("mutated" + ending, bytes);
       ResetLargestAllocation();
       read += ReadAsFarAsPossible(path) ? 1 : 0;
@@ -64,24 +65,25 @@ void ReadMutations(const std::string& ending, int count) {
   }
   FLAGS_minloglevel = level;
   ASSERT_GE(tried, count);
-  // Or else the mutations would be so coarse that hardly any gets beyond the header.
+  // Otherwise the mutations are too coarse to get past the header.
   EXPECT_GT(read, tried / 10);
   EXPECT_LT(read, tried);
 }
 
-// A camera stands beside each .klg file. SURFIT_WRITE_CORPUS in the environment writes it anew.
-TEST(Corpus, HoldsWhatTheEncodersWrite) {
+// Each .klg file has a camera file. The environment variable SURFIT_WRITE_CORPUS rewrites the
+// corpus.
+TEST(Corpus, MatchesTheEncoders) {
   for (const SeedFile& seed : SeedFiles()) {
     const std::string path = std::string(SURFIT_CORPUS_DIR) + "/" + seed.name;
     if (std::getenv("SURFIT_WRITE_CORPUS") != nullptr) WriteBytes(path, seed.bytes);
     EXPECT_TRUE(ReadAsFarAsPossible(path)) << path;
   }
-  // Without a codec, whose versions may differ, to the byte.
+  // The uncompressed file is compared bytewise: codec versions may differ.
   EXPECT_EQ(ReadBytes(std::string(SURFIT_CORPUS_DIR) + "/raw_raw.klg"), KlgFile(2, false, ""));
 }
 
-// Small files that claim 16384 x 16384 pixels, where depth alone would take 512 MB.
-TEST(Mutated, HugeImagesAreRefusedBeforeTheyTakeMemory) {
+// Small files that claim 16384 x 16384 pixels (512 MB of depth).
+TEST(Mutated, HugeImagesAreRejectedBeforeAllocation) {
   const TempFolder folder;
   std::string sens = SensEncoder().File(1);
   const std::size_t sizes_at = 4 + 8 + 6 + 4 * 64 + 2 * 4;
@@ -99,10 +101,10 @@ TEST(Mutated, HugeImagesAreRefusedBeforeTheyTakeMemory) {
   }
 }
 
-TEST(Mutated, KlgFilesAreReadOrRefused) { ReadMutations(".klg", 400); }
-TEST(Mutated, SensFilesAreReadOrRefused) { ReadMutations(".sens", 400); }
-TEST(TenThousandMutated, KlgFilesAreReadOrRefused) { ReadMutations(".klg", 10000); }
-TEST(TenThousandMutated, SensFilesAreReadOrRefused) { ReadMutations(".sens", 10000); }
+TEST(Mutated, KlgFilesAreReadOrRejected) { ReadMutations(".klg", 400); }
+TEST(Mutated, SensFilesAreReadOrRejected) { ReadMutations(".sens", 400); }
+TEST(TenThousandMutated, KlgFilesAreReadOrRejected) { ReadMutations(".klg", 10000); }
+TEST(TenThousandMutated, SensFilesAreReadOrRejected) { ReadMutations(".sens", 10000); }
 
 }  // namespace
 }  // namespace surfit::testing

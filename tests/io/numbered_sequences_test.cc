@@ -11,7 +11,7 @@ void WriteSevenScenes(const TempFolder& folder, int count) {
     const std::string stem = Format("frame-%06d", i);
     WriteColor(folder / (stem + ".color.png"), NumberedColor(i));
     WriteDepth(folder / (stem + ".depth.png"), NumberedDepth(i));
-    // A quarter turn about z: the camera's x axis points along the world's y.
+    // Rotation by 90 degrees about z: the x axis of the camera is the y axis of the world.
     folder.Write(stem + ".pose.txt",
                  "0 -1 0 1.5\t\n 1 0 0 " + std::to_string(i) + "\n0.0e+00 0 1 -3 \n0 0 0 1\n");
   }
@@ -35,7 +35,7 @@ TEST(SevenScenesSequence, ReadsFramesAndCameraToWorldPoses) {
   EXPECT_FLOAT_EQ(results[3].frame->depth_m(1, 0), 1.031f);
 }
 
-TEST(SevenScenesSequence, FramesPerSecondGiveTheStamps) {
+TEST(SevenScenesSequence, FramesPerSecondDetermineTheStamps) {
   TempFolder folder;
   WriteSevenScenes(folder, 2);
   SequenceOptions options = Options(folder);
@@ -45,7 +45,7 @@ TEST(SevenScenesSequence, FramesPerSecondGiveTheStamps) {
   EXPECT_DOUBLE_EQ(ReadAll(source.get())[1].stamp_s, 0.1);
 }
 
-TEST(SevenScenesSequence, AMissingImageIsASkippedFrameAndAMissingPoseIsNone) {
+TEST(SevenScenesSequence, SkipsFramesWithMissingImagesAndAllowsMissingPoses) {
   TempFolder folder;
   WriteSevenScenes(folder, 4);
   std::filesystem::remove(folder / "frame-000001.depth.png");
@@ -55,26 +55,26 @@ TEST(SevenScenesSequence, AMissingImageIsASkippedFrameAndAMissingPoseIsNone) {
   EXPECT_EQ(source->info().ground_truth.size(), 3u);
   const auto results = ReadAll(source.get());
   ASSERT_EQ(results.size(), 4u);
-  EXPECT_THAT(results[1].error, HasSubstr("frame-000001.depth.png"));
-  EXPECT_THAT(results[2].error, HasSubstr("frame-000002.color.png"));
+  EXPECT_THAT(results[1].error, Names("frame-000001.depth.png"));
+  EXPECT_THAT(results[2].error, Names("frame-000002.color.png"));
   EXPECT_TRUE(results[3].frame);
 }
 
-TEST(SevenScenesSequence, NamesAMalformedPose) {
+TEST(SevenScenesSequence, RejectsMalformedPoses) {
   TempFolder folder;
   WriteSevenScenes(folder, 2);
   const auto open = [&] { OpenSequence(Options(folder)); };
   folder.Write("frame-000001.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n");
-  ExpectInputError(open, HasSubstr("frame-000001.pose.txt ends before"));
+  ExpectInputError(open, Names("frame-000001.pose.txt"));
   folder.Write("frame-000001.pose.txt", "1 0 0 0\n0 1 0\n0 0 1 0\n0 0 0 1\n");
-  ExpectInputError(open, HasSubstr("frame-000001.pose.txt:2 has 3 columns, must have 4"));
+  ExpectInputError(open, Names("frame-000001.pose.txt:2", 3, 4));
   folder.Write("frame-000001.pose.txt", "1 0 0 0\n0 nan 0 0\n0 0 1 0\n0 0 0 1\n");
-  ExpectInputError(open, HasSubstr("'nan' is not a finite number"));
+  ExpectInputError(open, Names("frame-000001.pose.txt:2", "nan"));
   folder.Write("frame-000001.pose.txt", "1 0 0 0\n0 -1 0 0\n0 0 1 0\n0 0 0 1\n");
-  ExpectInputError(open, HasSubstr("not a rigid transform"));
+  ExpectInputError(open, Names("frame-000001.pose.txt"));
 }
 
-// Numbered from 1, depth names carrying times as Redwood's do.
+// Redwood names: numbers begin with 1, and depth file names contain times.
 void WriteRedwood(const TempFolder& folder, int count, const std::string& color_folder) {
   std::string log;
   for (int i = 0; i < count; ++i) {
@@ -112,7 +112,7 @@ TEST(RedwoodSequence, ReadsFramesPosesAndCamera) {
       ASSERT_TRUE(results[i].frame) << results[i].error;
       EXPECT_DOUBLE_EQ(results[i].stamp_s, i / 30.);
       EXPECT_FLOAT_EQ(results[i].frame->depth_m(1, 0), 1.001f + 0.01f * i);
-      EXPECT_NEAR(results[i].frame->color(5, 5).r, i, 2);  // one colour, JPEG
+      EXPECT_NEAR(results[i].frame->color(5, 5).r, i, 2);  // uniform JPEG image
     }
   }
 }
@@ -129,70 +129,64 @@ TEST(RedwoodSequence, MayLackColorAndPoses) {
   EXPECT_TRUE(results[0].frame->color.empty());
 }
 
-TEST(RedwoodSequence, AMissingImageIsASkippedFrameAndShiftsNoOther) {
+TEST(RedwoodSequence, SkipsFramesWithMissingImagesWithoutRenumbering) {
   TempFolder folder;
   WriteRedwood(folder, 4, "color");
   std::filesystem::remove(folder / "color/0000002.jpg");
   std::filesystem::remove(folder / "depth/0000003-000000066732.png");
   const auto results = ReadAll(OpenSequence(Options(folder)).get());
   ASSERT_EQ(results.size(), 4u);
-  EXPECT_THAT(results[1].error, AllOf(HasSubstr("color/0000002"), HasSubstr(".jpg")));
-  EXPECT_THAT(results[2].error, HasSubstr("depth/0000003.png"));
+  EXPECT_THAT(results[1].error, ContainsRegex("color/0000002.*[.]jpg"));
+  EXPECT_THAT(results[2].error, Names("depth/0000003.png"));
   EXPECT_DOUBLE_EQ(results[3].stamp_s, 3 / 30.);
   EXPECT_TRUE(results[3].frame);
 }
 
-TEST(RedwoodSequence, NamesTwoImagesOfOneNumber) {
+TEST(RedwoodSequence, RejectsTwoImagesOfOneNumber) {
   TempFolder folder;
   WriteRedwood(folder, 2, "color");
   WriteColor(folder / "color/0000001.png", NumberedColor(0));
-  ExpectInputError([&] { OpenSequence(Options(folder)); },
-                   HasSubstr("0000001.jpg and 0000001.png are both number 1"));
+  ExpectInputError([&] { OpenSequence(Options(folder)); }, Names("0000001.jpg", "0000001.png", 1));
 }
 
-TEST(RedwoodSequence, SaysLoudlyThatTheCameraIsGuessed) {
+TEST(RedwoodSequence, WarnsThatTheCameraIsGuessed) {
   TempFolder folder;
   WriteColor(folder / "color/1.png", NumberedColor(1, 640, 480));
   WriteDepth(folder / "depth/1.png", NumberedDepth(1, 640, 480));
   SequenceOptions options = Options(folder);
   const SequenceInfo guessed = OpenSequence(options)->info();
   EXPECT_TRUE(guessed.camera_is_guessed);
-  EXPECT_THAT(guessed.warnings,
-              ElementsAre(AllOf(HasSubstr("does not name its camera, which is GUESSED: 525 525"),
-                                HasSubstr("1000 units of depth a metre"))));
-  EXPECT_THAT(guessed.assumed, AllOf(HasSubstr("format redwood, 1 frames, depth 640 x 480, colour "
-                                               "registered to depth\n"),
-                                     HasSubstr("GUESSED")));
+  EXPECT_THAT(guessed.warnings, ElementsAre(Names(folder.path(), 525, 1000)));
+  EXPECT_THAT(guessed.assumed, Names("redwood", 1, 640, 480, 525, 1000));
   options.camera = "kinect_v1";
   EXPECT_FALSE(OpenSequence(options)->info().camera_is_guessed);
-  EXPECT_EQ(OpenSequence(options)->info().camera_from, "the preset kinect_v1");
+  EXPECT_THAT(OpenSequence(options)->info().camera_from, Names("kinect_v1"));
   options.camera = "";
   options.intrinsics = {500, 500, 320, 240};
   EXPECT_THAT(OpenSequence(options)->info().warnings, IsEmpty());
-  EXPECT_EQ(OpenSequence(options)->info().camera_from, "as given, the depth scale GUESSED");
+  EXPECT_THAT(OpenSequence(options)->info().camera_from, ContainsRegex("GUESSED|guessed"));
 }
 
-TEST(RedwoodSequence, NamesPresetsWhereImagesAreOfAnotherSizeThanTheGuess) {
+TEST(RedwoodSequence, RejectsUnknownImageSizeAndListsPresets) {
   TempFolder folder;
   WriteDepth(folder / "depth/1.png", NumberedDepth(1, 848, 480));
   ExpectInputError([&] { OpenSequence(Options(folder)); },
-                   AllOf(HasSubstr("depth/1.png is 848 x 480 pixels, and nothing names its camera"),
-                         HasSubstr("of this size: realsense_d415, realsense_d435")));
+                   Names("depth/1.png", 848, 480, "realsense_d415", "realsense_d435"));
 }
 
-// Numbers of ICL-NUIM's kind without its poses.
-TEST(IclNuimSequence, IsAGuessWithoutPosesOfItsName) {
+// File numbers of ICL-NUIM without its pose file.
+TEST(IclNuimSequence, WarnsThatTheFormatIsGuessedWithoutPoses) {
   TempFolder folder;
   WriteColor(folder / "rgb/0.png", NumberedColor(1, 640, 480));
   WriteDepth(folder / "depth/0.png", Image<std::uint16_t>(640, 480, 9000));
   SequenceOptions options = Options(folder);
-  EXPECT_THAT(OpenSequence(options)->info().warnings, ElementsAre(HasSubstr("mirrored")));
+  EXPECT_THAT(OpenSequence(options)->info().warnings, ElementsAre(Names("mirrored")));
   options.format = "icl_nuim";
   EXPECT_THAT(OpenSequence(options)->info().warnings, IsEmpty());
 }
 
-// As recorders of ROS and RealSense name images: by their times, colour a little after depth.
-TEST(RedwoodSequence, TakesTimesAsNames) {
+// Recorders of ROS and RealSense name images by time. Colour is a little later than depth.
+TEST(RedwoodSequence, ReadsTimesFromFileNames) {
   TempFolder folder;
   for (int i = 0; i < 3; ++i) {
     WriteDepth(folder / Format("depth/1763820000.%d34.png", i + 1), NumberedDepth(i));
@@ -214,10 +208,10 @@ TEST(RedwoodSequence, TakesTimesAsNames) {
   std::filesystem::remove_all(folder / "color");
   EXPECT_EQ(OpenSequence(Options(folder))->info().frame_count, 3);
   WriteColor(folder / "color/1763829999.5.png", NumberedColor(1));
-  ExpectInputError([&] { OpenSequence(Options(folder)); }, HasSubstr("within 0.02 s of those"));
+  ExpectInputError([&] { OpenSequence(Options(folder)); }, Names(0.02));
 }
 
-TEST(RedwoodSequence, TakesPgmAndPpm) {
+TEST(RedwoodSequence, ReadsPgmAndPpm) {
   TempFolder folder;
   WriteColor(folder / "rgb/7.ppm", NumberedColor(7));
   WriteDepth(folder / "depth/7.pgm", NumberedDepth(7));
@@ -229,19 +223,19 @@ TEST(RedwoodSequence, TakesPgmAndPpm) {
   EXPECT_FLOAT_EQ(results[0].frame->depth_m(0, 0), 1.07F);
 }
 
-TEST(RedwoodSequence, NamesWhatIsMalformed) {
+TEST(RedwoodSequence, RejectsMalformedFiles) {
   TempFolder folder;
   WriteRedwood(folder, 2, "color");
   const auto open = [&] { OpenSequence(Options(folder)); };
   folder.Write("trajectory.log", "0 0 1\n1 0 0 0\n0 1 0 0\n");
-  ExpectInputError(open, HasSubstr("trajectory.log ends before"));
+  ExpectInputError(open, Names("trajectory.log"));
   std::filesystem::remove(folder / "trajectory.log");
   folder.Write("camera_intrinsic.json", R"({"width": 32, "height": 24, "intrinsic_matrix": [1]})");
-  ExpectInputError(open, HasSubstr("intrinsic_matrix must have 9 numbers"));
+  ExpectInputError(open, Names("intrinsic_matrix", 9));
   folder.Write("camera_intrinsic.json", R"({"width": 32})");
-  ExpectInputError(open, AllOf(HasSubstr("camera_intrinsic.json"), HasSubstr("intrinsic_matrix")));
+  ExpectInputError(open, Names("camera_intrinsic.json", "intrinsic_matrix"));
   folder.Write("camera_intrinsic.json", "{");
-  ExpectInputError(open, HasSubstr("camera_intrinsic.json"));
+  ExpectInputError(open, Names("camera_intrinsic.json"));
 }
 
 class ReplicaTest : public ::testing::Test {
@@ -282,29 +276,26 @@ TEST_F(ReplicaTest, ReadsFramesPosesAndCamera) {
   }
 }
 
-TEST_F(ReplicaTest, NamesTheImageThatIsMissing) {
+TEST_F(ReplicaTest, NamesTheMissingImage) {
   std::filesystem::remove(folder_ / "room0/results/frame000001.jpg");
   const auto results = ReadAll(OpenSequence(options_).get());
   ASSERT_EQ(results.size(), 3u);
-  EXPECT_THAT(results[1].error, HasSubstr("results/frame000001.jpg"));
+  EXPECT_THAT(results[1].error, Names("results/frame000001.jpg"));
   EXPECT_TRUE(results[2].frame);
 }
 
-TEST_F(ReplicaTest, WithoutCamParamsTheCameraIsTheDataSets) {
+TEST_F(ReplicaTest, UsesThePresetWithoutCamParams) {
   std::filesystem::remove(folder_ / "cam_params.json");
-  ExpectInputError([&] { OpenSequence(options_); },
-                   HasSubstr("is 32 x 24 pixels, must be 1200 x 680"));
+  ExpectInputError([&] { OpenSequence(options_); }, Names(32, 24, 1200, 680));
   EXPECT_EQ(CameraPreset("replica").depth_units_per_metre, 6553.5);
 }
 
-TEST_F(ReplicaTest, RefusesMalformedFiles) {
+TEST_F(ReplicaTest, RejectsMalformedFiles) {
   folder_.Write("room0/cam_params.json", R"({"camera": {"w": 32}})");
-  ExpectInputError([&] { OpenSequence(options_); },
-                   AllOf(HasSubstr("room0/cam_params.json"), HasSubstr("'h'")));
+  ExpectInputError([&] { OpenSequence(options_); }, Names("room0/cam_params.json", "h"));
   std::filesystem::remove(folder_ / "room0/cam_params.json");
   folder_.Write("room0/traj.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
-  ExpectInputError([&] { OpenSequence(options_); },
-                   HasSubstr("traj.txt:1 has 12 columns, must have 16"));
+  ExpectInputError([&] { OpenSequence(options_); }, Names("traj.txt:1", 12, 16));
 }
 
 }  // namespace

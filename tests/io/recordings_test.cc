@@ -10,7 +10,7 @@
 namespace surfit::testing {
 namespace {
 
-// Three frames of NumberedDepth() and, by their coding, NumberedColor().
+// Expects three frames of NumberedDepth(), and NumberedColor() unless `color_coding` is "none".
 void ExpectNumberedFrames(const std::vector<ReadResult>& results, const std::string& color_coding) {
   ASSERT_EQ(results.size(), 3u);
   for (int i = 0; i < 3; ++i) {
@@ -53,49 +53,47 @@ TEST_F(KlgTest, ReadsEveryCodingOfTheSameFrames) {
   }
 }
 
-TEST_F(KlgTest, WithoutACameraTheImagesMustTellTheirSize) {
+TEST_F(KlgTest, RejectsUnknownImageSizeWithoutCamera) {
   std::filesystem::remove(folder_ / "a.klg.yaml");
   options_.intrinsics = {31, 30, 15.5, 11.5};
   EXPECT_EQ(Open(KlgFile(2, true, ".jpg"))->info().pinhole.width, 32);
-  ExpectInputError([&] { Open(KlgFile(2, true, "")); }, HasSubstr("does not give the size"));
+  ExpectInputError([&] { Open(KlgFile(2, true, "")); }, Names("a.klg"));
   options_.intrinsics.reset();
-  ExpectInputError([&] { Open(KlgFile(2, true, ".jpg")); },
-                   AllOf(HasSubstr("depth of frame 0 is 32 x 24 pixels, and nothing names its"),
-                         HasSubstr("usual ones have 640 x 480")));
+  ExpectInputError([&] { Open(KlgFile(2, true, ".jpg")); }, Names(0, 32, 24, 640, 480));
 }
 
-TEST_F(KlgTest, ReadsTheWholeFramesOfAFileThatEndsEarly) {
+TEST_F(KlgTest, ReadsTheCompleteFramesOfATruncatedFile) {
   const std::string whole = KlgFile(3, true, ".jpg");
   const auto source = Open(whole.substr(0, whole.size() - 1));
   EXPECT_EQ(ReadAll(source.get()).size(), 2u);
-  EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("claims 3 frames, but is damaged")));
+  EXPECT_THAT(source->info().warnings, ElementsAre(Names("a.klg", 3)));
 }
 
-TEST_F(KlgTest, RefusesFilesWithoutFrames) {
-  ExpectInputError([&] { Open(""); }, HasSubstr("a.klg is 0 bytes long and ends before"));
-  ExpectInputError([&] { Open(LittleEndian(0)); }, HasSubstr("a.klg lists no frames"));
-  ExpectInputError([&] { Open(LittleEndian(-1)); }, HasSubstr("a.klg lists no frames"));
+TEST_F(KlgTest, RejectsFilesWithoutFrames) {
+  ExpectInputError([&] { Open(""); }, Names("a.klg", 0));
+  ExpectInputError([&] { Open(LittleEndian(0)); }, Names("a.klg"));
+  ExpectInputError([&] { Open(LittleEndian(-1)); }, Names("a.klg"));
 }
 
-TEST_F(KlgTest, NamesTheFrameThatIsDamaged) {
+TEST_F(KlgTest, NamesDamagedFrames) {
   std::string file = LittleEndian(4) + KlgFrame(1, "not zlib", "");
   file += KlgFrame(2, ZlibBytes(NumberedDepth(1, 16, 12)), "");
   const std::string depth = RawBytes(NumberedDepth(2));
   file += KlgFrame(3, depth, "no picture");
   const auto results = ReadAll(Open(file + KlgFrame(4, depth, "")).get());
-  EXPECT_THAT(results[0].error, HasSubstr("a.klg: depth of frame 0 is damaged"));
-  EXPECT_THAT(results[1].error, HasSubstr("depth of frame 1 is damaged: its"));
-  EXPECT_THAT(results[2].error, HasSubstr("colour of frame 2 is damaged: neither JPEG nor PNG"));
+  EXPECT_THAT(results[0].error, Names("a.klg", "depth", 0));
+  EXPECT_THAT(results[1].error, Names("a.klg", "depth", 1));
+  EXPECT_THAT(results[2].error, Names("a.klg", 2, "JPEG", "PNG"));
   EXPECT_TRUE(results[3].frame);
 }
 
-TEST_F(KlgTest, AFormatThatIsAFileNeedsAFile) {
+TEST_F(KlgTest, RejectsFoldersAndUnknownFiles) {
   options_.format = "klg";
   options_.path = folder_.path();
-  ExpectInputError([&] { OpenSequence(options_); }, HasSubstr("is a folder, which klg is not"));
+  ExpectInputError([&] { OpenSequence(options_); }, Names(folder_.path(), "klg"));
   options_.path = folder_.Write("a.bin", "");
   options_.format = "auto";
-  ExpectInputError([&] { OpenSequence(options_); }, HasSubstr("a.bin is neither a folder nor"));
+  ExpectInputError([&] { OpenSequence(options_); }, Names("a.bin"));
 }
 
 class KlgWriterTest : public ::testing::Test {
@@ -110,7 +108,7 @@ class KlgWriterTest : public ::testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(KlgWriterTest, FramesComeBackAsTheyWere) {
+TEST_F(KlgWriterTest, RoundTripsFrames) {
   const auto expected = ReadAll(Open(folder_.path()).get());
   for (const bool compress : {false, true}) {
     const KlgSummary summary = Write({compress, 0});
@@ -129,7 +127,7 @@ TEST_F(KlgWriterTest, FramesComeBackAsTheyWere) {
   }
 }
 
-TEST_F(KlgWriterTest, JpegKeepsColourToItsQuality) {
+TEST_F(KlgWriterTest, JpegColourIsCloseAndSmaller) {
   Write({true, 95});
   const auto read = ReadAll(Open(folder_ / "a.klg").get());
   const Rgb8 color = read[3].frame->color(16, 12);
@@ -149,11 +147,11 @@ TEST_F(KlgWriterTest, KeepsTheConventionOfAMirroredSource) {
   EXPECT_TRUE(source->info().mirrored);
 }
 
-TEST_F(KlgWriterTest, CountsWhatItLeavesOut) {
+TEST_F(KlgWriterTest, CountsSkippedFramesAndClippedDepths) {
   std::filesystem::remove(folder_ / "depth/002.png");
   Image<std::uint16_t> far = NumberedDepth(1);
   far[5] = 0;      // missing
-  far[6] = 65534;  // the most that a .klg file can hold
+  far[6] = 65534;  // maximum of a .klg file
   WriteDepth(folder_ / "depth/001.png", far);
   WriteDepth(folder_ / "depth/003.tiff", Image<float>(32, 24, 65.535f));
   std::filesystem::rename(folder_ / "depth/003.tiff", folder_ / "depth/003.png");
@@ -165,8 +163,8 @@ TEST_F(KlgWriterTest, CountsWhatItLeavesOut) {
   EXPECT_EQ(summary.depths_beyond, 32 * 24);
 }
 
-TEST_F(KlgWriterTest, RefusesBadOptions) {
-  ExpectInputError([&] { Write({true, 101}); }, HasSubstr("jpeg_quality is 101, must be from 0"));
+TEST_F(KlgWriterTest, RejectsBadOptions) {
+  ExpectInputError([&] { Write({true, 101}); }, Names("jpeg_quality", 101));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "a.klg"));
 }
 
@@ -192,7 +190,7 @@ TEST_F(SensTest, ReadsEveryCodingOfTheSameFrames) {
   }
 }
 
-TEST_F(SensTest, TakesCamerasAndPosesFromTheFile) {
+TEST_F(SensTest, ReadsCamerasAndPosesOfTheFile) {
   encoder_.color_extrinsics = TranslationMatrix(0.5f, 0, 0);
   const float inf = std::numeric_limits<float>::infinity();
   encoder_.poses = {TranslationMatrix(7, 8, 9), TranslationMatrix(-inf, 0, 0)};
@@ -205,47 +203,47 @@ TEST_F(SensTest, TakesCamerasAndPosesFromTheFile) {
   EXPECT_EQ(info.camera.color.width, 64);
   EXPECT_EQ(info.camera.color.fx, 62);
   EXPECT_EQ(info.camera.color_from_depth.translation, Eigen::Vector3d(0.5, 0, 0));
-  ASSERT_EQ(info.ground_truth.size(), 2u);  // the second frame has none
+  ASSERT_EQ(info.ground_truth.size(), 2u);  // the second frame has no pose
   EXPECT_EQ(info.ground_truth[0].world_from_camera.translation, Eigen::Vector3d(7, 8, 9));
   EXPECT_DOUBLE_EQ(info.ground_truth[1].stamp_s, 5.2);
 }
 
-TEST_F(SensTest, CountsTimeWhereThereAreNoStamps) {
+TEST_F(SensTest, DerivesStampsFromTheFrameRateIfMissing) {
   encoder_.has_stamps = false;
   options_.frames_per_second = 20;
   const auto results = ReadAll(Open(encoder_.File(3)).get());
   EXPECT_DOUBLE_EQ(results[2].stamp_s, 0.1);
 }
 
-TEST_F(SensTest, ReadsTheWholeFramesOfAFileThatEndsEarly) {
+TEST_F(SensTest, ReadsTheCompleteFramesOfATruncatedFile) {
   const std::string file = encoder_.Header(5) + encoder_.Frame(0) + encoder_.Frame(1);
   const auto source = Open(file + encoder_.Frame(2).substr(0, 200));
   EXPECT_EQ(ReadAll(source.get()).size(), 2u);
-  EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("claims 5 frames, but is damaged")));
+  EXPECT_THAT(source->info().warnings, ElementsAre(Names("a.sens", 5)));
 }
 
-TEST_F(SensTest, RefusesWhatItCannotRead) {
-  const auto expect = [&](const std::string& bytes, const char* message) {
-    ExpectInputError([&] { Open(bytes); }, AllOf(HasSubstr("a.sens"), HasSubstr(message)));
+TEST_F(SensTest, RejectsMalformedFiles) {
+  const auto expect = [&](const std::string& bytes, const auto&... names) {
+    ExpectInputError([&] { Open(bytes); }, Names("a.sens", names...));
   };
   const std::string file = encoder_.File(1);
-  expect("", "is 0 bytes long");
-  expect("\3" + file.substr(1), "has version 3, must be 4");
+  expect("", 0);
+  expect("\3" + file.substr(1), 3, 4);
   expect(file.substr(0, 4) + LittleEndian(std::uint64_t{1} << 60) + file.substr(12),
-         "the sensor's name has 1152921504606846976 bytes");
-  expect(file.substr(0, 100), "ends before");
-  expect(encoder_.Header(0), "lists no frames");
+         std::uint64_t{1} << 60);
+  expect(file.substr(0, 100));
+  expect(encoder_.Header(0));
   const std::size_t depth_width_at = 4 + 8 + 6 + 4 * 64 + 2 * 4 + 2 * 4;
   std::string huge = file;
   huge.replace(depth_width_at, 4, LittleEndian(2000000000));
-  expect(huge, "depth is 2000000000 x 24 pixels, must be from 1 x 1");
+  expect(huge, "depth", 2000000000, 24);
   huge.replace(depth_width_at, 4, LittleEndian(16000));
-  expect(huge, "depth of frame 0 is damaged: its");
+  expect(huge, "depth", 0);
   encoder_.color_extrinsics[0] = 3;
-  expect(encoder_.File(1), "extrinsics of colour: the matrix is not a rigid transform");
+  expect(encoder_.File(1));
   encoder_.color_extrinsics[0] = 1;
   encoder_.depth_coding = 2;
-  expect(encoder_.File(1), "compression of depth is 2 (occi), must be 0 (raw) or 1 (zlib)");
+  expect(encoder_.File(1), "depth", 2, "occi", 0, "raw", 1, "zlib");
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-TEST(ReadAhead, GivesTheSameFramesAtAnyNumberOfThreads) {
+TEST(ReadAhead, ReturnsTheSameFramesAtAnyNumberOfThreads) {
   TempFolder folder;
   WriteTumSequence(folder, 20);
   WriteBytes(folder / "depth/007.png", "broken");
@@ -41,7 +41,7 @@ TEST(ReadAhead, GivesTheSameFramesAtAnyNumberOfThreads) {
   }
 }
 
-// Counts what is asked of it, fails if asked by two threads at once, and throws at frame `bad`.
+// Counts the calls of Next(). It fails on concurrent calls, and throws at frame `bad`.
 class CountingSource : public FrameSource {
  public:
   CountingSource(int count, int bad, std::atomic<int>* reads)
@@ -66,7 +66,7 @@ class CountingSource : public FrameSource {
   std::atomic<int>* reads_;
 };
 
-TEST(ReadAhead, CarriesAnExceptionToItsPlace) {
+TEST(ReadAhead, RethrowsAnExceptionAtItsFrame) {
   for (const int threads : {1, 2, 4}) {
     ThreadLimit limit(threads);
     std::atomic<int> reads = 0;
@@ -83,22 +83,22 @@ void WaitUntil(const std::atomic<int>& reads, int count) {
   while (reads < count && std::chrono::steady_clock::now() < limit) std::this_thread::yield();
 }
 
-TEST(ReadAhead, RunsAheadByItsCapacityAndNoFurther) {
+TEST(ReadAhead, ReadsAtMostItsCapacityAhead) {
   ThreadLimit limit(2);
   std::atomic<int> reads = 0;
   const auto source = ReadAhead(std::make_unique<CountingSource>(100, -1, &reads), 4);
-  EXPECT_EQ(reads, 0);  // nothing before it is asked
+  EXPECT_EQ(reads, 0);  // no frame is read before the first call
   source->Next();
   WaitUntil(reads, 5);
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  EXPECT_EQ(reads, 5);  // one taken, four waiting
+  EXPECT_EQ(reads, 5);  // one frame returned, four buffered
   source->Next();
   WaitUntil(reads, 6);
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_EQ(reads, 6);
 }
 
-TEST(ReadAhead, WithOneThreadReadsWhenAsked) {
+TEST(ReadAhead, WithOneThreadReadsOnDemand) {
   ThreadLimit limit(1);
   std::atomic<int> reads = 0;
   const auto source = ReadAhead(std::make_unique<CountingSource>(100, -1, &reads), 4);
@@ -108,7 +108,7 @@ TEST(ReadAhead, WithOneThreadReadsWhenAsked) {
   }
 }
 
-TEST(ReadAhead, MayBeLeftAtAnyTime) {
+TEST(ReadAhead, CanBeDestroyedAtAnyTime) {
   ThreadLimit limit(2);
   for (int taken = 0; taken < 50; ++taken) {
     std::atomic<int> reads = 0;
@@ -117,10 +117,10 @@ TEST(ReadAhead, MayBeLeftAtAnyTime) {
   }
 }
 
-TEST(ReadAhead, NeedsACapacity) {
+TEST(ReadAhead, RejectsZeroCapacity) {
   std::atomic<int> reads = 0;
   ExpectInputError([&] { ReadAhead(std::make_unique<CountingSource>(1, -1, &reads), 0); },
-                   HasSubstr("capacity of reading ahead is 0"));
+                   Names(0));
 }
 
 constexpr int kCount = 12;
@@ -150,7 +150,7 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-TEST(OfferFrames, GivesNoneBeforeItsTime) {
+TEST(OfferFrames, ReturnsNoFrameBeforeItsTime) {
   const auto source = Offer(kCount);
   const Clock::time_point start = Clock::now();
   for (int i = 0; i < kCount; ++i) {
@@ -164,7 +164,7 @@ TEST(OfferFrames, GivesNoneBeforeItsTime) {
   EXPECT_FALSE(source->Next());
 }
 
-TEST(OfferFrames, ReadsAllBeforeTheFirst) {
+TEST(OfferFrames, ReadsAllFramesBeforeTheFirst) {
   auto recording = std::make_unique<NumberedSource>();
   NumberedSource* const read = recording.get();
   const auto source = OfferFrames(std::move(recording), kFps, kCount);
@@ -172,8 +172,8 @@ TEST(OfferFrames, ReadsAllBeforeTheFirst) {
   EXPECT_FALSE(read->Next());
 }
 
-TEST(OfferFrames, TellsWhetherTheReaderWasEarlyOrLate) {
-  constexpr double kSlowly = 10;  // so that a busy machine is early, too
+TEST(OfferFrames, ReportsEarlyAndLateReaders) {
+  constexpr double kSlowly = 10;  // early even on a slow machine
   const auto source = Offer(kCount, kSlowly);
   source->Next();
   EXPECT_GT(source->Next()->waited_ms, 0);
@@ -183,8 +183,9 @@ TEST(OfferFrames, TellsWhetherTheReaderWasEarlyOrLate) {
   EXPECT_GE(late->queued_ms, 1e3 * 1.4 / kSlowly);
 }
 
-// However slow the machine is: every frame is taken or counted, and the newest are kept.
-TEST(OfferFrames, DropsWhatIsNotTakenInTime) {
+// Every frame is returned or counted as dropped, and the newest frames are kept, at any machine
+// speed.
+TEST(OfferFrames, DropsLateFrames) {
   constexpr int kCapacity = 3;
   const auto source = Offer(kCapacity);
   EXPECT_EQ(source->Next()->index, 0);
@@ -209,12 +210,12 @@ TEST(OfferFrames, KeepsTheLastFrames) {
   EXPECT_EQ(ReadAll(source.get()).size(), kCapacity - 1u);
 }
 
-TEST(OfferFrames, RefusesNonsense) {
+TEST(OfferFrames, RejectsBadRateAndCapacity) {
   const auto offer = [](double fps, int capacity) {
     OfferFrames(std::make_unique<NumberedSource>(), fps, capacity);
   };
-  ExpectInputError([&] { offer(0, 4); }, HasSubstr("frames_per_second is 0, must be positive"));
-  ExpectInputError([&] { offer(30, 0); }, HasSubstr("is 0, must be at least 1"));
+  ExpectInputError([&] { offer(0, 4); }, Names("frames_per_second", 0));
+  ExpectInputError([&] { offer(30, 0); }, Names(0, 1));
 }
 
 }  // namespace

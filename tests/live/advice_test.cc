@@ -18,7 +18,7 @@ std::vector<std::string> Kinds(const LiveFixture& live, const Rigid3d* before = 
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-TEST(Advice, IsNoneWhereAllIsWell) {
+TEST(Advice, IsEmptyForGoodFrames) {
   LiveFixture live;
   const Rigid3d before = live.report_.world_from_camera;
   live.report_.world_from_camera.translation.x() = 0.01;
@@ -26,16 +26,16 @@ TEST(Advice, IsNoneWhereAllIsWell) {
   EXPECT_THAT(Kinds(live), IsEmpty());
 }
 
-TEST(Advice, TellsWhoIsLost) {
+TEST(Advice, ReportsLostFrames) {
   LiveFixture live;
   live.report_.state = FrameState::kLost;
   const Rigid3d before;
   EXPECT_THAT(Kinds(live, &before), ElementsAre("lost"));
 }
 
-// The image's width is 160 px of 140 px focal length: it moves by a twentieth of that for 0.057
-// rad, or for 0.114 m at 2 m.
-TEST(Advice, TellsWhoIsTooFast) {
+// The image is 160 px wide with a focal length of 140 px. It moves by 5 % of its width for a
+// rotation of 0.057 rad, or a translation of 0.114 m at a depth of 2 m.
+TEST(Advice, ReportsFastMotion) {
   LiveFixture live;
   const Rigid3d before;
   for (const double x : {0.108, 0.121}) {
@@ -51,13 +51,13 @@ TEST(Advice, TellsWhoIsTooFast) {
   EXPECT_THAT(Kinds(live, &before), ElementsAre("too_fast"));
 }
 
-TEST(Advice, TellsWhoIsTooClose) {
+TEST(Advice, ReportsCloseSurfaces) {
   LiveFixture live;
   live.frame_.depth_m = Image<float>(160, 120, 0.4f);
   EXPECT_THAT(Kinds(live), ElementsAre("too_close"));
 }
 
-TEST(Advice, TellsOfLittleDepth) {
+TEST(Advice, ReportsMissingDepth) {
   LiveFixture live;
   for (int v = 0; v < 90; ++v) std::fill_n(live.frame_.depth_m.row(v), 160, 0.f);
   EXPECT_THAT(Kinds(live), ElementsAre("little_depth"));
@@ -65,7 +65,7 @@ TEST(Advice, TellsOfLittleDepth) {
   EXPECT_THAT(Kinds(live), ElementsAre("little_depth"));
 }
 
-TEST(Advice, TellsOfLittleShapeAndOfWhatMoves) {
+TEST(Advice, ReportsWeakGeometryAndMovingObjects) {
   LiveFixture live;
   live.report_.state = FrameState::kDegenerate;
   live.report_.moving_share = 0.2;

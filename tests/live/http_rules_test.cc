@@ -8,7 +8,7 @@
 namespace surfit {
 namespace {
 
-TEST(HttpRules, TokensAreOf128BitsAndNoTwoTheSame) {
+TEST(HttpRules, TokensHave128BitsAndDiffer) {
   std::set<std::string> tokens;
   for (int i = 0; i < 100; ++i) {
     const std::string token = RandomToken();
@@ -19,7 +19,7 @@ TEST(HttpRules, TokensAreOf128BitsAndNoTwoTheSame) {
   EXPECT_EQ(tokens.size(), 100u);
 }
 
-TEST(HttpRules, SecretsAreComparedWhole) {
+TEST(HttpRules, SecretsAreComparedCompletely) {
   EXPECT_TRUE(IsSameSecret("abc", "abc"));
   for (const char* other : {"", "a", "ab", "abcd", "abcabc", "ABC", "abd"}) {
     EXPECT_FALSE(IsSameSecret(other, "abc")) << other;
@@ -37,7 +37,7 @@ TEST(HttpRules, ReadsTargets) {
   EXPECT_EQ(ParseTarget("/f00/")->page, "");
 }
 
-TEST(HttpRules, RefusesOtherTargets) {
+TEST(HttpRules, RejectsOtherTargets) {
   for (const char* other : {"", "/", "f00/", "/f00", "http://host/f00/", "*", "/f00?a=1/",
                             "/f00/map?epoch", "/f00/map?epoch=", "/f00/map?epoch=-1",
                             "/f00/map?epoch=1e3", "/f00/map?epoch=4294967296"}) {
@@ -46,7 +46,7 @@ TEST(HttpRules, RefusesOtherTargets) {
   }
 }
 
-TEST(HttpRules, KnowsItsOwnHosts) {
+TEST(HttpRules, AcceptsOnlyItsOwnHosts) {
   for (const char* host : {"127.0.0.1:8080", "127.0.0.1", "localhost:1", "LOCALHOST", "[::1]:8080",
                            "[fe80::1]", "192.168.1.7:80"}) {
     EXPECT_TRUE(IsOwnHost(host)) << host;
@@ -58,7 +58,7 @@ TEST(HttpRules, KnowsItsOwnHosts) {
   }
 }
 
-TEST(HttpRules, KnowsItsOwnOrigin) {
+TEST(HttpRules, AcceptsOnlyItsOwnOrigin) {
   EXPECT_TRUE(IsOwnOrigin("http://127.0.0.1:8080", "127.0.0.1:8080"));
   for (const char* origin : {"null", "", "https://127.0.0.1:8080", "http://127.0.0.1:8081",
                              "http://127.0.0.1", "http://evil.example:8080"}) {

@@ -8,7 +8,7 @@
 
 namespace surfit {
 
-// Frames as a run tells them: a wall two metres away, and as much of its map as has been fused.
+// Frames of a run: a wall at 2 m, and a map with the surfels added so far.
 class LiveFixture {
  public:
   LiveFixture() {
@@ -19,7 +19,7 @@ class LiveFixture {
     AddRow();
   }
 
-  // One more row of surfels.
+  // Adds a row of surfels.
   void AddRow() {
     for (int i = 0; i < 100; ++i) {
       Surfel surfel;
@@ -46,7 +46,7 @@ class LiveFixture {
     return progress;
   }
 
-  // The next frame, told to a run.
+  // Reports the next frame to a run.
   void Tell(LiveRun* run) {
     const SlamRunFrame frame = Frame();
     run->Update(Progress(&frame));
@@ -59,7 +59,7 @@ class LiveFixture {
   RgbdFrame frame_;
   FrameReport report_;
   SurfelMap map_;
-  double age_ms_ = 0;  // of frames when they are told
+  double age_ms_ = 0;  // age of frames when they are reported
   std::atomic<bool> interrupted_{false};
 
  private:

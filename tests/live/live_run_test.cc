@@ -12,7 +12,7 @@
 namespace surfit {
 namespace {
 
-// Counts what it is told, and does something while the run pauses.
+// Counts the calls of the run, and calls a function during pauses.
 class CountingViewer : public RunViewer {
  public:
   struct Counts {
@@ -51,16 +51,16 @@ class LiveRunTest : public testing::Test {
   std::function<void()> wait_ = [] {};
 };
 
-TEST_F(LiveRunTest, TellsViewersOfEachFrameAndGoesOn) {
+TEST_F(LiveRunTest, ReportsEachFrameToViewersAndContinues) {
   for (int i = 0; i < 5; ++i) live_.Tell(&run_);
   EXPECT_EQ(counts_.shown, 5);
   EXPECT_EQ(counts_.waited, 0);
   EXPECT_EQ(run_.path().size(), 5u);
   EXPECT_EQ(run_.progress().frames_done, 5);
-  EXPECT_THAT(run_.Status(), testing::HasSubstr("frame 5/100   tracked"));
+  EXPECT_THAT(run_.Status(), testing::ContainsRegex("5/100 .*tracked"));
 }
 
-TEST_F(LiveRunTest, PausesUntilItIsToGoOn) {
+TEST_F(LiveRunTest, PausesUntilContinued) {
   run_.Pause();
   wait_ = [this] {
     EXPECT_TRUE(run_.is_paused());
@@ -82,7 +82,7 @@ TEST_F(LiveRunTest, StepsOneFrame) {
   EXPECT_EQ(counts_.waited, 2);
 }
 
-TEST_F(LiveRunTest, StopsOnceWhoeverAsksAndEndsAPause) {
+TEST_F(LiveRunTest, StopsOnceAndEndsAPause) {
   run_.Pause();
   wait_ = [this] {
     run_.Stop();
@@ -94,13 +94,13 @@ TEST_F(LiveRunTest, StopsOnceWhoeverAsksAndEndsAPause) {
   EXPECT_EQ(interruptions_, 1);
 }
 
-TEST_F(LiveRunTest, StopsNothingThatIsInterruptedAlready) {
+TEST_F(LiveRunTest, DoesNotStopAnInterruptedRun) {
   live_.interrupted_ = true;
   run_.Stop();
   EXPECT_EQ(interruptions_, 0);
 }
 
-TEST_F(LiveRunTest, KnowsWhereTheCameraWasLast) {
+TEST_F(LiveRunTest, StoresTheLastPose) {
   live_.Tell(&run_);
   live_.report_.state = FrameState::kLost;
   live_.frame_.color = Image<Rgb8>(160, 120, Rgb8{});
@@ -111,7 +111,7 @@ TEST_F(LiveRunTest, KnowsWhereTheCameraWasLast) {
   EXPECT_EQ(run_.advice().at(0).kind, "lost");
 }
 
-TEST_F(LiveRunTest, KeepsTheResultAndStays) {
+TEST_F(LiveRunTest, KeepsTheResultAndWaits) {
   live_.Tell(&run_);
   SlamRunProgress progress = live_.Progress(nullptr);
   progress.frames_fused_anew = 1;
@@ -130,7 +130,7 @@ TEST_F(LiveRunTest, KeepsTheResultAndStays) {
   EXPECT_EQ(run_.Status(), "done");
 }
 
-TEST(Pace, ActsAtOnceAndThenNotMoreOftenThanItMay) {
+TEST(Pace, ActsAtOnceAndThenAtMostAtItsRate) {
   Pace pace(1000, 0.5);
   int acts = 0;
   for (int i = 0; i < 3; ++i) pace.ActIfDue(false, [&] { ++acts; });
@@ -139,8 +139,8 @@ TEST(Pace, ActsAtOnceAndThenNotMoreOftenThanItMay) {
   EXPECT_EQ(acts, 2);
 }
 
-// What takes a while is done again only when it has taken its share of the time since.
-TEST(Pace, TakesItsShareOfTheTime) {
+// A slow task is repeated after a pause that keeps its ratio of time.
+TEST(Pace, UsesAtMostItsRatioOfTime) {
   using Clock = std::chrono::steady_clock;
   Pace pace(0, 0.1);
   std::vector<Clock::time_point> begins;

@@ -67,7 +67,7 @@ class LiveServerTest : public testing::Test {
   }
   json State() const { return json::parse(Get("state?want=62").body); }
 
-  // One round of the map's changes.
+  // Receives one complete round of map changes.
   void TakeRound(SampleClient* client) const {
     for (bool goes_on = true; goes_on;) {
       const SamplePlace place = client->place();
@@ -91,11 +91,11 @@ std::size_t CountShown(const SampleClient& client) {
   return count;
 }
 
-TEST_F(LiveServerTest, ListensOnLoopbackAlone) {
+TEST_F(LiveServerTest, ListensOnlyOnLoopback) {
   EXPECT_THAT(server_->url(), testing::MatchesRegex("http://127\\.0\\.0\\.1:[0-9]+/[0-9a-f]+/"));
 }
 
-TEST_F(LiveServerTest, GivesThePageWhole) {
+TEST_F(LiveServerTest, ServesThePageWithoutExternalScripts) {
   const ReceivedAnswer page = Get("");
   EXPECT_EQ(page.status, 200);
   EXPECT_THAT(page.body, HasSubstr("surfit.Live = class"));
@@ -103,7 +103,7 @@ TEST_F(LiveServerTest, GivesThePageWhole) {
   EXPECT_THAT(page.body, Not(HasSubstr("src=\"http")));
 }
 
-TEST_F(LiveServerTest, GivesNothingWithoutTheToken) {
+TEST_F(LiveServerTest, RejectsRequestsWithoutTheToken) {
   live_.Tell(&run_);
   std::string other = token_;
   other[31] = other[31] == '0' ? '1' : '0';
@@ -119,7 +119,7 @@ TEST_F(LiveServerTest, GivesNothingWithoutTheToken) {
   }
 }
 
-TEST_F(LiveServerTest, GivesNothingOfTheDisk) {
+TEST_F(LiveServerTest, ServesNoFilesOfTheDisk) {
   for (const char* page :
        {"../etc/passwd", "../../../../etc/passwd", "/etc/passwd", "%2e%2e/etc/passwd",
         "..%2f..%2fetc/passwd", "....//etc/passwd", "file:///etc/passwd", "state/../../etc/passwd",
@@ -131,7 +131,7 @@ TEST_F(LiveServerTest, GivesNothingOfTheDisk) {
   }
 }
 
-TEST_F(LiveServerTest, TakesGetAndThePostsOfItsButtonsOnly) {
+TEST_F(LiveServerTest, AcceptsOnlyGetAndThePostsOfItsButtons) {
   for (const char* method : {"PUT", "DELETE", "OPTIONS", "TRACE", "PATCH", "CONNECT", "BREW"}) {
     EXPECT_EQ(Ask(Request(method, "/" + token_ + "/state")).status, 405) << method;
   }
@@ -143,8 +143,8 @@ TEST_F(LiveServerTest, TakesGetAndThePostsOfItsButtonsOnly) {
   EXPECT_FALSE(live_.interrupted_);
 }
 
-// A page of somebody else's, under a name that leads here or by a form.
-TEST_F(LiveServerTest, TakesNothingFromOtherPages) {
+// A page of another site: by DNS rebinding or with a form.
+TEST_F(LiveServerTest, RejectsRequestsOfOtherPages) {
   const std::string target = "/" + token_ + "/pause HTTP/1.1\r\nContent-Length: 0\r\nHost: ";
   EXPECT_EQ(Ask("POST " + target + "evil.example\r\n\r\n").status, 403);
   EXPECT_EQ(Ask("GET /" + token_ + "/state HTTP/1.1\r\nHost: evil.example\r\n\r\n").status, 403);
@@ -155,10 +155,10 @@ TEST_F(LiveServerTest, TakesNothingFromOtherPages) {
   EXPECT_TRUE(run_.is_paused());
 }
 
-TEST_F(LiveServerTest, TellsTheState) {
+TEST_F(LiveServerTest, ServesTheState) {
   EXPECT_EQ(State()["frames_done"], 0);
   live_.report_.state = FrameState::kLost;
-  run_.Pause();  // all is told in a pause
+  run_.Pause();  // the complete state is sent in a pause
   std::thread run([this] { live_.Tell(&run_); });
   json state;
   for (int i = 0; i < 200 && state["frames_done"] != 1; ++i) {
@@ -177,7 +177,7 @@ TEST_F(LiveServerTest, TellsTheState) {
   EXPECT_EQ(State()["paused"], false);
 }
 
-TEST_F(LiveServerTest, ANewStateEndsTheWaitForIt) {
+TEST_F(LiveServerTest, AnswersWaitingRequestsWithANewState) {
   const std::uint32_t number = State()["number"];
   LoopbackClient client(port_);
   client.Send(Request("GET", Concat("/", token_, "/state?after=", number)));
@@ -191,9 +191,9 @@ TEST_F(LiveServerTest, StopsTheRunOnce) {
   EXPECT_TRUE(live_.interrupted_);
 }
 
-// What a viewer puts together in a pause is the map, and the pictures and the path are there.
-TEST_F(LiveServerTest, GivesTheMapThePathAndPicturesInAPause) {
-  State();  // somebody is looking
+// During a pause a viewer receives the complete map, the pictures and the trajectory.
+TEST_F(LiveServerTest, ServesMapTrajectoryAndPicturesInAPause) {
+  State();  // a viewer is present
   for (int i = 0; i < 20; ++i) {
     live_.AddRow();
     live_.Tell(&run_);
@@ -222,8 +222,9 @@ TEST_F(LiveServerTest, GivesTheMapThePathAndPicturesInAPause) {
   run.join();
 }
 
-// So that they can be compared; a page that is late is told so instead of being given the next.
-TEST_F(LiveServerTest, GivesFrameAndModelOfOneMoment) {
+// Frame and model pictures belong to the same frame. A late request is rejected instead of
+// receiving the next frame.
+TEST_F(LiveServerTest, ServesFrameAndModelOfTheSameFrame) {
   State();
   std::uint32_t last = 0;
   for (int i = 0; i < 3; ++i) {
@@ -247,17 +248,17 @@ TEST_F(LiveServerTest, GivesFrameAndModelOfOneMoment) {
   }
 }
 
-// Nobody looks: nothing is made.
-TEST_F(LiveServerTest, MakesNoPicturesForNobody) {
+// Without viewers no pictures are rendered.
+TEST_F(LiveServerTest, RendersNoPicturesWithoutViewers) {
   for (int i = 0; i < 5; ++i) live_.Tell(&run_);
   EXPECT_EQ(Get("frame.jpg").status, 204);
   EXPECT_EQ(Get("model.jpg").status, 204);
   EXPECT_EQ(Get("path").status, 204);
 }
 
-// A late run has other things to do than pictures, but for a second at most.
-TEST_F(LiveServerTest, WaitsWhileACamerasNextFrameDoes) {
-  State();  // somebody is looking
+// A late run skips pictures for at most one second.
+TEST_F(LiveServerTest, SkipsPicturesWhileFramesWait) {
+  State();  // a viewer is present
   live_.age_ms_ = 40;
   live_.Tell(&run_);
   EXPECT_EQ(Get("path").status, 204);
@@ -268,7 +269,7 @@ TEST_F(LiveServerTest, WaitsWhileACamerasNextFrameDoes) {
   EXPECT_EQ(Get("frame.jpg").status, 200);
 }
 
-TEST_F(LiveServerTest, GivesWhatTheRunHasComeTo) {
+TEST_F(LiveServerTest, ServesTheFinalResult) {
   State();
   live_.Tell(&run_);
   SampleClient client;
@@ -283,7 +284,7 @@ TEST_F(LiveServerTest, GivesWhatTheRunHasComeTo) {
   EXPECT_EQ(state["shown"], 1000);
 }
 
-TEST_F(LiveServerTest, StaysForNobodyAndNotForLong) {
+TEST_F(LiveServerTest, EndsSoonWithoutViewers) {
   run_.Keep({live_.map_, {}});
   const auto begin = std::chrono::steady_clock::now();
   run_.Stay();
@@ -296,8 +297,8 @@ TEST_F(LiveServerTest, StaysForNobodyAndNotForLong) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
 }
 
-// More than may be sent in a second: the rest has to wait.
-TEST_F(LiveServerTest, SendsOnWhatHasToWaitWhileItStays) {
+// The data exceed the rate limit of one second.
+TEST_F(LiveServerTest, SendsTheRestAfterTheRun) {
   constexpr std::size_t kWhole = 24000000;
   for (int i = 0; i < 100; ++i) live_.AddRow();
   run_.Keep({live_.map_, {}});
@@ -311,9 +312,8 @@ TEST_F(LiveServerTest, SendsOnWhatHasToWaitWhileItStays) {
   viewer.join();
 }
 
-// One who takes nothing, and others who ask without end, while the run goes on: for
-// ThreadSanitizer, too.
-TEST(LiveServer, ServesWhileTheRunGoesOn) {
+// A stalled client and clients with endless requests during a run. Also a test for ThreadSanitizer.
+TEST(LiveServer, ServesDuringARun) {
   LiveFixture live;
   LiveRun run(live.interrupted_, [] {});
   ServeOptions options;

@@ -1,4 +1,4 @@
-"""A run of surfit_slam that is served, and viewers of it."""
+"""A run of surfit_slam --serve, and its viewers."""
 
 import json
 import os
@@ -18,7 +18,7 @@ TOOL = os.path.join(os.environ["SURFIT_TOOLS_DIR"], "surfit_slam")
 
 
 class ServedRun:
-    """surfit_slam --serve; url is where its page is."""
+    """surfit_slam --serve. `url` is the address of its page."""
 
     def __init__(self, room, output, *flags):
         self.output = pathlib.Path(output)
@@ -48,7 +48,7 @@ class ServedRun:
         urllib.request.urlopen(urllib.request.Request(self.url + name, method="POST"), timeout=30)
 
     def wait_until(self, condition):
-        """Waits until a condition of the state holds, and returns that."""
+        """Waits until the state satisfies a condition. Returns the state."""
         for _ in range(600):
             state = self.state()
             if condition(state):
@@ -57,7 +57,7 @@ class ServedRun:
         raise AssertionError(f"never: {state}")
 
     def finish(self):
-        """Waits for the end; returns the exit code and what the processor took, in seconds."""
+        """Waits for the end of the run. Returns the exit code and the CPU time in seconds."""
         _, status, usage = os.wait4(self.process.pid, 0)
         self.process.returncode = os.waitstatus_to_exitcode(status)
         self.reader.join()
@@ -65,7 +65,7 @@ class ServedRun:
         return self.process.returncode, usage.ru_utime + usage.ru_stime
 
     def end(self):
-        """Ends the run, where it has not come to its end."""
+        """Kills the run if it is still active."""
         if self.process.returncode is None:
             self.process.kill()
             self.process.wait()
@@ -77,7 +77,7 @@ class ServedRun:
 
 
 def run_unserved(room, output):
-    """The processor's seconds and the summary of a run without --serve."""
+    """CPU time in seconds and summary of a run without --serve."""
     process = subprocess.Popen([TOOL, f"--sequence={room}", f"--output={output}", "--nopictures"],
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
@@ -87,7 +87,7 @@ def run_unserved(room, output):
 
 
 class Viewer:
-    """Asks for all that a page does, as often, until the run is over; counts what it gets."""
+    """Sends the requests of a page at the same rate until the run ends. Counts the answers."""
 
     def __init__(self, url):
         host, path = re.match(r"http://([^/]*)(/.*)", url).groups()
@@ -151,7 +151,7 @@ class Viewer:
 
 
 class StalledViewer(Viewer):
-    """Asks for the page again and again, and takes no answer."""
+    """Requests the page repeatedly without reading the answers."""
 
     def watch(self):
         self.connection = self.connect()

@@ -14,11 +14,11 @@
 namespace surfit {
 
 struct ReceivedAnswer {
-  int status = 0;  // 0: the server closed the connection instead
+  int status = 0;  // 0: the server closed the connection
   std::string head, body;
 };
 
-// A connection to a port of this machine, that sends what it is told to, however wrong.
+// A connection to a local port that sends arbitrary bytes.
 class LoopbackClient {
  public:
   explicit LoopbackClient(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
@@ -43,7 +43,7 @@ class LoopbackClient {
            static_cast<ssize_t>(bytes.size());
   }
 
-  // One answer; waits for it for some seconds at most.
+  // Receives one answer. Waits for at most `patience_s`.
   ReceivedAnswer Receive(double patience_s = 10) {
     ReceivedAnswer answer;
     std::size_t end = std::string::npos;
@@ -70,7 +70,7 @@ class LoopbackClient {
     return Receive();
   }
 
-  // Whether the server ends the connection within this time.
+  // True if the server closes the connection within this time.
   bool IsClosedWithin(double seconds) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     while (std::chrono::steady_clock::now() < end) {

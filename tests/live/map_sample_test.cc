@@ -29,7 +29,7 @@ void Grow(int count, std::mt19937_64* random, SurfelMap* map) {
   for (int i = 0; i < count; ++i) map->Append(RandomSurfel(random));
 }
 
-// A tenth of the surfels moves a little, a hundredth goes.
+// Moves 10 % of the surfels slightly, and removes 1 %.
 void Change(std::mt19937_64* random, SurfelMap* map) {
   for (const std::int32_t id : map->Ids()) {
     const auto dice = (*random)() % 100;
@@ -64,7 +64,7 @@ std::vector<ShownSurfel> AllOf(const MapSample& sample) {
   return fresh.surfels();
 }
 
-// By the definition: slot s holds the surfel of id s 2^level.
+// Sample by definition: slot s contains the surfel with id s 2^level.
 std::vector<ShownSurfel> ByDefinition(const SurfelMap& map, std::uint32_t level) {
   std::vector<ShownSurfel> surfels;
   for (std::int64_t id = 0; id < map.id_end(); id += std::int64_t{1} << level) {
@@ -92,7 +92,7 @@ TEST(MapSample, PacksASurfelToHalfAMillimetre) {
   }
 }
 
-TEST(MapSample, KeepsWhatIsFarAwayAtTheBorderAndSmallThingsVisible) {
+TEST(MapSample, ClampsDistantPositionsAndSmallRadii) {
   Surfel surfel;
   surfel.position_in_world = {1e9f, -1e9f, 0};
   surfel.radius_m = 1e-6f;
@@ -104,7 +104,7 @@ TEST(MapSample, KeepsWhatIsFarAwayAtTheBorderAndSmallThingsVisible) {
   EXPECT_EQ(packed[14], 1);
 }
 
-TEST(MapSample, HoldsEverySoManyThSurfelAndNoMoreSlotsThanItMay) {
+TEST(MapSample, ContainsEveryNthSurfelWithinItsCapacity) {
   std::mt19937_64 random(2);
   SurfelMap map;
   MapSample sample(1000);
@@ -118,8 +118,8 @@ TEST(MapSample, HoldsEverySoManyThSurfelAndNoMoreSlotsThanItMay) {
   }
 }
 
-// Pages that ask for parts of different sizes at moments of their own, while the map grows, moves,
-// loses surfels and is halved within their rounds.
+// Clients request parts of different sizes at random times. The map grows, moves, loses surfels,
+// and is subsampled during their rounds.
 TEST(MapSample, ChangesBringEveryClientToTheSample) {
   std::mt19937_64 random(3);
   SurfelMap map;
@@ -130,7 +130,7 @@ TEST(MapSample, ChangesBringEveryClientToTheSample) {
     if (step % 7 == 0) Change(&random, &map);
     sample.Update(map, 1 + random() % 1500);
     for (std::size_t i = 0; i < clients.size(); ++i) {
-      if (random() % (i + 1) != 0) continue;  // the last ones ask seldom
+      if (random() % (i + 1) != 0) continue;  // later clients send fewer requests
       clients[i].Take(sample.ChangesFrom(clients[i].place(), 1 + random() % 700));
     }
   }
@@ -138,13 +138,13 @@ TEST(MapSample, ChangesBringEveryClientToTheSample) {
   const std::vector<ShownSurfel> expected = AllOf(sample);
   EXPECT_EQ(expected, ByDefinition(map, sample.ChangesFrom({}, 1).level));
   for (SampleClient& client : clients) {
-    TakeRound(sample, 500, &client);  // ends the round that was begun
+    TakeRound(sample, 500, &client);  // completes the current round
     TakeRound(sample, 500, &client);
     EXPECT_EQ(client.surfels(), expected);
   }
 }
 
-TEST(MapSample, TellsOnlyWhatHasChanged) {
+TEST(MapSample, SendsOnlyChanges) {
   std::mt19937_64 random(4);
   SurfelMap map;
   MapSample sample(kAll);
@@ -159,7 +159,7 @@ TEST(MapSample, TellsOnlyWhatHasChanged) {
   EXPECT_EQ(sample.ChangesFrom(client.place(), kAll).slot.size(), 1u);
 }
 
-TEST(MapSample, AnotherMapBeginsAnew) {
+TEST(MapSample, RestartsForADifferentMap) {
   std::mt19937_64 random(5);
   SurfelMap large, small;
   Grow(5000, &random, &large);
@@ -173,7 +173,7 @@ TEST(MapSample, AnotherMapBeginsAnew) {
   EXPECT_EQ(client.surfels(), ByDefinition(small, client.place().level));
 }
 
-TEST(MapSample, CountsWhatItShows) {
+TEST(MapSample, CountsItsSurfels) {
   std::mt19937_64 random(6);
   SurfelMap map;
   MapSample sample(2000);
@@ -188,8 +188,8 @@ TEST(MapSample, CountsWhatItShows) {
   }
 }
 
-// Whatever a page says it has: numbers that were never given.
-TEST(MapSample, AnswersAnyPlace) {
+// Requests with arbitrary positions, including positions that were never sent.
+TEST(MapSample, AnswersAnyPosition) {
   std::mt19937_64 random(7);
   SurfelMap map;
   Grow(5000, &random, &map);

@@ -7,13 +7,13 @@
 
 namespace surfit {
 
-// What a page does with the changes of a sample (src/live/page/shown_map.js).
+// Applies the changes of a sample like the page (src/live/page/shown_map.js).
 class SampleClient {
  public:
   SamplePlace place() const { return place_; }
   const std::vector<ShownSurfel>& surfels() const { return surfels_; }
 
-  // Takes an answer; whether the round goes on.
+  // Applies an answer. Returns true if the round continues.
   bool Take(const SampleChanges& changes) {
     if (changes.epoch != place_.epoch) {
       surfels_.clear();

@@ -1,4 +1,4 @@
-"""The page of a run in a headless Chromium: state, path, map and pictures come, and its buttons work."""
+"""The live page in headless Chromium: state, trajectory, map, pictures and buttons."""
 
 import io
 import os
@@ -13,7 +13,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 FRAMES = 160
 SURFELS = int(os.environ.get("SURFIT_SHOWN_SURFELS", "20000"))
-# Screenshots are kept where this says.
+# Folder for screenshots.
 PICTURES = os.environ.get("SURFIT_SCREENSHOTS")
 
 
@@ -24,8 +24,8 @@ def room(tmp_path_factory):
 
 @pytest.fixture
 def run(room, tmp_path):
-    # Browsers without a graphics card draw by the processor. A frame takes 3 ms: frames are offered
-    # slowly, so that the run lasts until the page is loaded and its buttons are clicked.
+    # Browsers without a graphics card render on the CPU. At --offered_fps=10 the run lasts until the
+    # page is loaded and its buttons are clicked.
     served = ServedRun(room, tmp_path / "out", f"--serve_surfels={SURFELS}", "--offered_fps=10")
     yield served
     served.end()
@@ -61,13 +61,13 @@ def pause_after(browser, frames):
     wait_until(browser, "surfit.live.state.paused")
 
 
-def test_shows_a_run_and_steers_it(browser, run):
+def test_shows_and_controls_a_run(browser, run):
     browser.set_window_size(1200, 800)
     browser.get(run.url)
     pause_after(browser, 30)
     assert text_of(browser, "frame-state") == "paused"
     assert text_of(browser, "pause") == "go on"
-    # All of the map that is shown has come.
+    # The page has received the complete sample of the map.
     wait_until(browser, "surfit.live.state.shown > 1000 &&"
                         " surfit.live.scene.map.count() === surfit.live.state.shown")
     wait_until(browser, "surfit.live.scene.places.length > 20")
@@ -78,7 +78,7 @@ def test_shows_a_run_and_steers_it(browser, run):
     frames = browser.execute_script("return surfit.live.state.frames_done")
     assert text_of(browser, "frames") == f"{frames} of {FRAMES}"
     click(browser, "step")
-    # With the frames that were dropped meanwhile.
+    # Includes frames that were dropped during the pause.
     wait_until(browser, f"surfit.live.state.frames_done > {frames}")
     frames = browser.execute_script("return surfit.live.state.frames_done")
     assert browser.execute_script("return surfit.live.state.paused")
@@ -96,7 +96,7 @@ def test_shows_a_run_and_steers_it(browser, run):
     assert browser.find_element(By.ID, "follow").get_attribute("aria-pressed") == "false"
     press(Keys.ARROW_LEFT)
     assert browser.execute_script("return surfit.live.scene.camera.position.toArray()") != before
-    assert browser.execute_script("return surfit.live.state.frames_done") == frames  # it has paused
+    assert browser.execute_script("return surfit.live.state.frames_done") == frames  # paused
     press(" ")
     wait_until(browser, f"surfit.live.state.frames_done > {frames}")
     wait_until(browser, "!surfit.live.state.paused")
@@ -114,7 +114,7 @@ def test_stops_a_run(browser, run):
     assert run.summary()["interrupted"] is True
 
 
-def test_keeps_what_the_run_has_come_to(browser, run):
+def test_keeps_the_final_result(browser, run):
     browser.set_window_size(1200, 800)
     browser.get(run.url)
     code, _ = run.finish()
@@ -125,7 +125,7 @@ def test_keeps_what_the_run_has_come_to(browser, run):
     assert shown[0] == shown[1] > 1000
     assert drawn_share(canvas_picture(browser)) > 0.15
     keep(browser, "done.png")
-    # By colours and by normals, without anybody to ask.
+    # Rendered by colours and by normals, without a request to the run.
     model = browser.find_element(By.ID, "model-picture")
     colors = model.get_attribute("src")
     click(browser, "normals")
@@ -135,7 +135,7 @@ def test_keeps_what_the_run_has_come_to(browser, run):
 
 
 def test_fits_a_phone(browser, run):
-    browser.set_window_size(500, 900)  # narrower windows Chromium refuses
+    browser.set_window_size(500, 900)  # minimum window width of Chromium
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
         "width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True})
     browser.get(run.url)
@@ -163,10 +163,10 @@ def test_each_figure_takes_one_line(browser, run, width):
         "  shown: 131072, loops: 12, last_loop: [987, 123]});"
         "return [...document.querySelectorAll('#figures :is(dt, dd)')].map((e) => e.getBoundingClientRect().height)")
     browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-    assert max(heights) < 30, heights  # a line takes 21 px
+    assert max(heights) < 30, heights  # one line has 21 px
 
 
-def test_advice_is_large_and_stays_to_be_read(browser, run):
+def test_advice_is_large_and_remains_visible(browser, run):
     browser.set_window_size(1200, 800)
     browser.get(run.url)
     pause_after(browser, 1)

@@ -1,10 +1,9 @@
-"""What ten browsers that watch a run for ten minutes cost it: memory, and processor time.
+"""Memory and CPU time of a run that ten browsers watch for ten minutes.
 
-Each is a Chromium of its own, as one browser opens six connections to a server at most, whatever its pages. They draw
-on the cores that the run is on, as browsers elsewhere do not: once their pages are open they get such time of the
-processor as nobody else wants (SCHED_IDLE), and so ask less often than ten machines would; test_viewers.py's ask as
-often as pages can. Their drawing still delays a run on the same cores, watched or not, by more than serving them does:
-so the processor time of both runs is compared, not how long frames take."""
+The viewers are ten Chromium processes, because one browser opens at most six connections to a server. They render on
+the same cores as the run. With open pages they use idle CPU time (SCHED_IDLE), so they send fewer requests than ten
+machines. test_viewers.py uses the maximum request rate of pages. Rendering delays a run on the same cores more than
+serving does, so the test compares the CPU time of both runs, not the frame times."""
 
 import concurrent.futures
 import contextlib
@@ -25,9 +24,9 @@ MINUTES = 10
 
 
 def give_processor(process, policy):
-    """To it and all that it has started. SCHED_OTHER: as others have it; SCHED_IDLE: what is left of it."""
+    """Sets the scheduling policy of a process and its children: SCHED_OTHER is normal, SCHED_IDLE uses idle time."""
     for task in pathlib.Path(f"/proc/{process}/task").iterdir():
-        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # it has ended
+        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # the process has ended
             os.sched_setscheduler(int(task.name), policy, os.sched_param(0))
             for child in (task / "children").read_text().split():
                 give_processor(child, policy)
@@ -46,7 +45,7 @@ def in_each(browsers, act):
 
 @pytest.fixture
 def serve():
-    """Begins runs that do not outlive the test."""
+    """Starts runs that end with the test."""
     runs = []
 
     def begin(*of_run):
@@ -58,7 +57,7 @@ def serve():
 
 
 def watch(browsers, run):
-    """Opens the run's page in each, and counts what it asks for."""
+    """Opens the page of the run in each browser, and counts the requests."""
     def open_page(browser):
         browser.get(run.url)
         browser.execute_script("const get = surfit.live.get; surfit.answers = 0;"
@@ -69,7 +68,7 @@ def watch(browsers, run):
 
 
 def look_away(browsers):
-    """Returns how many answers each page had, and up to which frame."""
+    """Returns the number of answers and the last frame of each page."""
     for browser in browsers:
         give_processor(browser.service.process.pid, os.SCHED_OTHER)
 
@@ -81,8 +80,8 @@ def look_away(browsers):
 
 
 class Feed:
-    """Puts a room's frames into a folder for --format=watch, forward and backward, over and over. Those that were
-    taken long ago go. So runs at a camera's pace hold no frames that are still to come."""
+    """Copies the frames of a room into a folder for --format=watch, forward and backward in a loop, at sensor rate.
+    Deletes old frames."""
     PER_SECOND = 10
     KEPT = 100
 
@@ -121,7 +120,7 @@ def resident_mb(run):
 
 
 def follow_memory(watched, unwatched):
-    """How much more the watched run has, each ten seconds."""
+    """Additional memory of the watched run, every ten seconds."""
     begin = time.monotonic()
     more_mb = []
     for second in range(0, 60 * MINUTES + 1, 10):
@@ -133,8 +132,8 @@ def follow_memory(watched, unwatched):
     return more_mb
 
 
-def test_memory_stays_flat_and_little_time_goes(browsers, serve, tmp_path):
-    """Beside a run of the same frames at the same time that nobody watches: the map grows in both."""
+def test_memory_is_constant_and_cpu_time_is_small(browsers, serve, tmp_path):
+    """Compares the run with a simultaneous unwatched run of the same frames. The map grows in both."""
     with Feed(pathlib.Path(simulate_room(tmp_path, 160)), tmp_path / "feed") as feed:
         runs = [serve(feed.folder, tmp_path / name, "--format=watch") for name in ["watched", "unwatched"]]
         watch(browsers, runs[0])
@@ -153,4 +152,4 @@ def test_memory_stays_flat_and_little_time_goes(browsers, serve, tmp_path):
     print(f"{processor_s[0]:.1f} and {processor_s[1]:.1f} s of the processor: {100 * share:.1f} % of one core more")
     assert min(shown) > done - 60 * Feed.PER_SECOND, (shown, done)
     assert late_mb - early_mb < 5
-    assert share < 0.10  # as live.load has it
+    assert share < 0.10  # the bound of live.load

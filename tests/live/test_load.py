@@ -1,4 +1,4 @@
-"""What being watched costs a run: instructions where nobody looks, and with viewers processor time and delay."""
+"""Cost of viewers: instructions without viewers, and CPU time and delay with viewers."""
 
 import contextlib
 import os
@@ -24,8 +24,8 @@ def room(tmp_path_factory):
 
 
 def count_instructions(room, output, *flags):
-    """Of all threads, as Valgrind counts them: a machine's other work does not change them. It takes many times as
-    long, and what keeps to the clock is done as many times as often: what is made for pages is overrated."""
+    """Instructions of all threads, counted by Valgrind. They do not depend on other load of the machine. The run is
+    many times slower, so periodic work for pages is overestimated."""
     done = subprocess.run(
         ["valgrind", "--tool=cachegrind", "--cache-sim=no", f"--cachegrind-out-file={os.devnull}", TOOL,
          f"--sequence={room}", f"--output={output}", f"--last={COUNTED_FRAMES - 1}", "--nopictures", "--threads=1",
@@ -35,7 +35,7 @@ def count_instructions(room, output, *flags):
 
 
 @pytest.mark.skipif(not shutil.which("valgrind"), reason="Valgrind (valgrind) is missing")
-def test_costs_next_to_nothing_where_nobody_looks(room, tmp_path):
+def test_costs_little_without_viewers(room, tmp_path):
     unserved = count_instructions(room, tmp_path / "unserved")
     served = count_instructions(room, tmp_path / "served", "--serve")
     print(f"{unserved / 1e9:.3f} G instructions unserved, {100 * (served / unserved - 1):.2f} % more served")
@@ -53,8 +53,8 @@ def run_watched(room, output, viewers, stalled):
 
 
 def test_viewers_cost_little(room, tmp_path):
-    """Of the time that the run takes: what is made for viewers keeps to the clock, not to the run's work. A machine
-    grows faster and slower: each run is compared with the mean of those before and after that nobody watches."""
+    """CPU time for viewers relative to the duration of the run, because work for viewers is periodic. The speed of a
+    machine varies: each run is compared with the mean of the unwatched runs before and after it."""
     kinds = {
         "one viewer": (1, 0),
         "ten viewers, one stalled": (10, 1),
@@ -86,7 +86,7 @@ def test_viewers_cost_little(room, tmp_path):
 
 @contextlib.contextmanager
 def on_cores(cores):
-    """What is begun there has them."""
+    """Restricts this process and its children to these cores."""
     before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, cores)
     try:
@@ -96,7 +96,7 @@ def on_cores(cores):
 
 
 def run_offered(sequence, output, cores, viewers):
-    """A run on one core, with viewers on the others. Returns how long frames wait for their poses, and the answers."""
+    """A run on one core with viewers on other cores. Returns pose latencies and the number of answers."""
     with on_cores({min(cores)}):
         run = ServedRun(sequence[0], output, f"--offered_fps={FRAMES_PER_S}", "--threads=1", "--noloop_closure",
                         "--nocalibrate", "--nofinal_map", *sequence[1:])
@@ -113,7 +113,7 @@ def run_offered(sequence, output, cores, viewers):
 
 @pytest.fixture(params=["room", "kitchen"])
 def sequence(request, room):
-    """A sequence and its flags: 160 x 120, or a real one of 320 x 240."""
+    """A sequence with flags: simulated at 160 x 120 or recorded at 320 x 240 pixels."""
     if request.param == "room":
         return [room]
     data = os.environ.get("SURFIT_DATA_DIR", os.environ["SURFIT_DEFAULT_DATA_DIR"])
@@ -124,11 +124,11 @@ def sequence(request, room):
 
 
 def test_frames_are_not_delayed(sequence, tmp_path):
-    """By ten viewers that ask as often as pages on ten machines. From when a frame is offered on."""
+    """Delay by ten viewers with the request rate of ten pages, from the arrival of a frame."""
     cores = os.sched_getaffinity(0)
     if len(cores) < 2:
         pytest.skip("the run and its viewers share one core")
-    # Every other frame is fused: the median of what all of a frame takes lies between both kinds.
+    # Every second frame is fused, so the median frame time is between fused and other frames.
     kinds = [("pose_latency_ms", "mean"), ("pose_latency_ms", "median"), ("latency_ms", "mean")]
     ratios = {kind: [] for kind in kinds}
     for turn in range(2 * TURNS - 1):

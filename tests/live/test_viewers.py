@@ -1,4 +1,4 @@
-"""Viewers of a run change nothing of what it comes to, and cost it no memory."""
+"""Viewers do not change the result of a run. They use little memory."""
 
 import json
 import signal
@@ -17,13 +17,13 @@ def room(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def unwatched(room, tmp_path_factory):
-    """The summary of the run that nobody watches."""
+    """Summary of the unwatched run."""
     run = tmp_path_factory.mktemp("unwatched")
     run_slam(room, run, "--loop_closure")
     return json.loads((run / "summary.json").read_text())
 
 
-def test_ten_viewers_and_a_stalled_one_change_nothing(room, unwatched, tmp_path):
+def test_ten_viewers_and_a_stalled_viewer_do_not_change_the_result(room, unwatched, tmp_path):
     run = ServedRun(room, tmp_path / "out", "--loop_closure")
     viewers = [Viewer(run.url) for _ in range(10)]
     stalled = StalledViewer(run.url)
@@ -36,13 +36,13 @@ def test_ten_viewers_and_a_stalled_one_change_nothing(room, unwatched, tmp_path)
     assert summary["frames_total"] == FRAMES
     for viewer in viewers:
         assert viewer.is_done and viewer.answers > 50, (viewer.is_done, viewer.answers)
-    # The sample of the map, pictures, and what is on its way.
+    # Memory of the map sample, pictures and unsent data.
     more = summary["peak_rss_bytes"] - unwatched["peak_rss_bytes"]
     print(f"{more / 1e6:.1f} MB more than unwatched, {viewers[0].bytes / 1e6:.1f} MB sent to each")
     assert more < 60e6
 
 
-def test_served_and_unwatched_is_the_same(room, unwatched, tmp_path):
+def test_serving_does_not_change_the_result(room, unwatched, tmp_path):
     run = ServedRun(room, tmp_path / "out", "--loop_closure")
     code, _ = run.finish()
     assert code == 0
@@ -65,7 +65,7 @@ def test_pause_step_and_stop(room, tmp_path):
 
 
 def test_stops_a_run_that_ignores_ctrl_c(room, tmp_path):
-    """As shells begin what is to run in the background."""
+    """Ignores SIGINT, like shells for background processes."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     run = ServedRun(room, tmp_path / "out")
     signal.signal(signal.SIGINT, before)

@@ -1,5 +1,5 @@
-# Installs SURFIT_BUILD to a fresh prefix under WORK, then configures, builds and runs the consumer
-# project against what was installed, and asks every installed program for its help.
+# Installs SURFIT_BUILD to a new prefix in WORK, builds and runs the consumer project with this prefix,
+# and runs every installed program with --help.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
@@ -10,7 +10,7 @@ set(prefix "${WORK}/prefix")
 file(REMOVE_RECURSE "${WORK}")
 run("${CMAKE_COMMAND}" --install "${SURFIT_BUILD}" --prefix "${prefix}")
 
-# An installed package must not lean on the tree that it came from.
+# An installed package must not refer to the source or build tree.
 file(GLOB_RECURSE cmake_files "${prefix}/*.cmake")
 foreach(file ${cmake_files})
   file(STRINGS "${file}" lines)
@@ -30,14 +30,14 @@ run("${WORK}/build/consumer")
 run("${WORK}/build/own_residual")
 run("${WORK}/build/registration")
 
-# Whoever registers links no image files and no plots.
+# surfit::registration must not link libraries for image files or plots.
 execute_process(COMMAND ldd "${WORK}/build/registration"
   OUTPUT_VARIABLE libraries COMMAND_ERROR_IS_FATAL ANY)
 if(libraries MATCHES "turbojpeg|libpng|libtiff|imgcodecs")
   message(FATAL_ERROR "surfit::registration brings ${CMAKE_MATCH_0}:\n${libraries}")
 endif()
 
-# By pkg-config: of static libraries all that these need, so that nothing of them is missing.
+# pkg-config must list all dependencies of static libraries.
 find_program(PKG_CONFIG pkg-config REQUIRED)
 file(GLOB archives "${prefix}/lib/libsurfit_*.a")
 set(ENV{PKG_CONFIG_PATH} "${prefix}/lib/pkgconfig")
@@ -48,21 +48,21 @@ run("${COMPILER}" -std=c++17 "${CMAKE_CURRENT_LIST_DIR}/main.cc" -o "${WORK}/by_
   -Wl,--whole-archive ${archives} -Wl,--no-whole-archive ${flags} "-Wl,-rpath,${prefix}/lib")
 run("${WORK}/by_pkg_config")
 
-# And a program that reads images, runs SLAM and writes a map, by these flags alone.
+# Builds a SLAM program with only these flags.
 run("${COMPILER}" -std=c++17 "${SURFIT_SOURCE}/docs/examples/use_slam.cc" -o "${WORK}/use_slam"
   ${flags} "-Wl,-rpath,${prefix}/lib")
 run("${prefix}/bin/surfit_simulate" "--output=${WORK}/room" --frames=3 --downsample=8)
 run("${WORK}/use_slam" "${WORK}/room" "${WORK}")
 execute_process(COMMAND ldd "${WORK}/use_slam" OUTPUT_VARIABLE libraries COMMAND_ERROR_IS_FATAL ANY)
 if(archives AND libraries MATCHES "libsurfit")
-  message(FATAL_ERROR "pkg-config --static brings shared libraries of ours:\n${libraries}")
+  message(FATAL_ERROR "pkg-config --static lists shared libraries of Surfit:\n${libraries}")
 endif()
 
 file(GLOB programs "${prefix}/bin/*")
 foreach(program ${programs})
   file(READ "${program}" head LIMIT 2)
   if(head MATCHES "^#!")
-    continue()  # the name of a removed program
+    continue()  # name of a removed program
   endif()
   execute_process(COMMAND "${program}" --help OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 endforeach()

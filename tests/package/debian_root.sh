@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs the Debian packages of a build on a clean Debian 12 and uses them there:
 #   debian_root.sh BUILD [ROOT]
-# BUILD is a build of the preset `package` after `cpack`. ROOT is made by debootstrap with this
-# machine's apt sources, or used as it is if it is a Debian root already; it is a temporary folder,
-# removed at the end, if not given. Needs root, and some minutes for downloads.
+# BUILD: build folder of the preset `package` after `cpack`.
+# ROOT: folder of a Debian root. If it is empty, debootstrap creates the root with the apt sources of
+# this machine. Default: a temporary folder that is removed at the end.
+# Needs root permissions, and a few minutes for downloads.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 build=$1
@@ -51,7 +52,7 @@ echo "Report"
 report=$root/out/report.html
 [[ $(stat --format=%s "$report") -lt 30000000 ]]
 grep --quiet 'class="run"' "$report"
-# The page forbids the browser to fetch anything, and refers to nothing.
+# The page forbids network access and has no external references.
 grep --quiet "Content-Security-Policy\" content=\"default-src 'none'" "$report"
 if grep -E --only-matching '(src|href)=["'\''](https?:)?//[^"'\'']*|url\(["'\'']?https?:|@import' "$report"; then
   echo "error: $report refers to the network" >&2

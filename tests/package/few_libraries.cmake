@@ -1,5 +1,5 @@
-# No program brings more shared libraries than MOST, counted as `ldd PROGRAM | wc -l` does: image
-# files and windows must not drag in databases and toolkits.
+# Each program has at most MOST shared libraries (lines of ldd). Image and window libraries must not add
+# databases and toolkits.
 cmake_minimum_required(VERSION 3.25)
 file(GLOB programs "${FOLDER}/surfit_*")
 list(FILTER programs EXCLUDE REGEX "\\.[a-z0-9]+$")
@@ -9,12 +9,12 @@ endif()
 foreach(program ${programs})
   file(READ "${program}" head LIMIT 2)
   if(head MATCHES "^#!")
-    continue()  # the name of a removed program
+    continue()  # name of a removed program
   endif()
   execute_process(COMMAND ldd "${program}" OUTPUT_VARIABLE libraries COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX MATCHALL "\n" lines "${libraries}")
   list(LENGTH lines count)
   if(count GREATER MOST OR libraries MATCHES "gdal|mariadb|poppler|Qt|imgcodecs|highgui")
-    message(SEND_ERROR "${program} brings ${count} libraries, at most ${MOST} may be:\n${libraries}")
+    message(SEND_ERROR "${program} has ${count} libraries, must have at most ${MOST}:\n${libraries}")
   endif()
 endforeach()

@@ -1,5 +1,5 @@
-# Programs, man pages and the Python package that have not been built are no error where what has
-# been is installed: here nothing has.
+# `cmake --install` must succeed if programs, man pages and the Python package are not built. Here no
+# target is built.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
@@ -15,5 +15,5 @@ endforeach()
 file(GLOB_RECURSE installed "${WORK}/prefix/bin/*" "${WORK}/prefix/share/man/*"
   "${WORK}/prefix/lib/python3/*")
 if(installed)
-  message(FATAL_ERROR "installed, though nothing has been built: ${installed}")
+  message(FATAL_ERROR "installed without a build: ${installed}")
 endif()

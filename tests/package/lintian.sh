@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Has lintian check the Debian packages of a build: lintian.sh BUILD
-# BUILD is a build of the preset `package` after `cpack`. Fails with an error or a warning that no
-# override gives a reason for, and with an override that nothing needs.
+# Checks the Debian packages of a build with lintian: lintian.sh BUILD
+# BUILD: build folder of the preset `package` after `cpack`. Fails on errors and warnings without an
+# override, and on unused overrides.
 set -euo pipefail
 debs=("$1"/*.deb)
 [[ -e ${debs[0]} ]] || { echo "error: no packages in $1: run cpack there" >&2; exit 1; }

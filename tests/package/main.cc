@@ -1,4 +1,4 @@
-// Fuses nothing: puts one surfel into a map by way of the public headers, and says so.
+// Adds one surfel to a map with the public headers, and prints the map size.
 #include <iostream>
 
 #include "surfit/core/error.h"

@@ -1,4 +1,4 @@
-// The example of docs/extend.md: Surfit's residuals in a Ceres problem of one's own.
+// Example of docs/extend.md: residuals of Surfit in a separate Ceres problem.
 #include <ceres/ceres.h>
 
 #include <cmath>

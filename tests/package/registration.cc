@@ -1,4 +1,4 @@
-// Registers two views of a corner, by the registration library alone.
+// Registers two views of a corner with only the registration library.
 #include <cmath>
 #include <cstdio>
 
@@ -7,7 +7,7 @@
 
 namespace {
 
-// What a camera sees of the planes z = 2 m, x = 0.5 m and y = 0.4 m from a place on the z axis.
+// Depth image of the planes z = 2 m, x = 0.5 m and y = 0.4 m, from z = `z_m` on the z axis.
 surfit::Image<float> CornerFrom(double z_m, const surfit::PinholeCamera& camera) {
   surfit::Image<float> depth_m(camera.width, camera.height);
   for (int v = 0; v < camera.height; ++v) {

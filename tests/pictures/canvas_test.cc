@@ -17,10 +17,10 @@ using ::testing::DoubleEq;
 constexpr Rgb8 kPaper = {255, 255, 255};
 constexpr Rgb8 kRed = {250, 0, 10};
 
-TEST(DrawLine, PassesThroughThePixelsItNames) {
+TEST(DrawLine, PassesThroughTheGivenPixels) {
   Image<Rgb8> image(60, 40, kPaper);
   DrawLine(&image, {{10, 12}, {50, 12}}, kRed, 3);
-  // Three pixels high, so that the middle row and the ends' inner pixels are wholly covered.
+  // The line is three pixels high: the middle row is fully covered.
   for (int u = 11; u <= 49; ++u) EXPECT_EQ(image(u, 12), kRed) << u;
   EXPECT_EQ(image(30, 9), kPaper);
   EXPECT_EQ(image(30, 15), kPaper);
@@ -39,7 +39,7 @@ TEST(DrawDisc, IsCentredAndRound) {
   }
 }
 
-TEST(FillBox, FillsTheNamedPixelsAndWhatIsInTheImageOfThem) {
+TEST(FillBox, FillsTheGivenPixelsWithinTheImage) {
   Image<Rgb8> image(10, 10, kPaper);
   FillBox(&image, {7, 3, 20, 4}, kRed);
   EXPECT_EQ(std::count(image.begin(), image.end(), kRed), 3 * 2);
@@ -62,7 +62,7 @@ Ink InkOf(const Image<Rgb8>& image) {
   return ink;
 }
 
-TEST(DrawText, BeginsIsCentredOrEndsAtItsPoint) {
+TEST(DrawText, AlignsLeftCentreAndRight) {
   for (const double height_px : {12, 18, 40}) {
     for (const double justify : {0., 0.5, 1.}) {
       SCOPED_TRACE(::testing::Message() << height_px << " " << justify);
@@ -74,13 +74,13 @@ TEST(DrawText, BeginsIsCentredOrEndsAtItsPoint) {
       EXPECT_GT(ink.count, 50);
       EXPECT_NEAR(ink.left, left, 1 + height_px / 8);
       EXPECT_NEAR(ink.right, left + TextWidth("HEXH", style), 1 + height_px / 4);
-      EXPECT_NEAR(0.5 * (ink.top + ink.bottom), 40, 1);  // capitals: nothing below the line
+      EXPECT_NEAR(0.5 * (ink.top + ink.bottom), 40, 1);  // capitals have no descenders
       EXPECT_NEAR(ink.bottom - ink.top, 0.75 * height_px, 2);
     }
   }
 }
 
-TEST(DrawText, LeavesOutWhatLiesOutsideTheImage) {
+TEST(DrawText, ClipsAtTheImageBorder) {
   for (const PixelPoint at : {PixelPoint{-30, 10}, {90, -2}, {95, 22}, {500, 500}}) {
     Image<Rgb8> image(100, 20, kPaper);
     EXPECT_NO_THROW(DrawText(&image, at, "surfel"));
@@ -106,14 +106,14 @@ TEST(PictureSheet, CellsAreTheMeansOfFinerPixels) {
 
 TEST(EqualAspect, WidensTheOtherAxisToTheSameScale) {
   const AxisRanges ranges = EqualAspect({{0, 9}, {4, 6}}, 500, 200);
-  // 9 m fill 90 % of 500 pixels: 2 cm a pixel, so 10 m by 4 m about the same centre.
+  // 9 m fill 90 % of 500 pixels: 2 cm per pixel, so 10 m by 4 m with the same centre.
   EXPECT_DOUBLE_EQ(ranges.x.begin, -0.5);
   EXPECT_DOUBLE_EQ(ranges.x.end, 9.5);
   EXPECT_DOUBLE_EQ(ranges.y.begin, 3);
   EXPECT_DOUBLE_EQ(ranges.y.end, 7);
 }
 
-TEST(EqualAspect, KeepsTheDirectionOfATurnedAxis) {
+TEST(EqualAspect, KeepsTheDirectionOfAReversedAxis) {
   const AxisRanges ranges = EqualAspect({{0, 1}, {9, 0}}, 100, 100);
   EXPECT_DOUBLE_EQ(ranges.y.begin, 9.5);
   EXPECT_DOUBLE_EQ(ranges.y.end, -0.5);
@@ -121,7 +121,7 @@ TEST(EqualAspect, KeepsTheDirectionOfATurnedAxis) {
   EXPECT_DOUBLE_EQ(ranges.x.end, 5.5);
 }
 
-TEST(EqualAspect, OfAPointIsAMillimetre) {
+TEST(EqualAspect, HasAMinimumRangeOfAMillimetre) {
   const AxisRanges ranges = EqualAspect({{2, 2}, {3, 3}}, 100, 50);
   EXPECT_NEAR(ranges.y.end - ranges.y.begin, 1e-3 / 0.9, 1e-12);
   EXPECT_NEAR(ranges.x.end - ranges.x.begin, 2e-3 / 0.9, 1e-12);
@@ -146,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(AllAxes, TrajectoryAxesTest,
                                            Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, -1, 0),
                                            Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, 0, -1)));
 
-TEST(ChooseTrajectoryAxes, TheSideShowsTheLongerWay) {
+TEST(ChooseTrajectoryAxes, SideViewShowsTheLongerAxis) {
   EXPECT_EQ(ChooseTrajectoryAxes({0, -1, 0}, {1, 9, 2})[1].horizontal, 2);
   EXPECT_EQ(ChooseTrajectoryAxes({0, -1, 0}, {3, 9, 2})[1].horizontal, 0);
 }
@@ -159,7 +159,7 @@ TEST(RoundTicks, AreOneTwoOrFiveTimesPowersOfTenApart) {
   EXPECT_EQ(TickText(RoundTicks({-0.1, 1}, 3)[0]), "0");
 }
 
-TEST(LogarithmicTicks, ArePowersOfTenOrMoreWhereTheseAreFew) {
+TEST(LogarithmicTicks, ArePowersOfTenOrDenserForSmallRanges) {
   EXPECT_THAT(LogarithmicTicks(0.05, 200),
               ElementsAre(DoubleEq(0.1), DoubleEq(1), DoubleEq(10), DoubleEq(100)));
   EXPECT_THAT(LogarithmicTicks(1, 30), ElementsAre(1, 2, 5, 10, 20));
@@ -169,7 +169,7 @@ TEST(DrawAxes, MapTheirRangesToTheBox) {
   Image<Rgb8> image(300, 200, kPaper);
   const Axes axes{{100, 50, 200, 150}, {{0, 10}, {5, -5}}, "title", "x", "y"};
   DrawAxes(&image, axes);
-  // A quarter below the top edge, which is -5.
+  // y = -2.5 is a quarter of the height below the top edge, which is y = -5.
   DrawLine(&image, {axes.At(1, -2.5), axes.At(9, -2.5)}, kRed, 3);
   EXPECT_EQ(image(150, 75), kRed);
   EXPECT_EQ(image(150, 135), kPaper);

@@ -7,15 +7,15 @@
 namespace surfit::testing {
 namespace {
 
-// The ends of viridis (van der Walt and Smith 2015): (0.267, 0.005, 0.329) and (0.993, 0.906,
-// 0.144), in 8 bits, where rounding may go either way.
+// End colours of viridis (van der Walt and Smith 2015): (0.267, 0.005, 0.329) and (0.993, 0.906,
+// 0.144), in 8 bits with a rounding error of 1.
 void ExpectNear(Rgb8 color, int r, int g, int b) {
   EXPECT_NEAR(color.r, r, 1);
   EXPECT_NEAR(color.g, g, 1);
   EXPECT_NEAR(color.b, b, 1);
 }
 
-TEST(ColorScale, EndsAreThoseOfViridis) {
+TEST(ColorScale, EndsAtTheColorsOfViridis) {
   const ColorScale scale(2, 7, false);
   ExpectNear(scale.ColorOf(2), 68, 1, 84);
   ExpectNear(scale.ColorOf(7), 253, 231, 37);
@@ -28,17 +28,17 @@ TEST(ColorScale, IsLinearOrLogarithmicBetween) {
   EXPECT_DOUBLE_EQ(ColorScale(0.1, 1000, true).Position(1), 0.25);
 }
 
-TEST(ColorScale, OfOneValueAndOfNoNumberIsItsLowEnd) {
+TEST(ColorScale, IsTheLowEndForOneValueAndNan) {
   EXPECT_EQ(ColorScale(3, 3, false).Position(3), 0);
   EXPECT_EQ(ColorScale(1, 3, false).Position(std::nan("")), 0);
 }
 
-TEST(DrawColorBar, RunsFromTheLowColorToTheHighOne) {
+TEST(DrawColorBar, RunsFromLowToHighColor) {
   for (const bool logarithmic : {false, true}) {
     Image<Rgb8> image(300, 80, {255, 255, 255});
     const ColorScale scale(1, 50, logarithmic);
     DrawColorBar(&image, scale, {50, 10, 250, 30});
-    // Just inside the frame, away from ticks; neighbouring columns blend, by one step of 200.
+    // Inside the frame, away from ticks. Adjacent columns differ by one of 200 steps.
     const Rgb8 low = image(53, 20), high = image(247, 20);
     ExpectNear(low, scale.ColorAt(0.015).r, scale.ColorAt(0.015).g, scale.ColorAt(0.015).b);
     ExpectNear(high, scale.ColorAt(0.985).r, scale.ColorAt(0.985).g, scale.ColorAt(0.985).b);
@@ -65,7 +65,7 @@ SurfelMap TwoSurfels() {
   return map;
 }
 
-TEST(SurfelColoring, ColorIsTheSurfelsOwn) {
+TEST(SurfelColoring, ColorIsTheColorOfTheSurfel) {
   const SurfelMap map = TwoSurfels();
   EXPECT_EQ(ColorByColor(map).color_of(0), (Rgb8{10, 20, 30}));
 }
@@ -73,8 +73,8 @@ TEST(SurfelColoring, ColorIsTheSurfelsOwn) {
 TEST(SurfelColoring, NormalIsHalfOfOnePlusN) {
   const SurfelMap map = TwoSurfels();
   const SurfelColoring coloring = ColorByNormal(map);
-  // 255 (1 + n) / 2: 127.5 is rounded up; 1.6 * 127.5 = 204; 0.2 * 127.5 = 25.5, rounded up but for
-  // the single precision of 0.8.
+  // 255 (1 + n) / 2: 127.5 rounds up, 1.6 * 127.5 = 204, and 0.2 * 127.5 = 25.5 rounds to 25 or 26,
+  // because 0.8 is not exact in single precision.
   EXPECT_EQ(coloring.color_of(0), (Rgb8{128, 128, 0}));
   const Rgb8 second = coloring.color_of(1);
   EXPECT_EQ(second.r, 204);
@@ -82,7 +82,7 @@ TEST(SurfelColoring, NormalIsHalfOfOnePlusN) {
   EXPECT_EQ(second.b, 128);
 }
 
-TEST(SurfelColoring, ConfidenceSpansTheMapsRangeLogarithmically) {
+TEST(SurfelColoring, ConfidenceSpansTheRangeOfTheMapLogarithmically) {
   const SurfelMap map = TwoSurfels();
   const SurfelColoring coloring = ColorByConfidence(map);
   EXPECT_FLOAT_EQ(coloring.scale->low(), 0.5);
@@ -92,7 +92,7 @@ TEST(SurfelColoring, ConfidenceSpansTheMapsRangeLogarithmically) {
   EXPECT_EQ(coloring.color_of(1), coloring.scale->ColorAt(1));
 }
 
-TEST(SurfelColoring, ConfidenceOfZeroHasAScaleToo) {
+TEST(SurfelColoring, ConfidenceOfZeroHasAScale) {
   SurfelMap map = TwoSurfels();
   float* const confidence = map.block(0).confidence;
   confidence[0] = 0;

@@ -11,7 +11,7 @@ constexpr Rgb8 kGrassGreen = {10, 200, 30}, kAlarm = {205, 20, 20};
 constexpr int kPixels = LivePictures::kWidth * LivePictures::kHeight;
 const PinholeCamera kCamera{320, 240, 260, 260, 159.5, 119.5};
 
-// A wall of one colour, 2 m before the origin and facing it.
+// A uniform wall at 2 m that faces the origin.
 SurfelMap WallAhead(float radius_m = 0.05f) {
   SurfelMap map;
   Surfel surfel;
@@ -28,7 +28,7 @@ SurfelMap WallAhead(float radius_m = 0.05f) {
   return map;
 }
 
-// How many pixels have the colour. The picture is to be of the size that all are.
+// Number of pixels with this colour. Expects the size of all live pictures.
 int Count(const Image<Rgb8>& picture, Rgb8 color) {
   EXPECT_EQ(picture.width(), LivePictures::kWidth);
   EXPECT_EQ(picture.height(), LivePictures::kHeight);
@@ -41,7 +41,7 @@ TEST(LivePictures, ShowTheFrame) {
   EXPECT_GT(Count(LivePictures({kCamera, {}}).OfFrame(frame), kGrassGreen), 0.95 * kPixels);
 }
 
-// Twice as wide as high it fills the width, and two thirds of the height.
+// An image with aspect ratio 2 fills the width and two thirds of the height.
 TEST(LivePictures, KeepProportions) {
   RgbdFrame frame;
   frame.color = Image<Rgb8>(400, 200, kGrassGreen);
@@ -49,13 +49,13 @@ TEST(LivePictures, KeepProportions) {
               0.02 * kPixels);
 }
 
-TEST(LivePictures, ShowDepthWhereThereIsNoColour) {
+TEST(LivePictures, ShowDepthWithoutColour) {
   RgbdFrame frame;
   frame.depth_m = Image<float>(320, 240, 1.f);
   EXPECT_GT(Count(LivePictures({kCamera, {}}).OfFrame(frame), {127, 127, 127}), 0.9 * kPixels);
 }
 
-TEST(LivePictures, ShowTheModelByColourAndByNormal) {
+TEST(LivePictures, ShowTheModelWithColoursAndNormals) {
   LivePictures pictures({kCamera, {}});
   // 2.4 m of wall at 2 m fill 312 of 320 columns and all rows.
   EXPECT_GT(Count(pictures.OfModel(WallAhead(), {}, ModelColors::kColor), kGrassGreen),
@@ -65,7 +65,7 @@ TEST(LivePictures, ShowTheModelByColourAndByNormal) {
   EXPECT_GT(Count(normals, {128, 128, 0}), 0.8 * kPixels);
 }
 
-// Discs of 24 mm leave a pixel free amid four of them, 40 mm apart.
+// Discs of 24 mm at a spacing of 40 mm do not cover the pixel between four discs.
 TEST(LivePictures, ShowTheModelWithoutHoles) {
   LivePictures pictures({kCamera, {}});
   const int whole = Count(pictures.OfModel(WallAhead(), {}, ModelColors::kColor), kGrassGreen);
@@ -73,7 +73,7 @@ TEST(LivePictures, ShowTheModelWithoutHoles) {
             0.99 * whole);
 }
 
-TEST(LivePictures, TellInRedThatItIsLost) {
+TEST(LivePictures, HaveARedFrameIfLost) {
   LivePictures pictures({kCamera, {}});
   EXPECT_EQ(Count(pictures.OfModel(WallAhead(), {}, ModelColors::kColor), kAlarm), 0);
   const Image<Rgb8> lost = pictures.OfLost(Image<Rgb8>(320, 240, {1, 2, 3}));

@@ -10,7 +10,7 @@ namespace surfit::testing {
 namespace {
 
 constexpr int kViewWidth = 160, kViewHeight = 120;
-// What a surfel of the test's room belongs to, kept as its first_seen.
+// Part of the room. The field first_seen of surfels stores it.
 enum Part { kFloor, kCeiling, kFrontWall, kRightWall };
 
 void AppendPlane(Part part, const Eigen::Vector3f& corner, const Eigen::Vector3f& a,
@@ -30,8 +30,8 @@ void AppendPlane(Part part, const Eigen::Vector3f& corner, const Eigen::Vector3f
   }
 }
 
-// 6 m wide, 3 m high, 5 m deep; its frame is x right, y down, z forward, the origin 1.5 m above the
-// middle of the floor's near edge.
+// A room of 6 x 3 x 5 m (width, height, depth). Its frame is x right, y down, z forward. The origin
+// is 1.5 m above the centre of the near edge of the floor.
 SurfelMap Room(const Rigid3d& world_from_room) {
   SurfelMap map;
   AppendPlane(kFloor, {-3, 1.5, 0}, {6, 0, 0}, {0, 0, 5}, world_from_room, &map);
@@ -41,7 +41,7 @@ SurfelMap Room(const Rigid3d& world_from_room) {
   return map;
 }
 
-// A hand-held path that looks ahead, then to the right, and downwards by 0.4 to 0.6 rad.
+// A trajectory that looks forward, then to the right, and down by 0.4 to 0.6 rad.
 Trajectory LookAround(const Rigid3d& world_from_room) {
   Trajectory path;
   for (int i = 0; i <= 10; ++i) {
@@ -57,7 +57,7 @@ Trajectory LookAround(const Rigid3d& world_from_room) {
 
 class MapViewsTest : public ::testing::Test {
  protected:
-  // Gravity along no axis of the world.
+  // Gravity is not along an axis of the world frame.
   const Rigid3d world_from_room_{
       Eigen::Quaterniond(Eigen::AngleAxisd(2, Eigen::Vector3d(1, -2, 0.5).normalized())),
       Eigen::Vector3d(3, -1, 7)};
@@ -70,7 +70,7 @@ class MapViewsTest : public ::testing::Test {
     return views_[view].camera.Project(views_[view].camera_from_world *
                                        (world_from_room_ * point_in_room));
   }
-  // The share of the view's pixels that show this part of the room.
+  // Ratio of pixels of the view that show this part of the room.
   double Share(int view, Part part) const {
     const Image<std::int32_t> seen = RenderSurfels(map_, all_, views_[view]);
     return std::count_if(seen.begin(), seen.end(),
@@ -81,44 +81,44 @@ class MapViewsTest : public ::testing::Test {
   }
 };
 
-TEST_F(MapViewsTest, FromAboveOneLooksThroughTheCeilingAtTheFloor) {
-  EXPECT_GT(Share(0, kFloor), 0.7);  // 6 m x 5 m in a picture of 4 : 3 fill 90 % of 0.94^2
+TEST_F(MapViewsTest, TopViewShowsTheFloorThroughTheCeiling) {
+  EXPECT_GT(Share(0, kFloor), 0.7);  // 6 m x 5 m in an image of 4 : 3 fill 90 % of 0.94^2
   EXPECT_EQ(Share(0, kCeiling), 0);
 }
 
-TEST_F(MapViewsTest, FromAboveTheWallsStandUprightAndNothingIsMirrored) {
+TEST_F(MapViewsTest, TopViewIsUprightAndNotMirrored) {
   const Eigen::Vector2d near_left = Project(0, {-3, 1.5, 0}), near_right = Project(0, {3, 1.5, 0});
   const Eigen::Vector2d far_left = Project(0, {-3, 1.5, 5});
-  // The room's width lies across the page, what is ahead of the first camera above.
+  // The width of the room is horizontal, and the forward direction of the first camera is up.
   EXPECT_GT(near_right.x() - near_left.x(), 0.8 * kViewWidth);
   EXPECT_NEAR(near_right.y(), near_left.y(), 0.02 * kViewWidth);
   EXPECT_LT(far_left.y() - near_left.y(), -0.8 * kViewHeight);
-  // The walls' height of 3 m is seen end on, from four times at least the 8.4 m of the room's
-  // diagonal: it makes at most 3 / 33 of the way from the picture's middle, here 56 pixels.
+  // The wall of 3 m height is seen from a distance of at least four times the room diagonal of 8.4
+  // m. Its length is at most 3 / 33 of the distance to the image centre, here 56 pixels.
   const double wall_px = (Project(0, {0, -1.5, 5}) - Project(0, {0, 1.5, 5})).norm();
   EXPECT_LT(wall_px, 56 * 3 / 33. + 1);
 }
 
-TEST_F(MapViewsTest, TheBirdSeesFloorAndWallsButNotTheCeiling) {
+TEST_F(MapViewsTest, BirdsEyeViewShowsFloorAndWallsWithoutCeiling) {
   EXPECT_GT(Share(1, kFloor), 0.1);
   EXPECT_GT(Share(1, kFrontWall), 0.1);
   EXPECT_GT(Share(1, kRightWall), 0.1);
   EXPECT_EQ(Share(1, kCeiling), 0);
-  EXPECT_LT(Project(1, {0, -1.5, 5}).y(), Project(1, {0, 1.5, 5}).y());  // up is up
+  EXPECT_LT(Project(1, {0, -1.5, 5}).y(), Project(1, {0, 1.5, 5}).y());  // up is up in the image
 }
 
-TEST_F(MapViewsTest, TheFirstCameraIsPulledBack) {
+TEST_F(MapViewsTest, FirstCameraViewIsBehindTheFirstCamera) {
   const Eigen::Vector3d eye_in_room =
       world_from_room_.Inverse() *
       (views_[2].camera_from_world.Inverse() * Eigen::Vector3d::Zero());
-  EXPECT_LT(eye_in_room.z(), -0.5);  // 20 % of the median depth, which is between 3 and 5 m
+  EXPECT_LT(eye_in_room.z(), -0.5);  // 20 % of the median depth, 3 to 5 m
   EXPECT_GT(eye_in_room.z(), -1);
   EXPECT_GT(Share(2, kFrontWall), 0.1);
   EXPECT_LT(Project(2, {-1, 0, 5}).x(), Project(2, {1, 0, 5}).x());
 }
 
-TEST_F(MapViewsTest, TheOtherCameraLooksElsewhere) {
-  EXPECT_EQ(views_[3].label, "camera 11 of 11, pulled back");
+TEST_F(MapViewsTest, SecondCameraViewHasAnotherDirection) {
+  EXPECT_THAT(views_[3].label, Names(11));
   EXPECT_GT(Share(3, kRightWall), Share(2, kRightWall));
 }
 
@@ -126,8 +126,8 @@ TEST(MostDifferentPose, WeighsAngleAgainstDistance) {
   Trajectory path(3);
   path[1].world_from_camera.translation = {1, 0, 0};
   path[2].world_from_camera.rotation = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY());
-  EXPECT_EQ(MostDifferentPose(path, 1), 1u);   // 1 against 0.5
-  EXPECT_EQ(MostDifferentPose(path, 10), 2u);  // 0.1 against 0.5
+  EXPECT_EQ(MostDifferentPose(path, 1), 1u);   // 1 versus 0.5
+  EXPECT_EQ(MostDifferentPose(path, 10), 2u);  // 0.1 versus 0.5
   EXPECT_EQ(MostDifferentPose(Trajectory(1), 1), 0u);
 }
 
@@ -139,20 +139,20 @@ StampedPose Turned(double angle_rad, const Eigen::Vector3d& axis) {
   return pose;
 }
 
-TEST(UpDirection, IsTheMeanOfTheCamerasUpwardAxes) {
+TEST(UpDirection, IsTheMeanUpAxisOfTheCameras) {
   const Trajectory nodding = {
       Turned(0.3, Eigen::Vector3d::UnitX()), Turned(-0.3, Eigen::Vector3d::UnitX()),
       Turned(0.2, Eigen::Vector3d::UnitZ()), Turned(-0.2, Eigen::Vector3d::UnitZ())};
   EXPECT_THAT(UpDirection(nodding), VectorNear(Eigen::Vector3d(0, -1, 0), kExact));
 }
 
-TEST(UpDirection, HoldsInAWorldWhoseZIsUp) {
-  // Looking along the world's y: camera z -> y, camera y (down) -> -z.
+TEST(UpDirection, IsZInAWorldWithZUp) {
+  // The camera looks along world y: camera z -> y, camera y (down) -> -z.
   const Trajectory path = {Turned(-M_PI / 2, Eigen::Vector3d::UnitX())};
   EXPECT_THAT(UpDirection(path), VectorNear(Eigen::Vector3d(0, 0, 1), kExact));
 }
 
-TEST(UpDirection, OfOppositeCamerasIsTheFirstOnes) {
+TEST(UpDirection, OfOppositeCamerasIsThatOfTheFirst) {
   const Trajectory path = {Turned(0, Eigen::Vector3d::UnitZ()),
                            Turned(M_PI, Eigen::Vector3d::UnitZ())};
   EXPECT_THAT(UpDirection(path), VectorNear(Eigen::Vector3d(0, -1, 0), kExact));
@@ -168,11 +168,11 @@ TEST(LookAlong, PutsForwardAheadUpUpwardsAndDoesNotMirror) {
   const Eigen::Vector3d up_in_camera = camera_from_world.rotation * up;
   EXPECT_NEAR(up_in_camera.x(), 0, kExact);
   EXPECT_LT(up_in_camera.y(), 0);
-  // Who looks along x with z up has -y to the right.
+  // Right is -y for a view along x with z up.
   EXPECT_GT((camera_from_world.rotation * -Eigen::Vector3d::UnitY()).x(), 0.99);
 }
 
-TEST(FitCamera, FillsTheImageButForTheMargin) {
+TEST(FitCamera, FillsTheImageExceptTheMargin) {
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i <= 100; ++i) {
     for (int j = 0; j <= 100; ++j) {
@@ -182,13 +182,13 @@ TEST(FitCamera, FillsTheImageButForTheMargin) {
   points.push_back({0, 0, -1});
   const PinholeCamera camera = FitCamera(points, 800, 600);
   EXPECT_EQ(camera.fx, camera.fy);
-  // The outer columns hold 1 % of the points each, so the 0.5 % quantiles are 0 and 1.
+  // Each outer column has 1 % of the points, so the 0.5 % quantiles are 0 and 1.
   EXPECT_NEAR(camera.fx, 0.94 * 800, 1e-3);
   EXPECT_NEAR(camera.Project({0, 0, 2}).x(), 0.03 * 800 - 0.5, 1e-3);
   EXPECT_NEAR(camera.Project({2, 0, 2}).x(), 0.97 * 800 - 0.5, 1e-3);
 }
 
-TEST(FitCamera, OfNothingIsStillACamera) { EXPECT_NO_THROW(FitCamera({}, 80, 60).Validate("x")); }
+TEST(FitCamera, IsValidWithoutPoints) { EXPECT_NO_THROW(FitCamera({}, 80, 60).Validate("x")); }
 
 TEST(Quantile, PicksTheValueOfThatRank) {
   EXPECT_EQ(Quantile({3, 1, 2}, 0, 9), 1);

@@ -12,7 +12,7 @@
 
 namespace surfit::testing {
 
-// The pixels of a PNG file; empty, and a failure, if it is not there or not whole.
+// Pixels of a PNG file. Adds a test failure and returns an empty image if it cannot be read.
 inline Image<Rgb8> ReadPicture(const std::string& path) {
   const cv::Mat bgr = cv::imread(path, cv::IMREAD_COLOR);
   if (bgr.empty()) ADD_FAILURE() << path << " is no picture";

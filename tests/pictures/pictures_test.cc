@@ -15,7 +15,7 @@ constexpr int kWidth = 1608, kHeight = 1344;
 constexpr Rgb8 kGreen = {10, 200, 30};
 const char* const kNames[] = {"color", "normals", "confidence", "last_seen"};
 
-// A wall of one colour, 2 m before the first camera and facing it.
+// A uniform wall at 2 m that faces the first camera.
 SurfelMap Wall() {
   SurfelMap map;
   Surfel surfel;
@@ -44,8 +44,9 @@ TEST(WriteMapPictures, WritesFourSheetsThatShowTheMap) {
   }
   const Image<Rgb8> color = ReadPicture(folder / "map_color.png");
   const Image<Rgb8> normals = ReadPicture(folder / "map_normals.png");
-  // The third cell begins at (0, 76 + 634). Its camera is 20 % of 2 m behind the first one and
-  // 0.75 * 800 pixels of focal length see +-2 m of wall at 2.4 m: 500 pixels each way, so all.
+  // The third cell begins at (0, 76 + 634). Its camera is 0.4 m (20 % of 2 m) behind the first
+  // camera. With a focal length of 0.75 * 800 pixels, +-2 m of wall at 2.4 m are +-500 pixels: the
+  // cell is covered.
   for (const int u : {2, 400, 797}) {
     for (const int v : {712, 1000, 1307}) {
       EXPECT_EQ(color(u, v), kGreen);
@@ -54,8 +55,8 @@ TEST(WriteMapPictures, WritesFourSheetsThatShowTheMap) {
   }
 }
 
-// A plate before nothing: white, black, and the grey of most walls.
-TEST(WriteMapPictures, ShowsWhatIsWhiteBlackOrGrey) {
+// A plate without background: white, black, and a typical grey of walls.
+TEST(WriteMapPictures, ShowsWhiteBlackAndGreySurfaces) {
   for (const int grey : {255, 0, 160}) {
     const auto value = static_cast<std::uint8_t>(grey);
     SurfelMap map;
@@ -73,15 +74,16 @@ TEST(WriteMapPictures, ShowsWhatIsWhiteBlackOrGrey) {
     const TempFolder folder;
     WriteMapPictures(map, Trajectory(1), folder.path());
     const Image<Rgb8> picture = ReadPicture(folder / "map_color.png");
-    const Rgb8 thing = picture(400, 1000), around = picture(2, 712);  // of the first camera's cell
+    const Rgb8 thing = picture(400, 1000),
+               around = picture(2, 712);  // in the cell of the first camera
     EXPECT_EQ(thing, surfel.color);
     const double difference =
         Eigen::Vector3d(thing.r - around.r, thing.g - around.g, thing.b - around.b).norm();
-    EXPECT_GT(difference, 60) << grey;  // of 441 between black and white
+    EXPECT_GT(difference, 60) << grey;  // black and white differ by 441
   }
 }
 
-TEST(WriteMapPictures, HidesDustButInTheConfidence) {
+TEST(WriteMapPictures, HidesUnstableSurfelsExceptInTheConfidencePicture) {
   SurfelMap map = Wall();
   Surfel dust;
   dust.position_in_world = {0, 0, 1};
@@ -93,14 +95,14 @@ TEST(WriteMapPictures, HidesDustButInTheConfidence) {
   const TempFolder folder;
   WriteMapPictures(map, Trajectory(1), folder.path());
   EXPECT_EQ(CountPixels(ReadPicture(folder / "map_color.png"), dust.color), 0u);
-  // The middle of the third cell shows the dust in the scale's lowest colour.
+  // The centre of the third cell shows unstable surfels in the lowest colour of the scale.
   const Rgb8 middle = ReadPicture(folder / "map_confidence.png")(400, 76 + 634 + 300);
   EXPECT_NEAR(middle.r, 68, 1);
   EXPECT_NEAR(middle.b, 84, 1);
 }
 
-// A floor does not shine through the table above it, however far away the view from above is.
-TEST(WriteMapPictures, HidesWhatLiesBeneath) {
+// The top view of a table must not show the floor below, at any distance.
+TEST(WriteMapPictures, HidesOccludedSurfaces) {
   SurfelMap map;
   Surfel surfel;
   surfel.normal_in_world = {0, -1, 0};
@@ -135,7 +137,7 @@ void SetConfidence(float confidence, SurfelMap* map) {
   }
 }
 
-TEST(DustConfidence, IsThreeOrATenthOfWhatTheMapHas) {
+TEST(DustConfidence, IsThreeOrATenthOfTheMaximum) {
   SurfelMap map;
   EXPECT_EQ(DustConfidence(map), 0);
   map = Wall();
@@ -158,34 +160,34 @@ TEST(WriteMapPictures, IsTheSameAtAnyNumberOfThreads) {
   EXPECT_TRUE(bytes[0] == bytes[1]);
 }
 
-TEST(WriteMapPictures, OfAnEmptyMapSaysSo) {
+TEST(WriteMapPictures, LabelsAnEmptyMap) {
   const TempFolder folder;
   WriteMapPictures(SurfelMap(), {}, folder.path());
   for (const char* name : kNames) {
     const Image<Rgb8> picture = ReadPicture(folder / ("map_" + std::string(name) + ".png"));
     EXPECT_EQ(picture.width(), kWidth);
-    EXPECT_GT(CountColors(picture), 2u);  // the words, with smooth edges
+    EXPECT_GT(CountColors(picture), 2u);  // text with antialiasing
     EXPECT_GT(CountPixels(picture, {255, 255, 255}), picture.size() * 9 / 10);
   }
 }
 
-TEST(WriteMapPictures, NeedsNoPathAndNoReasonableMap) {
+TEST(WriteMapPictures, AcceptsAnEmptyTrajectoryAndADegenerateMap) {
   const TempFolder folder;
   SurfelMap map;
-  map.Append(Surfel());  // at the origin, no normal, no size, no confidence
+  map.Append(Surfel());  // at the origin, without normal, radius and confidence
   EXPECT_NO_THROW(WriteMapPictures(map, {}, folder.path()));
 }
 
-TEST(WriteMapPictures, NamesTheFileItCannotWrite) {
+TEST(WriteMapPictures, RejectsUnwritableFile) {
   ExpectInputError([] { WriteMapPictures(Wall(), {}, "/nonexistent/out"); },
-                   HasSubstr("/nonexistent/out/map_"));
+                   ContainsRegex("/nonexistent/out/map_"));
 }
 
 using Cloud = std::vector<Eigen::Vector3f>;
 
 constexpr Rgb8 kSourceColor = {240, 120, 0}, kTargetColor = {20, 90, 210};
 
-// 2 m x 1.5 m, facing the camera, 5 mm between points.
+// A wall of 2 m x 1.5 m that faces the camera, with a point spacing of 5 mm.
 Cloud Wall(float z, float left) {
   Cloud cloud;
   for (int i = 0; i < 400; ++i) {
@@ -196,7 +198,7 @@ Cloud Wall(float z, float left) {
   return cloud;
 }
 
-TEST(WriteTwoCloudPicture, TheNearerCloudHidesTheFarther) {
+TEST(WriteTwoCloudPicture, CloserCloudOccludesTheOther) {
   const TempFolder folder;
   WriteTwoCloudPicture(Wall(2, -1), Wall(2.2f, -1), folder / "p.png");
   const Image<Rgb8> picture = ReadPicture(folder / "p.png");
@@ -215,7 +217,7 @@ TEST(WriteTwoCloudPicture, IsNotMirrored) {
   EXPECT_EQ(picture(600, 376), kTargetColor);
 }
 
-TEST(WriteTwoCloudPicture, CloudsThatCoincideMingle) {
+TEST(WriteTwoCloudPicture, CoincidingCloudsAreMixed) {
   const TempFolder folder;
   Cloud source = Wall(2, -1), target = source;
   for (std::size_t i = 0; i < source.size(); ++i) (i % 2 ? source : target)[i].z() += 1e-4f;
@@ -224,19 +226,19 @@ TEST(WriteTwoCloudPicture, CloudsThatCoincideMingle) {
   int blue = 0, orange = 0;
   for (const auto [u, v] : Pixels(350, 450, 326, 426))
     ++(picture(u, v).b > picture(u, v).r ? blue : orange);
-  EXPECT_GT(blue, 1000);  // of 10000, half and half but for mixed pixels
+  EXPECT_GT(blue, 1000);  // of 10,000 pixels, about half per cloud
   EXPECT_GT(orange, 1000);
 }
 
-TEST(WriteTwoCloudPicture, TakesEmptyClouds) {
+TEST(WriteTwoCloudPicture, AcceptsEmptyClouds) {
   const TempFolder folder;
   EXPECT_NO_THROW(WriteTwoCloudPicture({}, {}, folder / "p.png"));
   EXPECT_NO_THROW(WriteTwoCloudPicture(Wall(2, -1), {}, folder / "p.png"));
 }
 
-TEST(WriteTwoCloudPicture, NamesTheFileItCannotWrite) {
+TEST(WriteTwoCloudPicture, RejectsUnwritableFile) {
   ExpectInputError([] { WriteTwoCloudPicture({}, {}, "/nonexistent/p.png"); },
-                   HasSubstr("/nonexistent/p.png"));
+                   Names("/nonexistent/p.png"));
 }
 
 }  // namespace

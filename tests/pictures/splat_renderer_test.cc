@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int32_t kNothing = NearestIndexImage::kNothing;
 
-// 101 x 101 pixels, the middle one on the optical axis; one pixel is 1 cm at z = 1 m.
+// 101 x 101 pixels. The central pixel is on the optical axis. A pixel is 1 cm wide at z = 1 m.
 PictureView TestView() {
   PictureView view;
   view.camera.width = view.camera.height = 101;
@@ -41,8 +41,8 @@ const Eigen::Vector3f kTowardsCamera(0, 0, -1);
 
 TEST(RenderSurfels, DiscThatFacesTheCameraFillsACircle) {
   SurfelMap map;
-  // 20.05 pixels of radius: squares of distances between pixels are whole numbers, 402 is no sum of
-  // two squares, so none is nearer to 20.05^2 = 402.0025 than 1.
+  // The radius is 20.05 pixels, and 20.05^2 = 402.0025. Squared pixel distances are integers, and
+  // 402 is not a sum of two squares. So no pixel is at the border of the disc.
   map.Append(MakeSurfel({0, 0, 2}, kTowardsCamera, 0.401f));
   const Image<std::int32_t> seen = Render(map);
   for (const auto [u, v] : PixelsOf(101, 101)) {
@@ -51,8 +51,8 @@ TEST(RenderSurfels, DiscThatFacesTheCameraFillsACircle) {
   }
 }
 
-// The second opinion: every pixel's ray against the disc's plane, in double.
-TEST(RenderSurfels, TiltedDiscsCoverThePixelsWhoseRaysMeetThem) {
+// Compares with the intersection of each pixel ray and the disc, in double precision.
+TEST(RenderSurfels, TiltedDiscsCoverPixelsWithIntersectingRays) {
   std::mt19937_64 rng(3);
   std::uniform_real_distribution<float> uniform(-1, 1);
   int covered = 0;
@@ -71,7 +71,7 @@ TEST(RenderSurfels, TiltedDiscsCoverThePixelsWhoseRaysMeetThem) {
       const Eigen::Vector3d ray = TestView().camera.Ray(u, v);
       const double distance = (n.dot(c) / n.dot(ray) * ray - c).norm();
       const bool in_front = n.dot(ray) < 0;
-      // Numbers of a few metres in single precision, times at most about 10 for the slant.
+      // Rounding of metres in single precision, times 10 for the slant of the disc.
       if (std::abs(distance - radius) < 1e-4) continue;
       covered += in_front && distance < radius;
       EXPECT_EQ(seen(u, v), in_front && distance < radius ? 0 : kNothing) << u << ", " << v;
@@ -80,7 +80,7 @@ TEST(RenderSurfels, TiltedDiscsCoverThePixelsWhoseRaysMeetThem) {
   EXPECT_GT(covered, 1000);
 }
 
-TEST(RenderSurfels, NearerOneHidesTheFartherInWhateverOrder) {
+TEST(RenderSurfels, CloserDiscOccludesTheOtherInAnyOrder) {
   const Surfel near = MakeSurfel({0, 0, 1}, kTowardsCamera, 0.1f);
   const Surfel far = MakeSurfel({0, 0, 2}, kTowardsCamera, 0.6f);
   SurfelMap near_first, far_first;
@@ -92,28 +92,28 @@ TEST(RenderSurfels, NearerOneHidesTheFartherInWhateverOrder) {
   EXPECT_EQ(Render(far_first)(70, 50), far_0);
 }
 
-TEST(RenderSurfels, CrossingDiscsPartWhereTheyCross) {
+TEST(RenderSurfels, IntersectingDiscsAreSplitAtTheIntersection) {
   SurfelMap map;
-  map.Append(MakeSurfel({0, 0, 2}, {0.5f, 0, -1}, 0.5f));   // nearer on the left
-  map.Append(MakeSurfel({0, 0, 2}, {-0.5f, 0, -1}, 0.5f));  // nearer on the right
+  map.Append(MakeSurfel({0, 0, 2}, {0.5f, 0, -1}, 0.5f));   // closer on the left
+  map.Append(MakeSurfel({0, 0, 2}, {-0.5f, 0, -1}, 0.5f));  // closer on the right
   const Image<std::int32_t> seen = Render(map);
   EXPECT_EQ(seen(40, 50), 0);
   EXPECT_EQ(seen(60, 50), 1);
 }
 
-TEST(RenderSurfels, EquallyNearOnesGiveTheLowestIndex) {
+TEST(RenderSurfels, EqualDepthReturnsTheLowestIndex) {
   SurfelMap map;
   for (int i = 0; i < 3; ++i) map.Append(MakeSurfel({0, 0, 2}, kTowardsCamera, 0.3f));
   EXPECT_EQ(Render(map)(45, 50), 0);
 }
 
-TEST(RenderSurfels, OneThatFacesAwayIsNotDrawn) {
+TEST(RenderSurfels, BackFacingDiscIsNotDrawn) {
   SurfelMap map;
   map.Append(MakeSurfel({0, 0, 2}, -kTowardsCamera, 0.4f));
   EXPECT_THAT(Render(map), Each(kNothing));
 }
 
-TEST(RenderSurfels, OneBehindTheCameraOrNotShownIsNotDrawn) {
+TEST(RenderSurfels, DiscBehindTheCameraOrHiddenIsNotDrawn) {
   SurfelMap map;
   map.Append(MakeSurfel({0, 0, -2}, -kTowardsCamera, 0.4f));
   map.Append(MakeSurfel({0, 0, 0.1f}, kTowardsCamera, 0.4f));
@@ -124,7 +124,7 @@ TEST(RenderSurfels, OneBehindTheCameraOrNotShownIsNotDrawn) {
   EXPECT_THAT(RenderSurfels(map, none, TestView()), Each(kNothing));
 }
 
-TEST(RenderSurfels, NoneIsLostBetweenPixels) {
+TEST(RenderSurfels, SmallDiscCoversItsPixel) {
   SurfelMap map;
   map.Append(MakeSurfel({0.006f, 0.004f, 1}, kTowardsCamera, 1e-5f));  // at (50.6, 50.4)
   const Image<std::int32_t> seen = Render(map);
@@ -132,7 +132,7 @@ TEST(RenderSurfels, NoneIsLostBetweenPixels) {
   EXPECT_EQ(std::count(seen.begin(), seen.end(), 0), 1);
 }
 
-TEST(RenderSurfels, LooksFromTheViewsPose) {
+TEST(RenderSurfels, UsesThePoseOfTheView) {
   PictureView view = TestView();
   view.camera_from_world.translation = {0.1, 0, 1};
   SurfelMap map;
@@ -153,7 +153,7 @@ TEST(RenderSurfels, IsTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(images[0], images[2]);
 }
 
-TEST(RenderPoints, PointCoversASquareAndTheNearerWins) {
+TEST(RenderPoints, PointCoversASquareAndTheCloserPointWins) {
   const std::vector<Eigen::Vector3f> points = {{0, 0, 1}, {0.02f, 0, 2}};  // at 50, 51
   const Image<std::int32_t> seen = RenderPoints(points, 3, TestView());
   for (const auto [u, v] : PixelsOf(101, 101)) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr Rgb8 kEstimateColor = {230, 90, 0}, kGroundTruthColor = {145, 190, 250};
 
-// A path of 2 m along x, then half of that along z, in a world whose y is down.
+// A path of 2 m along x and 1 m along z, in a world frame with y down.
 Trajectory Corner(double shift_m) {
   Trajectory path;
   for (int i = 0; i <= 30; ++i) {
@@ -33,7 +33,7 @@ struct Extent {
 
 const Pixels kLeftView(90, 790, 110, 820);
 
-// The extent of the pixels with that colour among the given ones.
+// Extent of the pixels with this colour in the region.
 Extent FindExtent(const Image<Rgb8>& picture, Rgb8 color, const Pixels& among) {
   Extent extent;
   for (const auto [u, v] : among) {
@@ -60,12 +60,12 @@ TEST(WriteTrajectoryPicture, ShowsBothPathsIfTheyCoincide) {
   const Image<Rgb8> picture = ReadPicture(folder / "trajectory.png");
   const Extent estimate = FindExtent(picture, kEstimateColor, kLeftView);
   const Extent truth = FindExtent(picture, kGroundTruthColor, kLeftView);
-  // The wider ground truth surrounds the estimate.
+  // The ground truth is drawn as a wider line below the estimate.
   EXPECT_LT(truth.left, estimate.left);
   EXPECT_GT(truth.right, estimate.right);
   EXPECT_LT(truth.top, estimate.top);
   EXPECT_GT(truth.bottom, estimate.bottom);
-  int estimate_rows = 0, truth_rows = 0;  // of the line along x, 1 m from its begin
+  int estimate_rows = 0, truth_rows = 0;  // rows of the line along x, 1 m after its start
   for (int v = estimate.bottom - 30; v <= estimate.bottom + 10; ++v) {
     estimate_rows += picture(440, v) == kEstimateColor;
     truth_rows += picture(440, v) == kGroundTruthColor;
@@ -80,7 +80,7 @@ TEST(WriteTrajectoryPicture, ShowsTheErrorOverTime) {
   for (std::size_t i = 16; i < estimate.size(); ++i) {
     estimate[i].world_from_camera.translation.y() += std::sqrt(3) * 0.01;
   }
-  estimate[5].stamp_s += 0.04;  // no true pose within 10 ms: not part of the panel
+  estimate[5].stamp_s += 0.04;  // no ground-truth pose within 10 ms: not in the panel
   estimate[5].world_from_camera.translation.y() += 1;
   WriteTrajectoryPicture(estimate, Corner(0), folder / "trajectory.png");
   const Image<Rgb8> picture = ReadPicture(folder / "trajectory.png");
@@ -88,7 +88,7 @@ TEST(WriteTrajectoryPicture, ShowsTheErrorOverTime) {
   const Extent late = FindExtent(picture, kEstimateColor, {900, 1580, 950, 1250});
   EXPECT_LE(early.left, 92);
   EXPECT_GE(late.right, 1577);
-  // The axis begins with 0 at the lower edge and ends 10 % above the largest error.
+  // The axis ranges from 0 at the lower edge to 10 % above the largest error.
   EXPECT_NEAR(1250 - (early.top + early.bottom) / 2., 300 / 1.1 / 2, 1);
   EXPECT_NEAR(1250 - (late.top + late.bottom) / 2., 300 / 1.1, 1);
   EXPECT_LE(early.bottom - early.top, 3);
@@ -111,22 +111,23 @@ TEST(WriteTrajectoryPicture, BothAxesHaveTheSameScaleAndZGrowsUpwards) {
   const Image<Rgb8> picture = ReadPicture(folder / "trajectory.png");
   EXPECT_EQ(CountPixels(picture, kGroundTruthColor), 0u);
   const Extent path = FindExtent(picture, kEstimateColor, kLeftView);
-  // 2 m fill 90 % of 700 pixels: 315 pixels a metre, and up to 8 more on each side for the marks.
+  // 2 m fill 90 % of 700 pixels: 315 pixels per metre, plus up to 8 pixels per side for markers.
   EXPECT_NEAR(path.right - path.left, 630, 16);
   EXPECT_NEAR(path.bottom - path.top, 315, 16);
-  EXPECT_EQ(picture(path.left + 40, path.bottom - 40).r, 255);  // the corner is at the lower right
+  EXPECT_EQ(picture(path.left + 40, path.bottom - 40).r,
+            255);  // the corner of the path is at the lower right
 }
 
-TEST(WriteTrajectoryPicture, TakesPathsOfNoPoseAndOfOne) {
+TEST(WriteTrajectoryPicture, AcceptsPathsWithZeroAndOnePose) {
   const TempFolder folder;
   EXPECT_NO_THROW(WriteTrajectoryPicture({}, {}, folder / "empty.png"));
   EXPECT_NO_THROW(WriteTrajectoryPicture(Trajectory(1), {}, folder / "one.png"));
   EXPECT_GT(CountPixels(ReadPicture(folder / "one.png"), kEstimateColor), 50u);
 }
 
-TEST(WriteTrajectoryPicture, NamesTheFileItCannotWrite) {
+TEST(WriteTrajectoryPicture, RejectsUnwritableFile) {
   ExpectInputError([] { WriteTrajectoryPicture(Corner(0), {}, "/nonexistent/t.png"); },
-                   HasSubstr("/nonexistent/t.png"));
+                   Names("/nonexistent/t.png"));
 }
 
 }  // namespace

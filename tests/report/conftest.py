@@ -1,3 +1,3 @@
-"""All pages are opened in one browser: beginning one takes longer than most tests do."""
+"""All tests share one browser, because its start takes longer than most tests."""
 
 from report_page import browser  # noqa: F401

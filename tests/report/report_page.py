@@ -1,8 +1,9 @@
-"""Reports in a headless Chromium that draws WebGL on the CPU."""
+"""Reports in headless Chromium with WebGL on the CPU."""
 
 import io
 import os
 import pathlib
+import re
 import subprocess
 import time
 
@@ -42,8 +43,13 @@ def browser():
     driver.quit()
 
 
+def numbers(text):
+    """The numbers in a text, as strings."""
+    return re.findall(r"-?\d+(?:\.\d+)?", text)
+
+
 def frame_drawn(browser):
-    """Waits until the page has drawn what it was asked for."""
+    """Waits until the page has drawn the requested frame."""
     browser.execute_async_script("const done = arguments[0];"
                                  "requestAnimationFrame(() => requestAnimationFrame(() => done()))")
 
@@ -62,7 +68,7 @@ class Page:
         self.seconds_to_complete = time.monotonic() - begin
 
     def wait_until(self, condition, *arguments):
-        """Waits for a condition in JavaScript, which sees its arguments as `arguments`; returns its value."""
+        """Waits until a JavaScript condition with these `arguments` is true. Returns its value."""
         return WebDriverWait(self.browser, 60, poll_frequency=0.02).until(
             lambda _: self.script(f"return {condition}", *arguments), condition)
 
@@ -85,7 +91,7 @@ class Page:
         return self.browser.execute_script(text, *arguments)
 
     def map_picture(self):
-        """What the 3D view shows: a picture of Pillow's, RGB."""
+        """Picture of the 3D view, an RGB image of Pillow."""
         frame_drawn(self.browser)
         self.wait_for_all_points()
         png = self.browser.find_element(By.ID, "map-canvas").screenshot_as_png
@@ -100,7 +106,7 @@ class Page:
 
 
 def simulate_room(folder, frames):
-    """A sequence of the simulated room; returns its path."""
+    """Simulates a sequence of a room. Returns its path."""
     room = str(folder / "room")
     made = run_tool("surfit_simulate", f"--output={room}", f"--frames={frames}", "--downsample=4")
     assert made.returncode == 0, made.stderr
@@ -113,7 +119,7 @@ def run_slam(room, output, *flags):
 
 
 def drawn_share(picture):
-    """The share of the pixels that are not the background, which is that of the first corner."""
+    """Ratio of pixels that differ from the background, which is the colour of the first corner."""
     background = picture.getpixel((0, 0))
     pixels = list(picture.getdata())
     return sum(pixel != background for pixel in pixels) / len(pixels)
@@ -125,8 +131,8 @@ def differing_share(a, b):
 
 
 def expect_every_mode_drawn(page):
-    """Each mode shows the map, and no two of them the same."""
-    page.click("show-estimate")  # the map alone
+    """Expects that each colour mode shows the map, and that all modes differ."""
+    page.click("show-estimate")  # only the map
     page.click("show-truth")
     page.click("show-cameras")
     pictures = {}

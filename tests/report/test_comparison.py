@@ -1,4 +1,4 @@
-"""The page of a comparison of solvers: nothing missing, nothing fetched, figures where they belong."""
+"""The page of a solver comparison: complete, without network requests, with correct figures."""
 
 import json
 import math
@@ -25,7 +25,7 @@ def rows(output):
 
 @pytest.fixture(scope="module", autouse=True)
 def page(browser, output):
-    browser.get_log("browser")  # forgets what other pages have left there
+    browser.get_log("browser")  # clears messages of other pages
     browser.get(pathlib.Path(output / "comparison.html").resolve().as_uri())
 
 
@@ -36,8 +36,8 @@ def test_opens_from_disk_without_errors_or_network(browser):
     assert [url for url in urls if not url.startswith("data:")] == []
 
 
-def test_dots_stand_at_the_logarithms_of_their_times(browser, rows):
-    """A dot for each time: places are a straight line of the logarithms, over whole powers of ten."""
+def test_dot_positions_are_logarithmic(browser, rows):
+    """Positions of the dots are linear in the logarithm of time, between powers of ten."""
     times = [[row[key] for key in ("linearize_ms", "solve_ms", "total_ms") if row[key]] for row in rows]
     lines = browser.execute_script(
         "return [...document.querySelectorAll('#times tbody .dots')].map((dots) =>"
@@ -49,8 +49,8 @@ def test_dots_stand_at_the_logarithms_of_their_times(browser, rows):
         [100 * (log - low) / (high - low) for log in logs], abs=0.01)
 
 
-def test_shares_are_those_of_the_runs(browser, rows):
-    """The means of a table's cells are the shares of all runs, a table for each row of one thread count."""
+def test_ratios_equal_those_of_the_runs(browser, rows):
+    """Mean values of the table cells equal the ratios over all runs. Each row with one thread has a table."""
     tables = browser.execute_script(
         "return [...document.querySelectorAll('.shares')].map((table) =>"
         "[...table.querySelectorAll('td')].map((cell) => Number(cell.textContent)))")

@@ -11,7 +11,7 @@ KITCHEN = pathlib.Path(os.environ.get("SURFIT_DATA_DIR", os.environ["SURFIT_DEFA
 
 
 @pytest.mark.skipif(not KITCHEN.is_dir(), reason=f"{KITCHEN} is missing")
-def test_opens_soon_and_is_small(browser, tmp_path):
+def test_opens_fast_and_is_small(browser, tmp_path):
     done = run_tool("surfit_slam", f"--sequence={KITCHEN}", f"--output={tmp_path}", "--last=999",
                     "--nopictures", "--report")
     assert done.returncode == 0, done.stderr

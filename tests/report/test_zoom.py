@@ -1,4 +1,4 @@
-"""Zooming in the plots, which pages have where npm had the plugin when they were built."""
+"""Zooming in the plots. Pages support it if the npm plugin was available at build time."""
 
 import pytest
 from report_page import Page, run_slam, simulate_room
@@ -11,7 +11,7 @@ def shown_frames(page, canvas):
 
 
 def wait_for_frames(page, canvas, condition):
-    """Waits until the first and last frame that a chart shows, x.min and x.max, meet a condition."""
+    """Waits until x.min and x.max, the first and last shown frame of a chart, satisfy a condition."""
     page.wait_until(f"((x) => {condition})(Chart.getChart(arguments[0]).scales.x)", canvas)
 
 
@@ -23,7 +23,7 @@ def drag_across_half(browser, canvas):
 
 def test_dragging_zooms_and_a_double_click_ends_it(browser, tmp_path):
     run_slam(simulate_room(tmp_path, 10), tmp_path / "out", "--report")
-    browser.get_log("browser")  # forgets what other pages have left there
+    browser.get_log("browser")  # clears messages of other pages
     page = Page(browser, tmp_path / "out" / "report.html")
     if not page.script("return Boolean(window.ChartZoom)"):
         pytest.skip("the page was built without chartjs-plugin-zoom")

@@ -17,13 +17,13 @@
 
 namespace surfit::testing {
 
-// Frames in memory with the true poses of those that have one.
+// Frames in memory, with ground-truth poses where available.
 struct Recording {
   DepthSensor sensor;
   std::vector<RgbdFrame> frames;
   std::vector<std::optional<Rigid3d>> truth;
-  // How far the poses of a run over all frames are from the truth in the end, both beginning alike;
-  // of the kitchen it is a map that another system made of the same depth.
+  // Final drift of a run over all frames against the ground truth, with equal first poses. The
+  // ground truth of the kitchen is a map of another system from the same depth.
   double drift_m = 0, drift_rad = 0;
 
   void Add(const Recording& other, std::size_t i) {
@@ -58,8 +58,7 @@ inline Recording Every(const Recording& all, int stride) {
   return kept;
 }
 
-// Parts of a recording one after the other, in one thirtieth of a second a frame: at each seam the
-// camera is somewhere else all at once.
+// Concatenates parts of a recording at 30 Hz. The camera jumps between two parts.
 inline Recording Joined(const Recording& all, const std::vector<std::pair<int, int>>& parts) {
   Recording joined;
   joined.sensor = all.sensor, joined.drift_m = all.drift_m, joined.drift_rad = all.drift_rad;
@@ -74,8 +73,8 @@ inline Recording Joined(const Recording& all, const std::vector<std::pair<int, i
   return joined;
 }
 
-// A bumpy textured thing before the camera that hides a share of the view from frame `begin` on.
-// It sways by 0.15 m to both sides, and goes where the camera goes.
+// Adds a textured object in front of the camera that occludes `share` of the view, starting at
+// frame `begin`. It moves with the camera, and sideways by +-0.15 m.
 inline Recording Hidden(Recording recording, double share, int begin) {
   const PinholeCamera& camera = recording.sensor.camera;
   constexpr double kDistance_m = 0.55;
@@ -107,7 +106,7 @@ inline Texture Stripes(double period_m) {
   };
 }
 
-// Somebody who stands on the floor there: 1.75 m tall.
+// Adds a person of 1.75 m height at this floor position.
 inline void AddPerson(const Eigen::Vector2d& at, double stride_m, Scene* scene) {
   const auto add = [&](const ShapePtr& shape, double x, double z, double period_m) {
     const Eigen::Vector3d place(at.x() + x, at.y(), z);
@@ -132,7 +131,7 @@ inline Recording SimulatedKinect() {
   return recording;
 }
 
-// A Kinect in a furnished room; from frame `people_from` on somebody walks to and fro before it.
+// A Kinect in a furnished room. A person walks in front of it, starting at frame `people_from`.
 inline Recording Simulated(std::uint64_t seed, int frames, int people_from) {
   Recording recording = SimulatedKinect();
   const Scene room = MakeScene("room", seed);
@@ -152,8 +151,8 @@ inline Recording Simulated(std::uint64_t seed, int frames, int people_from) {
   return recording;
 }
 
-// A Kinect that is carried from a room into another of the same style, with things of the same
-// kinds, and back: no pose in the other one is right.
+// A Kinect moves from one room into a similar room and back. Every pose in the second room is wrong
+// with respect to the map of the first room.
 inline Recording InTwoRooms(std::uint64_t seed, std::uint64_t other_seed) {
   constexpr int kHere = 40, kThere = 30, kBack = 20;
   Recording recording = SimulatedKinect();
@@ -175,15 +174,15 @@ inline Recording InTwoRooms(std::uint64_t seed, std::uint64_t other_seed) {
   return recording;
 }
 
-// What became of frames that have a true pose. A pose is right within 10 cm and 5 degrees, and the
-// recording's drift: a map that has drifted makes no pose wrong that fits it.
+// Statistics of frames with ground truth. A pose is correct within 10 cm and 5 degrees, plus the
+// drift of the recording.
 struct Verdicts {
   int frames = 0;
-  int believed = 0;  // called tracked, or anything else but lost
-  int wrong = 0;     // of these, those whose pose is not right
-  int apart = 0;     // frames that were told to show two motions
-  int missed = 0;    // called lost, though the pose that was found is right
-  double max_m = 0;  // of those believed
+  int believed = 0;  // accepted frames: every state except lost
+  int wrong = 0;     // accepted frames with a wrong pose
+  int apart = 0;     // frames with two motions, see frames_apart
+  int missed = 0;    // lost frames whose rejected pose is correct
+  double max_m = 0;  // largest error of accepted frames
 
   double CalledRight() const {
     const int right = believed - wrong + missed;
@@ -202,13 +201,13 @@ inline const SlamOptions& DefaultSlam() {
   return options;
 }
 
-// Online: each pose as it is at its time, or once the next frame has confirmed it. Slam begins at
-// the truth.
+// Evaluates online poses: at the time of the frame, or after confirmation by the next frame. Slam
+// starts at the true pose.
 inline Verdicts Judge(const Recording& recording, const SlamOptions& options = DefaultSlam()) {
   constexpr double kRight_m = 0.1, kRight_rad = 5 * kRadPerDeg;
   Slam slam(recording.sensor, options, recording.truth.at(0).value());
   Verdicts verdicts;
-  std::vector<std::pair<bool, Rigid3d>> found;  // whether it is believed, world from camera
+  std::vector<std::pair<bool, Rigid3d>> found;  // accepted, world from camera
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     const FrameReport report = slam.Process(recording.frames[i]);
     verdicts.apart += report.is_apart;
@@ -232,7 +231,7 @@ inline Verdicts Judge(const Recording& recording, const SlamOptions& options = D
   return verdicts;
 }
 
-// A row of the table of docs/understand.md.
+// Prints a row of the table in docs/understand.md.
 inline void Print(const std::string& name, const Verdicts& verdicts) {
   std::printf("| %s | %d | %d | %d | %d | %.1f | %.0f | %d |\n", name.c_str(), verdicts.frames,
               verdicts.believed, verdicts.wrong, verdicts.missed, 100 * verdicts.CalledRight(),

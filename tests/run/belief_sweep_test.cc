@@ -1,7 +1,5 @@
-// When is a pose called tracked? Over recordings read with strides, cameras that are suddenly
-// somewhere else, and things that move before them: few of those that are believed may be wrong,
-// and few of those that are right may be called lost. What is printed is the table of
-// docs/understand.md.
+// False positives and false negatives of pose verification: recordings with strides, camera jumps,
+// and objects that move in front of the camera. Prints the table of docs/understand.md.
 #include <gtest/gtest.h>
 
 #include "run/belief_cases.h"
@@ -17,8 +15,8 @@ SlamOptions WithLoops() {
   return options;
 }
 
-// Of ten thousand that are believed one may be wrong, of a hundred that are right one lost; of
-// those that see things move more are.
+// At most 1 of 10,000 accepted poses may be wrong. At most 1 of 100 correct poses may be lost, or
+// more with moving objects.
 constexpr double kCalledRight = 0.99, kCalledRightWhereThingsMove = 0.85;
 
 void ExpectFewMistakes(const Verdicts& verdicts, double least_called_right) {
@@ -70,7 +68,7 @@ TEST_P(BeliefSweep, KidnappedCameras) {
   ExpectFewMistakes(sum, kCalledRight);
 }
 
-TEST_P(BeliefSweep, SomethingBeforeTheCamera) {
+TEST_P(BeliefSweep, MovingObjectInFrontOfTheCamera) {
   SURFIT_REQUIRE_SHARED_DATA(GetParam());
   const std::string name = GetParam();
   const Recording part = Joined(Recorded(name), {{0, 100}});
@@ -78,13 +76,13 @@ TEST_P(BeliefSweep, SomethingBeforeTheCamera) {
   for (const double share : {0.2, 0.4, 0.55, 0.7}) {
     sum += Row(name + " hidden " + std::to_string(share), Hidden(part, share, 30));
   }
-  Print(name + ": something before the camera", sum);
+  Print(name + ": object in front of the camera", sum);
   ExpectFewMistakes(sum, kCalledRightWhereThingsMove);
 }
 
-// What is there from the first frame on may be taken for the scene. Where poses are wrong for it,
-// the images speak against them and that is told, or most frames are lost and the run fails.
-TEST_P(BeliefSweep, SomethingBeforeTheCameraFromTheFirstFrameOn) {
+// An object that is present in the first frame may be mapped as the scene. If poses are wrong then,
+// two motions are reported, or most frames are lost and the run fails.
+TEST_P(BeliefSweep, MovingObjectSinceTheFirstFrame) {
   SURFIT_REQUIRE_SHARED_DATA(GetParam());
   const std::string name = GetParam();
   const Recording part = Joined(Recorded(name), {{0, 100}});
@@ -100,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(Recordings, BeliefSweep,
                          ::testing::Values("tum_fr1_desk", "seven_scenes_kitchen", "icl_office",
                                            "icl_office_kinect"));
 
-// Somebody who walks before the camera, up to 0.27 s from frame to frame.
+// A person walks in front of the camera, with up to 0.27 s between frames.
 TEST(BeliefSweepPeople, WalkBeforeTheCamera) {
   Verdicts sum;
   for (const int seed : {2, 3}) {
@@ -114,9 +112,9 @@ TEST(BeliefSweepPeople, WalkBeforeTheCamera) {
   ExpectFewMistakes(sum, kCalledRightWhereThingsMove);
 }
 
-// A camera that is carried into a room that looks like the one before, and back: what is found then
-// counts once the next frame agrees.
-TEST(BeliefSweepRooms, AreToldApart) {
+// The camera moves into a similar room and back. A relocalised pose is accepted after confirmation
+// by the next frame.
+TEST(BeliefSweepRooms, AreDistinguished) {
   Verdicts sum;
   for (const int seed : {2, 3, 4, 5}) {
     for (const int other : {seed + 1, seed + 5}) {

@@ -11,7 +11,7 @@
 namespace surfit::testing {
 namespace {
 
-// A map of what one frame of a room shows, and other colours of what it shows.
+// A map of one frame of a room, and colour images from other poses.
 class RegisterColorsInARoom : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -21,7 +21,7 @@ class RegisterColorsInARoom : public ::testing::Test {
     Fusion(FusionOptions()).Fuse(frame, pyramid.levels.front(), pose_, &map_);
   }
 
-  // Seen from poses that differ by row.
+  // Rendered with one pose per row.
   Image<Rgb8> ColorsAt(const PoseOfRow& pose_of_row, float gain) const {
     return Developed(RenderLight(scene_, sensor_.camera, pose_of_row), {gain, gain, gain});
   }
@@ -30,8 +30,8 @@ class RegisterColorsInARoom : public ::testing::Test {
     return RegisterColors(color, DrawBlended(map_, sensor_, pose_), sensor_, motion, pose_);
   }
 
-  // How far apart, on average, two poses see what the first frame shows. A turn by little and a
-  // shift by as much as that is at the scene's distance hardly differ.
+  // Mean pixel distance of the points of the first frame, seen from two poses. Small rotations and
+  // translations can hardly be distinguished, so poses are compared in pixels.
   double DistancePx(const Rigid3d& a, const Rigid3d& b) const {
     double sum = 0, count = 0;
     for (const auto [u, v] : PixelsOf(depth_m_)) {
@@ -52,8 +52,8 @@ class RegisterColorsInARoom : public ::testing::Test {
   SurfelMap map_;
 };
 
-// Surfels are a pixel apart; of thousands of points much less than that is left.
-TEST_F(RegisterColorsInARoom, FindsWhereTheyWereTakenAtAnyExposure) {
+// Surfels are one pixel apart. The error of thousands of points is much smaller.
+TEST_F(RegisterColorsInARoom, EstimatesThePoseAtAnyExposure) {
   Rigid3d::Vector6 increment;
   increment << 0.008, -0.01, 0.006, -0.006, 0.004, 0.008;
   const Rigid3d taken = pose_ * LeftIncrement<double>(increment, Rigid3d());
@@ -65,7 +65,7 @@ TEST_F(RegisterColorsInARoom, FindsWhereTheyWereTakenAtAnyExposure) {
   }
 }
 
-TEST_F(RegisterColorsInARoom, TakesEachRowAtItsTime) {
+TEST_F(RegisterColorsInARoom, UsesTheTimeOfEachRow) {
   sensor_.readout_s = 1. / 30;
   const CameraMotion motion = {{0.2, 0.4, -0.3}, {0.1, -0.2, 0.1}};
   const auto pose_of_row = [&](int v) {
@@ -76,13 +76,13 @@ TEST_F(RegisterColorsInARoom, TakesEachRowAtItsTime) {
   EXPECT_GT(DistancePx(Registered(color), pose_), 0.15);
 }
 
-TEST_F(RegisterColorsInARoom, LeavesThePoseWhereThereIsNothingToSee) {
+TEST_F(RegisterColorsInARoom, KeepsThePoseWithoutVisiblePoints) {
   const Image<Rgb8> grey(320, 240, {90, 90, 90});
   const BlendedView nothing = DrawBlended(SurfelMap(), sensor_, pose_);
   EXPECT_THAT(RegisterColors(grey, nothing, sensor_, {}, pose_), RigidNear(pose_, 0, 0));
 }
 
-TEST_F(RegisterColorsInARoom, TakesImagesThatAreLargerThanThePicture) {
+TEST_F(RegisterColorsInARoom, AcceptsLargerImages) {
   Rigid3d::Vector6 increment;
   increment << 0.008, -0.01, 0.006, -0.006, 0.004, 0.008;
   const Rigid3d taken = pose_ * LeftIncrement<double>(increment, Rigid3d());
@@ -94,7 +94,7 @@ TEST_F(RegisterColorsInARoom, TakesImagesThatAreLargerThanThePicture) {
   EXPECT_LT(DistancePx(RegisterColors(color, drawn, coarse, {}, pose_), taken), 0.6);
 }
 
-TEST(PoseAfter, SeesRestingPointsMoveAsTheMotionSays) {
+TEST(PoseAfter, MovesStaticPointsByTheMotion) {
   const CameraMotion motion = {{0.2, 0.4, -0.3}, {0.1, -0.2, 0.1}};
   const Eigen::Vector3d x(0.3, -0.2, 1.5);
   const double t = 1e-3;

@@ -11,7 +11,7 @@
 namespace surfit::testing {
 namespace {
 
-// A run off by so many metres, that took so many milliseconds.
+// A run with this error and time.
 ComparedRun RunOf(double error_m, double total_ms, bool succeeded = true) {
   SolveOutcome outcome;
   outcome.target_from_source.translation.x() = error_m;
@@ -44,7 +44,7 @@ TEST(ComparisonRows, AreMediansOverTheRunsThatConverged) {
   EXPECT_EQ(row.termination, "converged");
 }
 
-TEST(ComparisonRows, SayWhatFailuresTookWhereNothingConverged) {
+TEST(ComparisonRows, HaveTimesOfFailuresIfNoRunConverged) {
   ComparedRuns runs;
   runs.runs = {RunOf(0.5, 10), RunOf(0.5, 30)};
   const ComparisonRow row = RowOf(runs);
@@ -54,7 +54,7 @@ TEST(ComparisonRows, SayWhatFailuresTookWhereNothingConverged) {
   EXPECT_EQ(row.translation_error_m, std::nullopt);
 }
 
-TEST(ComparisonRows, HaveNoErrorsWhereTheTruthIsUnknown) {
+TEST(ComparisonRows, HaveNoErrorsWithoutGroundTruth) {
   SolveOutcome outcome;
   outcome.succeeded = true;
   outcome.final_cost = 7;
@@ -66,7 +66,7 @@ TEST(ComparisonRows, HaveNoErrorsWhereTheTruthIsUnknown) {
   EXPECT_EQ(row.final_cost, 7);
 }
 
-TEST(ComparisonRows, CountTheSharesOfACell) {
+TEST(ComparisonRows, CountTheRatiosOfACell) {
   ComparedRuns runs;
   runs.runs = {RunOf(0.001, 1), RunOf(0.5, 1), RunOf(0.5, 1)};
   runs.runs[2].cell = {1, 2};
@@ -98,8 +98,8 @@ std::vector<std::string> Titles(const CompareOptions& options) {
   return titles;
 }
 
-// Five solvers and three linear solvers over four residuals, and svd over one.
-TEST(SolverCombinations, OfKnownPairsAreAllThatMakeSense) {
+// Five solvers and three linear solvers with four residuals, and svd with one residual.
+TEST(SolverCombinations, OfKnownPairsAreAllValidCombinations) {
   const auto all = SolverCombinations(OnKnownPairs());
   EXPECT_EQ(all.size(), 33u);
   for (const SolverCombination& combination : all) {
@@ -108,7 +108,7 @@ TEST(SolverCombinations, OfKnownPairsAreAllThatMakeSense) {
   }
 }
 
-TEST(SolverCombinations, OfSequencesLeaveTheSlowOneToThoseWhoAsk) {
+TEST(SolverCombinations, OfSequencesExcludeTheSlowSolverByDefault) {
   CompareOptions options = OnSequence();
   EXPECT_EQ(SolverCombinations(options).size(), 2 * 21u);
   options.solvers = {"ceres_per_point"};
@@ -119,45 +119,43 @@ TEST(SolverCombinations, OfSequencesLeaveTheSlowOneToThoseWhoAsk) {
               ElementsAre("projective plane_to_plane ceres_per_point (dense_normal_cholesky)"));
 }
 
-TEST(SolverCombinations, OfSvdAreThoseItTakes) {
+TEST(SolverCombinations, OfSvdAreItsSupportedCombinations) {
   CompareOptions options = OnKnownPairs();
   options.solvers = {"svd"};
   EXPECT_THAT(Titles(options), ElementsAre("known point_to_point svd"));
   options.solvers.clear();
   options.residuals = {"point_to_plane"};
-  EXPECT_THAT(Titles(options), Not(::testing::Contains(HasSubstr("svd"))));
+  EXPECT_THAT(Titles(options), Not(::testing::Contains(Names("svd"))));
 }
 
-TEST(SolverCombinations, ListWhatIsPossible) {
+TEST(SolverCombinations, RejectUnknownNamesAndListKnownNames) {
   CompareOptions options = OnKnownPairs();
   options.solvers = {"ceres", "svd"};
   options.residuals = {"point_to_point", "plane_to_plane"};
-  ExpectInputError([&] { Validate(options); }, AllOf(HasSubstr("solvers has 'svd'"),
-                                                     HasSubstr("residuals has 'plane_to_plane'"),
-                                                     HasSubstr("svd takes point_to_point only")));
+  ExpectInputError([&] { Validate(options); },
+                   Names("solvers", "svd", "residuals", "plane_to_plane", "point_to_point"));
   options = OnKnownPairs();
   options.solvers = {"magic"};
   ExpectInputError([&] { Validate(options); },
-                   AllOf(HasSubstr("solvers has 'magic'"), HasSubstr("closed_form_ldlt"),
-                         HasSubstr("ceres"), HasSubstr("tiny")));
+                   Names("solvers", "magic", "closed_form_ldlt", "ceres", "tiny"));
   options = OnKnownPairs();
   options.residuals = {"magic"};
-  ExpectInputError([&] { Validate(options); }, AllOf(HasSubstr("residuals has 'magic'"),
-                                                     HasSubstr("symmetric_point_to_plane")));
+  ExpectInputError([&] { Validate(options); },
+                   Names("residuals", "magic", "symmetric_point_to_plane"));
   options = OnKnownPairs();
   options.linear_solvers = {"magic"};
-  ExpectInputError([&] { Validate(options); }, AllOf(HasSubstr("linear_solvers has 'magic'"),
-                                                     HasSubstr("sparse_normal_cholesky")));
+  ExpectInputError([&] { Validate(options); },
+                   Names("linear_solvers", "magic", "sparse_normal_cholesky"));
   options = OnKnownPairs();
   options.associations = {"kd_tree"};
-  ExpectInputError([&] { Validate(options); }, HasSubstr("associations is kd_tree"));
+  ExpectInputError([&] { Validate(options); }, Names("associations", "kd_tree"));
   options = OnSequence();
   options.associations = {"magic"};
   ExpectInputError([&] { Validate(options); },
-                   AllOf(HasSubstr("associations has 'magic'"), HasSubstr("projective, kd_tree")));
+                   Names("associations", "magic", "projective", "kd_tree"));
 }
 
-TEST(StartPoses, CellsAreEachWithEach) {
+TEST(StartPoses, CellsCombineAllRotationsAndTranslations) {
   const std::vector<GridCell> cells = AllCells(2, 3);
   ASSERT_EQ(cells.size(), 6u);
   EXPECT_EQ(cells[5].rotation, 1);
@@ -166,23 +164,23 @@ TEST(StartPoses, CellsAreEachWithEach) {
   EXPECT_FALSE(cells[5].on_diagonal());
 }
 
-TEST(StartPoses, AreOffByTheGivenAngleAndDistance) {
+TEST(StartPoses, DifferByTheGivenAngleAndDistance) {
   std::mt19937_64 rng(1);
   const Rigid3d pose = RandomPose(1, 1, &rng);
   for (const std::uint64_t seed : {1, 2, 3}) {
     const Rigid3d start = Perturbed(pose, 0.3, 0.2, seed);
-    const Rigid3d motion = start * pose.Inverse();  // of the target's frame
+    const Rigid3d motion = start * pose.Inverse();  // in the frame of the target
     EXPECT_NEAR(RotationAngle(motion.rotation), 0.3, 1e-12);
     EXPECT_NEAR(motion.translation.norm(), 0.2, 1e-12);
   }
 }
 
-TEST(StartPoses, DependOnTheSeedAlone) {
+TEST(StartPoses, DependOnlyOnTheSeed) {
   const Rigid3d once = Perturbed(Rigid3d(), 0.3, 0.2, 5), again = Perturbed(Rigid3d(), 0.3, 0.2, 5),
                 other = Perturbed(Rigid3d(), 0.3, 0.2, 6);
   EXPECT_EQ(once.Matrix(), again.Matrix());
   EXPECT_NE(once.Matrix(), other.Matrix());
-  // Larger steps of a seed go the same way.
+  // Perturbations with the same seed have the same direction.
   const Rigid3d farther = Perturbed(Rigid3d(), 0.3, 0.4, 5);
   EXPECT_LT((farther.translation - 2 * once.translation).norm(), 1e-12);
 }

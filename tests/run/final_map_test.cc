@@ -15,7 +15,7 @@
 namespace surfit::testing {
 namespace {
 
-// Four frames of a wall at 1 m, by a camera that stands still.
+// Four frames of a wall at 1 m with a static camera.
 class FinalMap : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -56,7 +56,7 @@ class FinalMap : public ::testing::Test {
   std::size_t points_ = 0;
 };
 
-TEST_F(FinalMap, IsOfAllFramesThatHaveAPoseAndAreNotLeftOut) {
+TEST_F(FinalMap, FusesAllFramesWithAPoseExceptHeldOutFrames) {
   frames_ = {0, 2, 3};
   trajectory_.erase(trajectory_.begin() + 1);
   trajectory_[1].world_from_camera.translation.z() = 0.01;
@@ -72,10 +72,10 @@ TEST_F(FinalMap, IsOfAllFramesThatHaveAPoseAndAreNotLeftOut) {
     EXPECT_LE(surfel.last_seen, 2);
     z += surfel.position_in_world.z() / static_cast<double>(map->size());
   }
-  EXPECT_NEAR(z, 1.005, 0.002);  // of the two poses
+  EXPECT_NEAR(z, 1.005, 0.002);  // mean of the two poses
 }
 
-TEST_F(FinalMap, IsMeasuredByTheCalibrationThatWasFound) {
+TEST_F(FinalMap, UsesTheEstimatedCalibration) {
   const auto centre_and_depth = [](const SurfelMap& map) {
     Eigen::Vector3f mean = Eigen::Vector3f::Zero();
     for (const std::int32_t id : map.Ids()) mean += map[id].position_in_world;
@@ -86,13 +86,14 @@ TEST_F(FinalMap, IsMeasuredByTheCalibrationThatWasFound) {
   const Eigen::Vector3f corrected = centre_and_depth(*Fused(found));
   EXPECT_NEAR(given.z(), 1, 1e-5);
   EXPECT_NEAR(corrected.z(), 1.25, 1e-5);
-  // 3.1 px of 31 are a tenth of the depth; each surfel stands within a pixel of its place.
+  // 3.1 px of a focal length of 31 px are 10 % of the depth. Surfel positions are exact to one
+  // pixel.
   EXPECT_NEAR(corrected.x() - given.x(), -0.125, 0.01);
 }
 
-// Images that get redder by 4 steps a pixel to the right, of a camera that moves there by 0.5 m/s:
-// 50 ms earlier a point at 1 m was 0.775 px farther right.
-TEST_F(FinalMap, TakesColorsAtTheMomentThatWasFound) {
+// Red increases by 4 per pixel to the right. The camera moves to the right at 0.5 m/s, so 50 ms
+// earlier a point at 1 m was 0.775 px farther right.
+TEST_F(FinalMap, UsesTheEstimatedColorLatency) {
   Image<Rgb8> ramp(32, 24);
   for (const auto [u, v] : PixelsOf(ramp)) {
     ramp(u, v) = {static_cast<std::uint8_t>(60 + 4 * u), 20, 30};
@@ -116,8 +117,8 @@ TEST_F(FinalMap, TakesColorsAtTheMomentThatWasFound) {
   EXPECT_NEAR(mean_red(*Fused()) - as_given, 4 * 0.775, 0.2);
 }
 
-// The left half of all images moves.
-TEST_F(FinalMap, LeavesOutWhatMoves) {
+// The left half of all images is a moving region.
+TEST_F(FinalMap, SkipsMovingRegions) {
   Image<std::uint8_t> left(8, 6);
   for (const auto [u, v] : PixelsOf(left)) left(u, v) = u < 4;
   for (int frame = 0; frame < 4; ++frame) moving_[frame] = left;
@@ -126,8 +127,9 @@ TEST_F(FinalMap, LeavesOutWhatMoves) {
   for (const std::int32_t id : map->Ids()) EXPECT_GE((*map)[id].position_in_world.x(), 0);
 }
 
-// What only the last frame has at depth edges may be nothing; the surface between them is one.
-TEST_F(FinalMap, LeavesOutEdgesThatWereSeenOnce) {
+// Surfels at depth edges that only the last frame observed may be spurious. Surfels between edges
+// are kept.
+TEST_F(FinalMap, RemovesDepthEdgesObservedOnce) {
   Image<std::uint16_t> depth(32, 24, 1000);
   for (int v = 4; v < 20; ++v) {
     for (int u = 8; u < 24; ++u) depth(u, v) = 700;
@@ -140,7 +142,7 @@ TEST_F(FinalMap, LeavesOutEdgesThatWereSeenOnce) {
     }
     return count;
   };
-  const SurfelMap all = *Fused();  // of so few frames all counts
+  const SurfelMap all = *Fused();  // too few frames to remove unstable surfels
   slam_.fusion.max_dormant_frames = 2;
   const SurfelMap lasting = *Fused();
   EXPECT_GT(near_count(all, true), 20);
@@ -149,16 +151,16 @@ TEST_F(FinalMap, LeavesOutEdgesThatWereSeenOnce) {
   EXPECT_EQ(near_count(lasting, false), near_count(all, false));
 }
 
-// A wall whose pixels are 32 mm apart, where surfels may be 40 mm apart.
-TEST_F(FinalMap, IsFinerThanAMapToTrackBy) {
+// Pixels on the wall are 32 mm apart. The maximum surfel spacing for tracking is 40 mm.
+TEST_F(FinalMap, IsFinerThanTheTrackingMap) {
   slam_.fusion.max_spacing_m = 0.04f;
   const std::size_t size = Fused()->size();
   slam_.fusion.max_spacing_m = 0.04f / 0.7f;
   EXPECT_GT(size, Fused()->size() * 5 / 4);
 }
 
-// A wall with the noise of a Kinect, whose pixels are 5 mm apart: one frame of it.
-TEST_F(FinalMap, IsSmootherThanWhatWasMeasured) {
+// One frame of a wall with Kinect noise. Pixels are 5 mm apart.
+TEST_F(FinalMap, IsSmootherThanTheMeasurement) {
   Image<std::uint16_t> depth(160, 120);
   std::mt19937_64 random(1);
   std::normal_distribution<double> noise(0, 3);
@@ -177,9 +179,9 @@ TEST_F(FinalMap, IsSmootherThanWhatWasMeasured) {
   EXPECT_LT(std::sqrt(squares / static_cast<double>(map->size())), 0.003 / 2);
 }
 
-// Colours come from 2 px to the left and to the right of where they belong, in turn. On average a
-// wave of 16 px would have cos(pi / 4) of its height then.
-TEST_F(FinalMap, HasColorsFromWhereTheyWereTaken) {
+// Colour images are shifted by 2 px to the left and to the right alternately. Their mean would
+// reduce the amplitude of a wave of 16 px by cos(pi / 4).
+TEST_F(FinalMap, RegistersTheColors) {
   constexpr double kPeriod_px = 16, kHeight = 60;
   const auto wave = [&](double x, double y) {
     return 120 + kHeight / 2 *
@@ -201,7 +203,7 @@ TEST_F(FinalMap, HasColorsFromWhereTheyWereTaken) {
     frames_.push_back(i);
   }
   sequence_.intrinsics = {200, 200, 79.5, 59.5};
-  // The part of the colours that has the wave's period across.
+  // Amplitude of the colours at the period of the wave.
   const std::optional<SurfelMap> map = Fused();
   ASSERT_GT(map->size(), 1000u);
   double in_phase = 0, out_of_phase = 0;
@@ -215,12 +217,12 @@ TEST_F(FinalMap, HasColorsFromWhereTheyWereTaken) {
   EXPECT_GT(std::hypot(in_phase, out_of_phase), 0.85 * kHeight / 2);
 }
 
-TEST_F(FinalMap, IsNoneWhereItIsInterrupted) {
+TEST_F(FinalMap, IsEmptyAfterAnInterruption) {
   EXPECT_FALSE(Fused({}, true).has_value());
   EXPECT_EQ(frames_done_, 0);
 }
 
-TEST_F(FinalMap, HasPosesAsTheyWereWhereOneKeyframeIsAllThatThereIs) {
+TEST_F(FinalMap, KeepsPosesWithASingleKeyframe) {
   const std::optional<DepthCalibration> found =
       DepthCalibration{{32, 24, 31, 30, 16, 11.5, {}}, {}, 0};
   const KnownSequence known = {sequence_, slam_, trajectory_, frames_, left_out_, moving_, {found}};

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kGap_ms = 1000. / 30;
 
-// Frames that a camera offers to a machine on which tracking one and fusing one take so long.
+// Result of frames at sensor rate, with fixed times for tracking and fusion of a frame.
 struct Offered {
   double longest_wait_ms = 0;
   int last_period = 0;
@@ -32,7 +32,7 @@ Offered Offer(int frames, double track_ms, double fuse_ms, MapPeriod* period, do
   return result;
 }
 
-TEST(MapPeriod, StaysAsGivenWhileFramesAreInTime) {
+TEST(MapPeriod, IsConstantWhileFramesAreInTime) {
   MapPeriod period(2);
   double free_at_ms = 0;
   EXPECT_EQ(Offer(1000, 15, 30, &period, &free_at_ms).changes, 0);
@@ -40,15 +40,15 @@ TEST(MapPeriod, StaysAsGivenWhileFramesAreInTime) {
   EXPECT_EQ(period.longest(), 2);
 }
 
-// A frame that takes long by itself, as one that moves the map, is no reason.
-TEST(MapPeriod, StaysAsGivenAfterOneLateFrame) {
+// One slow frame, for example with a map correction, does not change the period.
+TEST(MapPeriod, IsConstantAfterOneLateFrame) {
   MapPeriod period(2);
   for (int i = 0; i < 20; ++i) {
     for (double waited_ms : {0., 90., 68., 35., 5., 0., 0.}) EXPECT_EQ(period.For(waited_ms), 2);
   }
 }
 
-TEST(MapPeriod, IsAsGivenAgainThoughSomeFramesTakeLong) {
+TEST(MapPeriod, ReturnsToTheInitialPeriodDespiteSomeSlowFrames) {
   MapPeriod period(2);
   for (int i = 0; i < 10; ++i) period.For(200);
   EXPECT_GT(period.For(200), 2);
@@ -57,25 +57,25 @@ TEST(MapPeriod, IsAsGivenAgainThoughSomeFramesTakeLong) {
   EXPECT_EQ(last, 2);
 }
 
-// Eight frames may wait.
-TEST(MapPeriod, IsLongerBeforeAFrameMustBeDropped) {
+// The queue holds eight frames.
+TEST(MapPeriod, IncreasesBeforeAFrameIsDropped) {
   MapPeriod period(2);
   double free_at_ms = 0;
   const Offered offered = Offer(3000, 25, 50, &period, &free_at_ms);
   EXPECT_LT(offered.longest_wait_ms, 8 * kGap_ms);
   EXPECT_GE(period.longest(), 8);
   EXPECT_GT(period.frames_hurried(), 2700);
-  EXPECT_LT(offered.changes, 60);  // it does not swing
+  EXPECT_LT(offered.changes, 60);  // no oscillation
 }
 
-TEST(MapPeriod, IsAsGivenAgainWhenThereIsTime) {
+TEST(MapPeriod, ReturnsToTheInitialPeriodWhenFramesAreFast) {
   MapPeriod period(2);
   double free_at_ms = 0;
   EXPECT_GT(Offer(300, 25, 50, &period, &free_at_ms).last_period, 2);
   EXPECT_EQ(Offer(3000, 10, 20, &period, &free_at_ms).last_period, 2);
 }
 
-TEST(MapPeriod, IsAtMostEightTimesAsLong) {
+TEST(MapPeriod, IncreasesAtMostEightfold) {
   MapPeriod period(3);
   for (int i = 0; i < 1000; ++i) period.For(1000);
   EXPECT_EQ(period.longest(), 24);

@@ -1,4 +1,4 @@
-// Every field of every struct of options stands in its table.
+// The Visit() table of each options struct lists every field.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -28,8 +28,8 @@
 namespace surfit::testing {
 namespace {
 
-// The names of one struct's fields, without those of its parts.
-class Names final : public OptionVisitor {
+// Names of the fields of one struct, without the fields of its parts.
+class FieldNames final : public OptionVisitor {
  public:
   std::multiset<std::string> names;
 
@@ -44,7 +44,7 @@ class Names final : public OptionVisitor {
 template <typename Options>
 void ExpectAll(std::size_t fields) {
   Options options;
-  Names visitor;
+  FieldNames visitor;
   options.Visit(visitor);
   EXPECT_EQ(visitor.names.size(), fields) << typeid(Options).name();
   for (const std::string& name : visitor.names) {
@@ -81,7 +81,7 @@ std::size_t FieldsOf<SlamOptions>() {
 
 TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldsOf<TypeParam>()); }
 
-// FieldCount() is not for optional fields.
+// FieldCount() does not support optional fields.
 TEST(SequenceTable, NamesEveryField) {
   auto [path, format, camera, intrinsics, distortion, depth_units_per_metre, inverse_depth_sigma,
         color_intrinsics, color_distortion, color_from_depth, frames_per_second, latency_s,
@@ -97,7 +97,7 @@ TEST(PriorTable, NamesEveryField) {
   ExpectAll<PriorOptions>(5);
 }
 
-TEST(PriorOptions, TakeFromTheSensorWhatIsNotGiven) {
+TEST(PriorOptions, UseTheSensorForMissingValues) {
   const CalibrationPrior sensor = {0.03, 0.004, 7, 0.05, 0.06};
   PriorOptions options;
   options.aspect_share = 0;

@@ -1,4 +1,4 @@
-// Whole runs over recorded sequences, as far as these are there.
+// Complete runs on recorded sequences. Missing sequences are skipped.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -32,7 +32,7 @@ SlamRunSummary RunOnce(SlamRunOptions options) {
   return RunSlam(options, false, [](const SlamRunProgress&) {});
 }
 
-// Runs all of the frames, every one of which must be tracked; returns the ATE in metres.
+// Expects that all frames are tracked. Returns the ATE in metres.
 double AteOf(const SlamRunOptions& options, int frames) {
   const SlamRunSummary summary = RunOnce(options);
   EXPECT_EQ(summary.frames_total, frames);
@@ -56,7 +56,7 @@ void ExpectLessDriftAgainstTheMap(SlamRunOptions options, int frames, double max
   EXPECT_LT(to_model_m, AteOf(options, frames));
 }
 
-// The bounds are what Surfit promises of these sequences: see docs/use.md.
+// docs/use.md states these bounds.
 TEST(RecordedRuns, KitchenOf200FramesWithin3Centimetres) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
   ExpectLessDriftAgainstTheMap(Options("seven_scenes_kitchen", 199), 200, 0.030);
@@ -81,9 +81,9 @@ TEST(RecordedRuns, KitchenOf1000FramesWithin6Centimetres) {
   EXPECT_LE(AteOf(Options("seven_scenes_kitchen", -1), 1000), 0.060);
 }
 
-// Motion capture, a hand-held Kinect, and nothing but the folder: the camera is calibrated on the
-// way. The best published figure is 15. The preset's latency, which is no figure of this sequence,
-// must be most of the offset that fits best: a quarter is left.
+// A hand-held Kinect with motion capture. The camera is calibrated during the run. The best
+// published ATE is 15 mm. The latency of the preset must leave at most a quarter of the estimated
+// time offset.
 TEST(RecordedRuns, DeskOfTumWithin14Millimetres) {
   SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk");
   const SlamRunSummary summary = RunOnce(Options("tum_fr1_desk", -1));
@@ -98,8 +98,8 @@ TEST(RecordedRuns, DeskOfTumWithin14Millimetres) {
   EXPECT_TRUE(summary.calibration);
 }
 
-// From one frame to the next the hand then turns the camera by up to 17 degrees.
-TEST(RecordedRuns, EveryThirdFrameOfTheDeskWithin22MillimetresAndOfEveryFifthNoneIsWrong) {
+// The camera rotates by up to 17 degrees between two of these frames.
+TEST(RecordedRuns, EveryThirdFrameOfTheDeskWithin22MillimetresAndEveryFifthWithin100) {
   SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk");
   SlamRunOptions options = Options("tum_fr1_desk", -1);
   options.sequence.stride = 3;
@@ -111,7 +111,8 @@ TEST(RecordedRuns, EveryThirdFrameOfTheDeskWithin22MillimetresAndOfEveryFifthNon
   EXPECT_LE(summary.evaluation->ate->translation_m.max, 0.1);
 }
 
-// Refinement alone, from a run by the preset: with its readout and what is known of a preset.
+// Refinement of a run without online calibration, with the readout time and the prior of the
+// preset.
 TEST(RecordedRuns, RefinedDeskOfTumWithin14Millimetres) {
   SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk");
   const testing::TempFolder folder;
@@ -128,13 +129,13 @@ TEST(RecordedRuns, RefinedDeskOfTumWithin14Millimetres) {
   ASSERT_TRUE(summary.refinement.Succeeded() && summary.after && summary.after->ate);
   EXPECT_EQ(summary.after->coverage, 1);
   EXPECT_LE(summary.after->ate->translation_m.rmse, 0.014);
-  // The pixels that are found are as square as the sensor's are.
+  // The pixels of the sensor are square.
   const PinholeCamera& camera = summary.calibration.camera;
   EXPECT_NEAR(camera.fx / camera.fy, 1, 0.003);
 }
 
-// The depth of every second frame at every second pixel of a row and a column, by the true poses.
-// Dense, as the reference's spacing is part of the distance to it.
+// Points of every second frame and every second pixel in both directions, at the true poses. The
+// reference is dense because its spacing adds to the distance.
 std::vector<Eigen::Vector3f> ExactSurface(SequenceOptions options) {
   options.stride = 2;
   options.prepare.downsample = 2;
@@ -154,7 +155,7 @@ std::vector<Eigen::Vector3f> ExactSurface(SequenceOptions options) {
   return points;
 }
 
-TEST(RecordedRuns, FusionAlongTheTruthIsCompactExactAndComplete) {
+TEST(RecordedRuns, FusionAlongGroundTruthIsCompactExactAndComplete) {
   SURFIT_REQUIRE_SHARED_DATA("icl_office");
   SlamRunOptions options = Options("icl_office", -1);
   options.sequence.prepare.downsample = 2;
@@ -172,7 +173,7 @@ TEST(RecordedRuns, FusionAlongTheTruthIsCompactExactAndComplete) {
   EXPECT_GE(error.completeness, 0.99);
 }
 
-TEST(RecordedRuns, HaveTheSameDigestAtAnyNumberOfThreads) {
+TEST(RecordedRuns, DigestDoesNotDependOnThreads) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
   SlamRunOptions options = Options("seven_scenes_kitchen", 5);
   options.threads = 1;
@@ -182,10 +183,10 @@ TEST(RecordedRuns, HaveTheSameDigestAtAnyNumberOfThreads) {
   EXPECT_EQ(RunOnce(options).digest, digest);
 }
 
-// By looks alone: the trajectory, that of the sequence itself, only chooses keyframes. The
-// sequence's poses are an estimate, too: where an accepted loop is more than 5 cm off them, the
-// surfaces must speak for the loop.
-TEST(RecordedRuns, ReturnsToTheKitchenAreLinkedByTheirLooks) {
+// Loop closures by appearance: the ground truth only selects keyframes. The ground truth is an
+// estimate as well. If a loop closure deviates from it by more than 5 cm, the surfaces must agree
+// with the loop.
+TEST(RecordedRuns, RevisitsInTheKitchenAreClosedByAppearance) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
   const TempFolder folder;
   LoopSearchOptions options;

@@ -13,8 +13,7 @@ namespace {
 
 PinholeCamera WallCamera() { return {160, 120, 150, 150, 79.5, 59.5, {}}; }
 
-// A wall at 2 m, drawn with the margin, whose colour tells the place in it: red and green grow
-// along u and v.
+// A wall at 2 m, rendered with the margin. Red increases along u, and green along v.
 BlendedView Wall() {
   const PinholeCamera camera = WithRollMargin(WallCamera());
   BlendedView wall = {Image<Rgb8>(camera.width, camera.height),
@@ -25,9 +24,9 @@ BlendedView Wall() {
   return wall;
 }
 
-// Each pixel's point, moved as documented, must show its colour where it is seen then: within half
-// a step of rounding, and what three passes leave.
-TEST(Rolled, ShowsPointsWhereTheyAreSeenAtTheirRowsTime) {
+// The point of each pixel, moved by the documented motion, must have its colour at its new pixel.
+// Tolerance: half a colour step, plus the error after three iterations.
+TEST(Rolled, ShowsPointsAtTheTimeOfTheirRow) {
   const PinholeCamera camera = WallCamera(), wide = WithRollMargin(camera);
   const CameraMotion motion = {{0.3, -0.6, 0.4}, {0.2, 0.1, -0.3}};
   const BlendedView rolled = Rolled(Wall(), camera, motion, {0.01, 1. / 30});
@@ -43,10 +42,10 @@ TEST(Rolled, ShowsPointsWhereTheyAreSeenAtTheirRowsTime) {
     EXPECT_NEAR(seen.y(), v, 0.6);
     most_px = std::max(most_px, (camera.Project(x) - seen).norm());
   }
-  EXPECT_GT(most_px, 2);  // or there was nothing to see
+  EXPECT_GT(most_px, 2);  // otherwise the motion is too small to test
 }
 
-TEST(Rolled, IsThePictureWithoutItsMarginWhereNothingMoves) {
+TEST(Rolled, WithoutMotionIsTheImageWithoutMargin) {
   const BlendedView wall = Wall();
   for (const auto& [motion, times] : {std::pair(CameraMotion(), RowTimes{0.01, 0.03}),
                                       std::pair(CameraMotion{{1, 0, 0}, {0, 0, 0}}, RowTimes())}) {
@@ -57,7 +56,7 @@ TEST(Rolled, IsThePictureWithoutItsMarginWhereNothingMoves) {
   }
 }
 
-TEST(Rolled, CoversNothingThatThePictureDoesNot) {
+TEST(Rolled, DoesNotExtendTheCoverage) {
   BlendedView wall = Wall();
   for (const auto [u, v] : PixelsOf(wall.color)) {
     if (u < 110) wall.depth_m(u, v) = 0, wall.color(u, v) = {};

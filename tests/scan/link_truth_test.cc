@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 Rigid3d At(double x) { return {Eigen::Quaterniond::Identity(), {x, 0, 0}}; }
 
-// Frames at 10 Hz, of which each fifth is a keyframe; where they believe to be does not matter.
+// Frames at 10 Hz. Every fifth frame is a keyframe. The estimated poses do not matter.
 RunPlaces PlacesFrom(int first, int frames) {
   RunPlaces places;
   for (int i = first; i < first + frames; ++i) {
@@ -37,8 +37,8 @@ class LinkTruthTest : public ::testing::Test {
   const RunPlaces source_ = PlacesFrom(60, 30), target_ = PlacesFrom(10, 30);
 };
 
-// The third keyframe of the source is frame 70, the second of the target frame 15.
-TEST_F(LinkTruthTest, IsTheMotionThatTheLinkMisses) {
+// The third keyframe of the source is frame 70. The second keyframe of the target is frame 15.
+TEST_F(LinkTruthTest, IsTheErrorOfTheLink) {
   const auto right = ErrorOfLink(truth_, source_, 2, target_, 1, At(0.02 * 55));
   ASSERT_TRUE(right);
   EXPECT_NEAR(right->translation_m, 0, 1e-12);
@@ -49,14 +49,14 @@ TEST_F(LinkTruthTest, IsTheMotionThatTheLinkMisses) {
   EXPECT_NEAR(wrong->rotation_deg, 0.1 / kRadPerDeg, 1e-9);
 }
 
-TEST_F(LinkTruthTest, SaysNothingWhereTheTruthDoesNot) {
-  truth_.resize(65);  // up to the source's first keyframe
+TEST_F(LinkTruthTest, IsEmptyWithoutGroundTruth) {
+  truth_.resize(65);  // before the first keyframe of the source
   EXPECT_TRUE(ErrorOfLink(truth_, source_, 0, target_, 1, At(0)));
   EXPECT_FALSE(ErrorOfLink(truth_, source_, 2, target_, 1, At(0)));
   EXPECT_FALSE(ErrorOfLink({}, source_, 0, target_, 1, At(0)));
 }
 
-TEST(KeepWorse, KeepsTheFarther) {
+TEST(KeepWorse, KeepsTheLargerError) {
   std::optional<PoseError> worst;
   KeepWorse(std::nullopt, &worst);
   EXPECT_FALSE(worst);

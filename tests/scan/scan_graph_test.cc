@@ -12,14 +12,14 @@ namespace {
 
 constexpr int kFrames = 124, kKeyframeStep = 4;
 
-// Once around a circle of 10 m, and a little farther than where it began.
+// A circle of 10 m, 1.1 revolutions.
 Rigid3d TruePose(int frame) {
   const double angle = 2.2 * M_PI * frame / kFrames;
   const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
   return PoseAlong(10 * out, {-out.y(), out.x(), 0}, Eigen::Vector3d::UnitZ());
 }
 
-// Tracked with drift, in a world of its own.
+// A tracked fragment with drift, in its own world frame.
 RunPlaces Fragment(int first, int last, std::mt19937_64* rng) {
   std::normal_distribution<double> normal;
   Eigen::Matrix<double, 6, 1> anywhere;
@@ -63,7 +63,7 @@ class ScanGraphTest : public ::testing::Test {
     }
   }
 
-  // As if two keyframes were registered to each other, with an error.
+  // Adds a link between two keyframes with a measurement error.
   void Link(std::size_t source, int source_keyframe, std::size_t target, int target_keyframe,
             const Rigid3d& error = {}) {
     GraphLink link;
@@ -81,7 +81,7 @@ class ScanGraphTest : public ::testing::Test {
     return TruePose(fragments_[fragment]->keyframes[keyframe].frame_index);
   }
 
-  // The largest distance from the truth, if the first frame is where it is.
+  // Largest position error after alignment of the first frame.
   static double Error(const std::vector<PosedFrame>& frames) {
     const Rigid3d true_from_world =
         TruePose(frames[0].index) * frames[0].world_from_camera.Inverse();
@@ -100,14 +100,14 @@ class ScanGraphTest : public ::testing::Test {
   std::vector<GraphLink> links_;
 };
 
-TEST_F(ScanGraphTest, JoinsNeighboursByTheFramesThatTheyShare) {
+TEST_F(ScanGraphTest, JoinsConsecutiveFragmentsByCommonFrames) {
   ScanGraph graph(fragments_, recordings_, {}, LoopOptions());
   ASSERT_TRUE(graph.Solve());
   const std::vector<PosedFrame> frames = graph.Frames(0);
   ASSERT_EQ(frames.size(), kFrames);
   for (int i = 0; i < kFrames; ++i) EXPECT_EQ(frames[i].index, i);
   EXPECT_LT(Error(frames), 0.5);
-  // Between neighbours nothing jumps: a frame's motion is the truth's.
+  // Motions of consecutive frames have no jumps between fragments.
   for (int i = 1; i < kFrames; ++i) {
     const Rigid3d motion = frames[i - 1].world_from_camera.Inverse() * frames[i].world_from_camera;
     const Rigid3d truth = TruePose(i - 1).Inverse() * TruePose(i);
@@ -115,7 +115,7 @@ TEST_F(ScanGraphTest, JoinsNeighboursByTheFramesThatTheyShare) {
   }
 }
 
-TEST_F(ScanGraphTest, LinksTakeDriftAwayAndWrongOnesAreLeftOut) {
+TEST_F(ScanGraphTest, LinksCorrectDriftAndOutliersAreRejected) {
   ScanGraph without(fragments_, recordings_, {}, LoopOptions());
   ASSERT_TRUE(without.Solve());
   const std::size_t last = fragments_.size() - 1;
@@ -134,7 +134,7 @@ TEST_F(ScanGraphTest, LinksTakeDriftAwayAndWrongOnesAreLeftOut) {
   EXPECT_LT(Error(graph.Frames(0)), Error(without.Frames(0)));
 }
 
-TEST_F(ScanGraphTest, KeepsThoseLoopsWithinFragmentsThatFitTheOthers) {
+TEST_F(ScanGraphTest, KeepsConsistentLoopsWithinFragments) {
   const auto add_loop = [&](std::size_t a, std::size_t b, const Rigid3d& error) {
     PoseGraphEdge edge;
     edge.a = a, edge.b = b;
@@ -153,13 +153,13 @@ TEST_F(ScanGraphTest, KeepsThoseLoopsWithinFragmentsThatFitTheOthers) {
   EXPECT_TRUE(graph.fragments()[1]->kept_loops.empty());
 }
 
-TEST_F(ScanGraphTest, GoesAroundAFragmentThatIsMissingWhereALinkLeads) {
+TEST_F(ScanGraphTest, BridgesAMissingFragmentByALink) {
   fragments_[1].reset();
   {
     ScanGraph graph(fragments_, recordings_, {}, LoopOptions());
     ASSERT_TRUE(graph.Solve());
     EXPECT_TRUE(graph.IsApart(0));
-    EXPECT_FALSE(graph.IsApart(1));  // it is missing
+    EXPECT_FALSE(graph.IsApart(1));  // fragment 1 is missing
     EXPECT_FALSE(graph.IsApart(2));
   }
   Link(fragments_.size() - 1, 1, 0, 0);
@@ -169,8 +169,8 @@ TEST_F(ScanGraphTest, GoesAroundAFragmentThatIsMissingWhereALinkLeads) {
   EXPECT_EQ(graph.Frames(0).front().index, 0);
 }
 
-// The second recording has frames of the same numbers, which say nothing of where it was.
-TEST_F(ScanGraphTest, JoinsRecordingsByLinksAlone) {
+// Both recordings have equal frame numbers, which contain no information about poses.
+TEST_F(ScanGraphTest, JoinsRecordingsOnlyByLinks) {
   for (int first = 0; first < 64; first += 28) {
     fragments_.emplace_back(Fragment(first, std::min(64, first + 36) - 1, &rng_));
     recordings_.push_back(1);
@@ -189,7 +189,7 @@ TEST_F(ScanGraphTest, JoinsRecordingsByLinksAlone) {
   const std::vector<PosedFrame> first_frames = graph.Frames(0), frames = graph.Frames(1);
   EXPECT_EQ(first_frames.size(), kFrames);
   ASSERT_EQ(frames.size(), 64u);
-  // Both are in one world.
+  // Both recordings are in one world frame.
   const Rigid3d true_from_world = TruePose(0) * first_frames[0].world_from_camera.Inverse();
   for (const PosedFrame& frame : frames) {
     EXPECT_LT(((true_from_world * frame.world_from_camera).translation -
@@ -200,7 +200,7 @@ TEST_F(ScanGraphTest, JoinsRecordingsByLinksAlone) {
   }
 }
 
-TEST_F(ScanGraphTest, HasNoFramesWhereNothingWasTracked) {
+TEST_F(ScanGraphTest, HasNoFramesWithoutTrackedFrames) {
   ScanGraph graph({std::nullopt, std::nullopt}, {0, 0}, {}, LoopOptions());
   EXPECT_TRUE(graph.Solve());
   EXPECT_TRUE(graph.Frames(0).empty());

@@ -31,9 +31,9 @@ class ScanReportTest : public ::testing::Test {
   const TempFolder sequence_, scan_;
 };
 
-TEST_F(ScanReportTest, SaysWhatFailedThoughThereIsNothingElse) {
+TEST_F(ScanReportTest, ListsFailedJobsWithoutOtherResults) {
   Receipt("fragment_0000", 1, "fragments/0000/places.bin");
-  Receipt("fragment_0009", 1, "fragments/0009/places.bin");  // of a former plan
+  Receipt("fragment_0009", 1, "fragments/0009/places.bin");  // receipt of a former plan
   ScanReportOptions options;
   options.scan = scan_.path();
   const ScanSummary summary = ReportScan(options);
@@ -43,7 +43,7 @@ TEST_F(ScanReportTest, SaysWhatFailedThoughThereIsNothingElse) {
   EXPECT_THAT(ReadBytes(scan_ / "report.html"), HasSubstr("fragment_0000: error: a &lt; b"));
 }
 
-TEST_F(ScanReportTest, ForgetsJobsToBeDoneAgainAndWhatComesAfterThem) {
+TEST_F(ScanReportTest, ForgetsRepeatedJobsAndTheirDependents) {
   const auto has = [&](const std::string& job) {
     return std::filesystem::exists(scan_ / ("jobs/" + job + ".json"));
   };
@@ -76,14 +76,9 @@ TEST_F(ScanReportTest, ForgetsJobsToBeDoneAgainAndWhatComesAfterThem) {
   EXPECT_FALSE(has("camera_0") || has("fragment_0000") || has("candidates") || has("graph"));
 }
 
-TEST_F(ScanReportTest, NamesTheReceiptThatIsNone) {
+TEST_F(ScanReportTest, RejectsAMalformedReceipt) {
   scan_.Write("jobs/graph.json", "{}");
-  try {
-    ForgetJobs(scan_.path(), false);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("graph.json: no receipt of a job"));
-  }
+  EXPECT_THAT([&] { ForgetJobs(scan_.path(), false); }, ThrowsNaming<InputError>("graph.json"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// SLAM that goes on from a state that was kept.
+// Continuation of SLAM from a stored state.
 #include <gmock/gmock.h>
 
 #include "mapping/same_map.h"
@@ -27,7 +27,7 @@ class KeptState : public ::testing::Test {
   static Slam GoOn(StateUse use, const SlamOptions& options = SessionSlamOptions()) {
     return {{room_->camera, {}}, options, ReadSession(folder_->path()).state, use};
   }
-  // The room's frames from one on, as the next of the session.
+  // Processes frames `begin` to `end` - 1 of the room as the next frames of the session.
   static std::vector<FrameReport> Process(Slam* slam, int begin, int end, double later_s = 0) {
     std::vector<FrameReport> reports;
     for (int i = begin; i < end; ++i) {
@@ -38,7 +38,7 @@ class KeptState : public ::testing::Test {
     }
     return reports;
   }
-  // Of frames with a pose; as well as the map itself: two pixels at 2 m.
+  // Expects correct poses up to two pixels at 2 m, the accuracy of the map.
   static void ExpectRight(const std::vector<PosedFrame>& frames, int begin) {
     for (const PosedFrame& frame : frames) {
       if (frame.index < kFirst) continue;
@@ -55,11 +55,11 @@ class KeptState : public ::testing::Test {
 TempFolder* KeptState::folder_ = nullptr;
 SimulatedSequence* KeptState::room_ = nullptr;
 
-TEST_F(KeptState, GoesOnWhereItHasEnded) {
+TEST_F(KeptState, ContinuesAtTheLastFrame) {
   Slam slam = GoOn(StateUse::kContinue);
   const auto reports = Process(&slam, kFirst, kAll);
   slam.Finish();
-  EXPECT_EQ(reports[0].state, FrameState::kLost);  // until the next agrees
+  EXPECT_EQ(reports[0].state, FrameState::kLost);  // before confirmation by the next frame
   ASSERT_TRUE(reports[1].confirmed);
   const Backend& backend = *slam.backend();
   EXPECT_EQ(backend.poses().frames().size(), static_cast<std::size_t>(kAll));
@@ -67,7 +67,7 @@ TEST_F(KeptState, GoesOnWhereItHasEnded) {
   EXPECT_EQ(backend.counts().submaps, 1u);
 }
 
-TEST_F(KeptState, FindsACameraThatIsElsewhere) {
+TEST_F(KeptState, RelocalisesADistantCamera) {
   Slam slam = GoOn(StateUse::kContinue);
   const auto reports = Process(&slam, 20, 50, 1000);
   slam.Finish();
@@ -76,7 +76,7 @@ TEST_F(KeptState, FindsACameraThatIsElsewhere) {
   ExpectRight(slam.backend()->poses().frames(), 20);
 }
 
-TEST_F(KeptState, GivesTheSameEachTime) {
+TEST_F(KeptState, IsDeterministic) {
   const auto run = [&] {
     Slam slam = GoOn(StateUse::kContinue);
     Process(&slam, kFirst, kFirst + 20);
@@ -88,7 +88,7 @@ TEST_F(KeptState, GivesTheSameEachTime) {
   ExpectSamePoses(a.second, b.second);
 }
 
-TEST_F(KeptState, IsNotChangedByACameraThatIsLocalisedInIt) {
+TEST_F(KeptState, IsNotChangedByLocalisation) {
   Slam slam = GoOn(StateUse::kLocalize);
   const Slam before = GoOn(StateUse::kLocalize);
   const auto reports = Process(&slam, 10, 60, 1000);
@@ -106,13 +106,13 @@ TEST_F(KeptState, IsNotChangedByACameraThatIsLocalisedInIt) {
   EXPECT_GE(held, 45);
 }
 
-TEST_F(KeptState, WantsLoopsAndAMap) {
+TEST_F(KeptState, RejectsOptionsWithoutLoopsOrMap) {
   SlamOptions options = SessionSlamOptions();
   options.loops.enabled = false;
-  ExpectInputError([&] { GoOn(StateUse::kContinue, options); }, HasSubstr("loops.enabled"));
+  ExpectInputError([&] { GoOn(StateUse::kContinue, options); }, Names("loops.enabled"));
   options = SessionSlamOptions();
   options.tracking = "frame_to_frame";
-  ExpectInputError([&] { GoOn(StateUse::kContinue, options); }, HasSubstr("frame_to_model"));
+  ExpectInputError([&] { GoOn(StateUse::kContinue, options); }, Names("frame_to_model"));
 }
 
 }  // namespace

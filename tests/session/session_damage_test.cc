@@ -1,4 +1,4 @@
-// Sessions of which bytes were changed or lost.
+// Sessions with changed or missing bytes.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -42,10 +42,10 @@ class SessionDamage : public ::testing::Test {
     std::sort(tiles.begin(), tiles.end());
     return tiles;
   }
-  // Told by the check, and refused by who reads all.
+  // Expects that CheckSession() reports this file, and that ReadSession() rejects it.
   static void ExpectTold(const std::string& session, const std::string& name) {
-    EXPECT_THAT(CheckSession(session), Contains(HasSubstr(name)));
-    ExpectInputError([&] { ReadSession(session); }, HasSubstr(name));
+    EXPECT_THAT(CheckSession(session), ::testing::Contains(Names(name)));
+    ExpectInputError([&] { ReadSession(session); }, Names(name));
   }
 
   static TempFolder* folder_;
@@ -60,7 +60,7 @@ void Flip(const std::string& path, std::size_t at) {
   WriteBytes(path, bytes);
 }
 
-// Whether what is read is what was written.
+// True if both sessions are equal.
 bool IsSame(const Session& a, const Session& b) {
   const SlamState &x = a.state, &y = b.state;
   if (x.frames.size() != y.frames.size() || x.edges.size() != y.edges.size() ||
@@ -84,7 +84,7 @@ bool IsSame(const Session& a, const Session& b) {
   return true;
 }
 
-TEST_F(SessionDamage, OfEveryTileIsToldByItsName) {
+TEST_F(SessionDamage, OfEveryTileIsReportedByName) {
   const std::string session = Copy();
   for (const fs::path& tile : Tiles(session)) {
     const std::string bytes = ReadBytes(tile);
@@ -99,8 +99,8 @@ TEST_F(SessionDamage, OfEveryTileIsToldByItsName) {
   EXPECT_THAT(CheckSession(session), IsEmpty());
 }
 
-// Any byte of any page: what is changed is told, or was of no use (free room within a page).
-TEST_F(SessionDamage, OfEveryPageIsTold) {
+// Changes a byte of each page. The change is detected, or it is in unused space of the page.
+TEST_F(SessionDamage, OfEveryPageIsReported) {
   constexpr std::size_t kPage = 4096;
   const std::string session = Copy(), path = session + "/session.db";
   const std::string bytes = ReadBytes(path);
@@ -122,14 +122,14 @@ TEST_F(SessionDamage, OfEveryPageIsTold) {
       EXPECT_TRUE(IsSame(ReadSession(session), whole)) << "byte " << at;
     } else {
       ++told;
-      EXPECT_THAT(damages, Each(HasSubstr("session.db")));
+      EXPECT_THAT(damages, Each(Names("session.db")));
     }
     WriteBytes(path, bytes);
   }
-  EXPECT_GE(told, pages * 3 / 4);  // most of a page is in use
+  EXPECT_GE(told, pages * 3 / 4);  // most of a page is used
 }
 
-TEST_F(SessionDamage, OfALostEndIsTold) {
+TEST_F(SessionDamage, OfATruncatedFileIsReported) {
   const std::string session = Copy(), path = session + "/session.db";
   const std::string bytes = ReadBytes(path);
   for (const double share : {0.99, 0.5, 0.1, 0.0}) {

@@ -29,7 +29,7 @@ const SimulatedSequence& Room() {
   return *room;
 }
 
-// All surfels of a map, in an order of their own.
+// Surfels of a map in a canonical order.
 std::vector<decltype(AsTuple(Surfel()))> Sorted(const SurfelMap& map) {
   std::vector<decltype(AsTuple(Surfel()))> surfels;
   for (const std::int32_t id : map.Ids()) surfels.push_back(AsTuple(map[id]));
@@ -56,7 +56,7 @@ void ExpectStateOf(const SlamState& state, const Slam& slam) {
   EXPECT_EQ(Sorted(state.map), Sorted(slam.map()));
 }
 
-TEST(Session, IsWhatSlamKnowsAfterEachSave) {
+TEST(Session, EqualsTheStateOfSlamAfterEachSave) {
   const TempFolder folder;
   const std::string path = folder.path() + "/session";
   const auto slam = KeepSession(Room(), kFrames, path);
@@ -69,14 +69,15 @@ TEST(Session, IsWhatSlamKnowsAfterEachSave) {
   EXPECT_TRUE(session.runs[0].ended);
   EXPECT_GE(session.saves, kFrames / 15);
   EXPECT_THAT(CheckSession(path), IsEmpty());
-  // Saved every half second, not only in the end.
+  // Saved every half second, not only at the end.
   const SessionCounts counts = CountSession(path);
   EXPECT_EQ(counts.surfels, static_cast<std::int64_t>(slam->map().size()));
   EXPECT_EQ(counts.frames, kFrames);
 }
 
-// What is on disk after a save is what SLAM knew then, whatever has changed since the one before.
-TEST(Session, EverySaveIsWhole) {
+// After a save the files contain the state of SLAM at this time, including all changes since the
+// last save.
+TEST(Session, EverySaveIsComplete) {
   const TempFolder folder;
   const std::string path = folder.path() + "/session";
   const DepthSensor sensor = {Room().camera, {}};
@@ -85,9 +86,9 @@ TEST(Session, EverySaveIsWhole) {
   writer.Begin({SomeRun()}, sensor, &slam);
   for (int i = 0; i < 30; ++i) {
     slam.Process(Room().frames[i]);
-    writer.Offer(slam, i);  // a second later each: all are saved
+    writer.Offer(slam, i);  // one second later each, so every state is saved
     if (i % 10 != 9) continue;
-    writer.Offer(slam, i + 0.5);  // waits for the save before
+    writer.Offer(slam, i + 0.5);  // waits for the previous save
     writer.Offer(slam, i + 1.);
     const Session session = ReadSession(path);
     ExpectSamePoses(session.state.frames, slam.backend()->poses().frames());
@@ -95,7 +96,7 @@ TEST(Session, EverySaveIsWhole) {
   }
 }
 
-TEST(SessionThreads, SavesBesideTracking) {
+TEST(SessionThreads, SavesInTheBackground) {
   const TempFolder folder;
   const auto run = [&](const std::string& name) {
     KeepSession(Room(), 12, folder.path() + name);
@@ -104,32 +105,31 @@ TEST(SessionThreads, SavesBesideTracking) {
   ExpectSamePoses(run("/a"), run("/b"));
 }
 
-TEST(Session, IsNotWrittenByTwo) {
+TEST(Session, RejectsASecondWriter) {
   const TempFolder folder;
   const SessionWriter writer(folder.path(), SessionWriter::Mode::kNew);
   ExpectInputError([&] { SessionWriter(folder.path(), SessionWriter::Mode::kContinue); },
-                   HasSubstr("is being written into by process"));
+                   Names(folder.path()));
 }
 
-TEST(Session, IsNotReplaced) {
+TEST(Session, RejectsReplacement) {
   const TempFolder folder;
   KeepSession(Room(), 2, folder.path());
   ExpectInputError([&] { SessionWriter(folder.path(), SessionWriter::Mode::kNew); },
-                   HasSubstr("holds a session already"));
+                   Names(folder.path()));
 }
 
-TEST(Session, IsOfOneSensor) {
+TEST(Session, RejectsAnotherSensor) {
   const TempFolder folder;
   KeepSession(Room(), 2, folder.path());
   DepthSensor other = {Room().camera, {}};
   other.camera.fx += 1;
   Slam slam(other, SessionSlamOptions(), {});
   SessionWriter writer(folder.path(), SessionWriter::Mode::kContinue);
-  ExpectInputError([&] { writer.Begin({SomeRun()}, other, &slam); },
-                   HasSubstr("is a session of another sensor"));
+  ExpectInputError([&] { writer.Begin({SomeRun()}, other, &slam); }, Names(folder.path()));
 }
 
-TEST(Session, OfAnotherVersionOrKindIsRefused) {
+TEST(Session, RejectsOtherVersionsAndFiles) {
   const TempFolder folder;
   KeepSession(Room(), 2, folder.path());
   const auto run = [&](const char* sql) {
@@ -139,32 +139,32 @@ TEST(Session, OfAnotherVersionOrKindIsRefused) {
     sqlite3_close(database);
   };
   run("PRAGMA user_version = 1");
-  ExpectInputError([&] { ReadSession(folder.path()); }, HasSubstr("is a session of version 1"));
+  ExpectInputError([&] { ReadSession(folder.path()); }, Names(folder.path(), 1));
   run("PRAGMA user_version = 2; PRAGMA application_id = 5");
-  ExpectInputError([&] { ReadSession(folder.path()); }, HasSubstr("is no session"));
-  ExpectInputError([&] { ReadSession(folder.path() + "/none"); }, HasSubstr("is no session"));
+  ExpectInputError([&] { ReadSession(folder.path()); }, Names(folder.path()));
+  ExpectInputError([&] { ReadSession(folder.path() + "/none"); }, Names(folder.path() + "/none"));
 }
 
-TEST(Session, WaitsForAnotherProgramsLockAndTellsIt) {
+TEST(Session, WaitsForALockAndReportsIt) {
   const TempFolder folder;
   KeepSession(Room(), 2, folder.path());
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open((folder.path() + "/session.db").c_str(), &database), SQLITE_OK);
   ASSERT_EQ(sqlite3_exec(database, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
-  EXPECT_NO_THROW(ReadSession(folder.path()));  // which a writer does not disturb
+  EXPECT_NO_THROW(ReadSession(folder.path()));  // a writer does not block readers
   const DepthSensor sensor = {Room().camera, {}};
   Slam slam(sensor, SessionSlamOptions(), {});
   SessionWriter writer(folder.path(), SessionWriter::Mode::kContinue);
   writer.Begin({SomeRun()}, sensor, &slam);
   slam.Process(Room().frames[0]);
-  ExpectInputError([&] { writer.Finish(slam); }, HasSubstr("is locked by another program"));
+  ExpectInputError([&] { writer.Finish(slam); }, Names(folder.path() + "/session.db"));
   sqlite3_close(database);
 }
 
-// What is killed below, in a process of its own.
-TEST(SessionWriting, GoesOnUntilItIsKilled) {
+// A separate process, killed by Session.SurvivesSigkill.
+TEST(SessionWriting, WritesUntilSigkill) {
   const char* const given = std::getenv("SURFIT_TEST_SESSION");
-  if (!given) GTEST_SKIP() << "Session.OutlivesBeingKilled runs this, and kills it";
+  if (!given) GTEST_SKIP() << "run by Session.SurvivesSigkill";
   const std::string folder = given;
   const DepthSensor sensor = {Room().camera, {}};
   Slam slam(sensor, SessionSlamOptions(), Room().world_from_camera[0]);
@@ -177,8 +177,8 @@ TEST(SessionWriting, GoesOnUntilItIsKilled) {
   }
 }
 
-// Killed at any moment, what is on disk is a save as a whole, and at most a second old.
-TEST(Session, OutlivesBeingKilled) {
+// After SIGKILL at any time, the files contain a complete save that is at most one second old.
+TEST(Session, SurvivesSigkill) {
   std::mt19937_64 rng(1);
   std::uniform_int_distribution<int> some_ms(0, 300);
   for (int round = 0; round < 6; ++round) {
@@ -199,7 +199,7 @@ TEST(Session, OutlivesBeingKilled) {
     ASSERT_FALSE(state.frames.empty() && last() > 30);
     const int saved = state.frames.empty() ? -1 : state.frames.back().index;
     EXPECT_LE(last() - saved, 30) << round;
-    // And it can be written on.
+    // The session can be continued.
     EXPECT_NO_THROW(SessionWriter(session, SessionWriter::Mode::kContinue));
   }
 }

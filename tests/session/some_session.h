@@ -24,7 +24,7 @@ inline SessionRun SomeRun() {
   return run;
 }
 
-// A session of the first frames of a room, and the Slam that it was kept of.
+// Writes a session of the first frames of a room. Returns the Slam with the same state.
 inline std::unique_ptr<Slam> KeepSession(const SimulatedSequence& sequence, int frames,
                                          const std::string& folder) {
   const DepthSensor sensor = {sequence.camera, {}};

@@ -1,6 +1,8 @@
-# Every .cc file is named in the CMakeLists.txt of its folder or of the nearest one above, or as a
-# neighbour's (../folder/file.cc) in any other; every public header is in its module's list; every
-# other header is included by somebody.
+# Rules:
+# - Each .cc file is listed in the CMakeLists.txt of its folder, or of the nearest parent folder with
+#   one, or as ../folder/file.cc in another CMakeLists.txt.
+# - Each public header is in the list of its module.
+# - Each other header is included by a file.
 cmake_minimum_required(VERSION 3.25)
 
 file(GLOB_RECURSE sources RELATIVE "${ROOT}" "${ROOT}/src/*.cc" "${ROOT}/tools/*.cc"
@@ -12,7 +14,7 @@ if(NOT sources OR NOT public_headers)
   message(SEND_ERROR "no files under ${ROOT}")
 endif()
 
-# The nearest folder, from the file's upwards, with a CMakeLists.txt.
+# The folder of the file, or its nearest parent folder with a CMakeLists.txt.
 function(listing_folder file result)
   cmake_path(GET file PARENT_PATH folder)
   while(NOT EXISTS "${ROOT}/${folder}/CMakeLists.txt")
@@ -29,7 +31,7 @@ foreach(file ${list_files})
   string(APPEND all_lists "${list}")
 endforeach()
 
-# Programs may be listed without their ending.
+# Programs may be listed without their file extension.
 foreach(file ${sources})
   listing_folder("${file}" folder)
   file(READ "${ROOT}/${folder}/CMakeLists.txt" list)
@@ -58,10 +60,10 @@ foreach(file ${sources} ${public_headers} ${internal_headers})
 endforeach()
 foreach(file ${internal_headers})
   set(name "${file}")
-  if(file MATCHES "^(src|tools|tests|python)/(.+)$")  # REPLACE would go on with "tests/tools/"
+  if(file MATCHES "^(src|tools|tests|python)/(.+)$")  # REPLACE would also match "tests/tools/"
     set(name "${CMAKE_MATCH_2}")
   endif()
   if(NOT "#include \"${name}\"" IN_LIST includes)
-    message(SEND_ERROR "nobody includes ${file} (as \"${name}\")")
+    message(SEND_ERROR "no file includes ${file} (as \"${name}\")")
   endif()
 endforeach()

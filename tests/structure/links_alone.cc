@@ -1,2 +1,2 @@
-// A program that needs nothing: that it links is the test.
+// An empty program: the test is that it links.
 int main() { return 0; }

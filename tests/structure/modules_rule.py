@@ -20,7 +20,7 @@ INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 
 
 class Module:
-    """A module: its name, its lists, and its three sentences."""
+    """A module: name, lists of files and dependencies, and the three sentences of its comment."""
 
     def __init__(self, name, text):
         self.name = name
@@ -47,7 +47,7 @@ def read_modules(root):
 
 
 def module_of(path, modules):
-    """The module that holds a path below src, or None."""
+    """The module of a path below src, or None."""
     while path and path not in modules:
         path = path.rpartition("/")[0]
     return path or None
@@ -62,7 +62,7 @@ def files_of(root, module):
 
 
 def check_includes(root, modules):
-    """Yields errors; the modules that each module uses are added to `used`."""
+    """Yields errors. Adds the modules that each module uses to `used`."""
     for name, module in modules.items():
         used = set()
         for path in files_of(root, name):
@@ -84,7 +84,7 @@ def check_includes(root, modules):
                 if other not in module.lists["DEPENDS"]:
                     yield f"{where}, but {name} does not depend on {other}"
         for unused in sorted(set(module.lists["DEPENDS"]) - used):
-            yield f"{name} depends on {unused}, but includes nothing of it"
+            yield f"{name} depends on {unused}, but does not include it"
 
 
 def check_sentences(modules):

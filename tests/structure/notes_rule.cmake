@@ -1,5 +1,5 @@
-# Every package that our CMake files find, and every Debian package that our script installs,
-# stands in third_party_notes.md, in code quotes.
+# third_party_notes.md must list, in code quotes, each package of find_package() and each Debian package
+# of the installation script.
 cmake_minimum_required(VERSION 3.25)
 file(READ "${ROOT}/third_party_notes.md" notes)
 

@@ -8,7 +8,7 @@
 
 namespace surfit::testing {
 
-// Spins on this thread until it has computed for so long.
+// Busy loop on this thread for this CPU time.
 inline void Compute(double milliseconds) {
   const auto now_ms = [] {
     timespec now{};
@@ -20,7 +20,7 @@ inline void Compute(double milliseconds) {
   }
 }
 
-// Two threads for each core that leave no time to others.
+// Keeps all cores busy with two threads per core.
 class BusyMachine {
  public:
   BusyMachine() {

@@ -4,8 +4,8 @@
 
 namespace surfit::testing {
 
-// The largest single request to operator new since the last reset, in bytes. The program that calls
-// this has operator new replaced (largest_allocation.cc).
+// Largest request to operator new since the last reset, in bytes. largest_allocation.cc replaces
+// operator new of the test program.
 std::size_t LargestAllocation();
 void ResetLargestAllocation();
 

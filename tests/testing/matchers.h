@@ -5,6 +5,7 @@
 #include <functional>
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include "surfit/core/error.h"
 #include "surfit/geometry/rigid3.h"
@@ -24,8 +25,8 @@ using ::testing::Not;
 using ::testing::StartsWith;
 using ::testing::ThrowsMessage;
 
-// EXPECT_THAT(actual, VectorNear(expected, tolerance)): the Euclidean (for a matrix: Frobenius)
-// distance is at most the tolerance. A NaN on either side never matches.
+// EXPECT_THAT(actual, VectorNear(expected, tolerance)): the Euclidean norm of the difference
+// (Frobenius for matrices) is at most the tolerance. NaN never matches.
 MATCHER_P2(VectorNear, expected, tolerance,
            "is within " + ::testing::PrintToString(tolerance) + " of (" +
                ::testing::PrintToString(expected) + ")") {
@@ -35,7 +36,7 @@ MATCHER_P2(VectorNear, expected, tolerance,
 }
 
 // EXPECT_THAT(actual, RigidNear(expected, tolerance_m, tolerance_rad)): translation and rotation
-// are that near; q and -q are the same rotation. A NaN on either side never matches.
+// differ by at most the tolerances. q and -q are equal rotations. NaN never matches.
 MATCHER_P3(RigidNear, expected, tolerance_m, tolerance_rad,
            "is within " + ::testing::PrintToString(tolerance_m) + " m and " +
                ::testing::PrintToString(tolerance_rad) + " rad of\n" +
@@ -47,7 +48,7 @@ MATCHER_P3(RigidNear, expected, tolerance_m, tolerance_rad,
   return distance_m <= tolerance_m && angle_rad <= tolerance_rad;
 }
 
-// Expects that the call throws InputError with a message that the matcher accepts.
+// Expects that the call throws InputError with a message that matches.
 template <typename Call, typename Matcher>
 void ExpectInputError(const Call& call, const Matcher& message) {
   try {
@@ -68,11 +69,11 @@ void ExpectOptionsRefused(const std::function<void(Options&)>& change, const std
   ExpectInputError([&] { Validate(options); }, Names(field, value));
 }
 
-// A file that a reader must refuse, and what the message says besides the file's name.
+// A file that a reader must reject, with the names in the message besides the path.
 struct MalformedFile {
-  const char* name;
+  const char* name;  // of the test case
   std::string content;
-  const char* message;
+  std::vector<std::string> names;
 };
 
 inline void PrintTo(const MalformedFile& file, std::ostream* out) { *out << file.name; }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-TEST(VectorNear, HoldsUpToTheTolerance) {
+TEST(VectorNear, MatchesUpToTheTolerance) {
   const Eigen::Vector3d a(1, 2, 3), b(1, 2, 3.5);
   EXPECT_THAT(a, VectorNear(b, 0.5));
   EXPECT_THAT(a, Not(VectorNear(b, 0.49)));
@@ -23,7 +23,7 @@ TEST(VectorNear, NeverMatchesNan) {
   EXPECT_THAT(a, Not(VectorNear(nan, 1e9)));
 }
 
-TEST(RigidNear, HoldsUpToEachTolerance) {
+TEST(RigidNear, MatchesUpToBothTolerances) {
   const Rigid3d a;
   const Rigid3d b(QuaternionExp<double>({0, 0, 0.1}), Eigen::Vector3d(0.2, 0, 0));
   EXPECT_THAT(a, RigidNear(b, 0.201, 0.101));
@@ -31,7 +31,7 @@ TEST(RigidNear, HoldsUpToEachTolerance) {
   EXPECT_THAT(a, Not(RigidNear(b, 0.201, 0.099)));
 }
 
-TEST(RigidNear, TakesBothSignsOfTheQuaternion) {
+TEST(RigidNear, AcceptsBothSignsOfTheQuaternion) {
   Rigid3d a(QuaternionExp<double>({0.1, 0.2, 0.3}), Eigen::Vector3d(1, 2, 3));
   const Rigid3d b = a;
   a.rotation.coeffs() = -a.rotation.coeffs();

@@ -15,8 +15,8 @@ inline std::size_t Below(std::size_t end, Random* random) {
   return std::uniform_int_distribution<std::size_t>(0, end - 1)(*random);
 }
 
-// One to four changes: a bit, a byte, a count of 2, 4 or 8 bytes to an extreme, a cut, a piece
-// twice.
+// Applies one to four changes: flips a bit, replaces a byte, sets a number of 2, 4 or 8 bytes to an
+// extreme value, truncates, or duplicates a piece.
 inline std::string Mutated(std::string bytes, Random* random) {
   constexpr std::int64_t kExtremes[] = {-1, 0, 1, INT32_MAX, INT64_MAX, 1LL << 40, 65536, 16384};
   for (std::size_t changes = 1 + Below(4, random); changes > 0 && !bytes.empty(); --changes) {
@@ -39,7 +39,7 @@ inline std::string Mutated(std::string bytes, Random* random) {
         bytes.insert(at, bytes.substr(at, Below(200, random)));
     }
   }
-  // Half of all changes to where the sizes stand.
+  // Half of all changes are in the header, which contains sizes.
   if (Below(2, random) == 0 && bytes.size() > 400) {
     const std::size_t at = Below(400, random);
     bytes.replace(at, 4, LittleEndian(static_cast<std::int32_t>((*random)())));

@@ -4,7 +4,7 @@
 
 namespace surfit::testing {
 
-// The pixels of a rectangle, row by row: for (const auto [u, v] : PixelsOf(image)).
+// Pixels of a rectangle in row-major order: for (const auto [u, v] : PixelsOf(image)).
 class Pixels {
  public:
   Pixels(int u_begin, int u_end, int v_begin, int v_end)

@@ -9,13 +9,13 @@
 
 namespace surfit::testing {
 
-// Normally distributed errors of measurements, each of three components.
+// Standard deviations of the measurement noise, per component.
 struct GraphNoise {
   double rotation_rad = 0.005;
   double translation_m = 0.01;
 };
 
-// A graph with its truth: poses are chained from noisy odometry.
+// A pose graph with true poses. Its poses are chained noisy odometry.
 struct TrueGraph {
   PoseGraph graph;
   std::vector<Rigid3d> truth;
@@ -37,7 +37,7 @@ inline PoseGraphEdge MeasuredEdge(const TrueGraph& graph, std::size_t a, std::si
   return edge;
 }
 
-// Odometry along all poses of the truth, which the poses are set to.
+// Adds odometry edges along the true poses, and sets the poses to the odometry.
 inline void AddOdometry(const GraphNoise& noise, std::mt19937_64* rng, TrueGraph* graph) {
   graph->graph.poses.resize(graph->truth.size());
   graph->graph.poses[0].world_from_pose = graph->truth[0];
@@ -50,7 +50,7 @@ inline void AddOdometry(const GraphNoise& noise, std::mt19937_64* rng, TrueGraph
   }
 }
 
-// A pose at a place, x along the way, z near the given up.
+// A pose at `place` with the x axis along `way` and the z axis close to `up`.
 inline Rigid3d PoseAlong(const Eigen::Vector3d& place, const Eigen::Vector3d& way,
                          const Eigen::Vector3d& up) {
   Eigen::Matrix3d rotation;
@@ -60,8 +60,8 @@ inline Rigid3d PoseAlong(const Eigen::Vector3d& place, const Eigen::Vector3d& wa
   return {rotation, place};
 }
 
-// Winds `turns` times around, each pose joined to the one of the turn before: on a sphere of radius
-// 100 m, as g2o's create_sphere.
+// A spiral on a sphere of radius 100 m, like create_sphere of g2o. Loop edges connect each pose to
+// the pose of the previous turn.
 inline TrueGraph MakeSphere(int turns, int poses_per_turn, const GraphNoise& noise = {}) {
   std::mt19937_64 rng(1);
   TrueGraph graph;
@@ -81,7 +81,7 @@ inline TrueGraph MakeSphere(int turns, int poses_per_turn, const GraphNoise& noi
   return graph;
 }
 
-// The same on a torus of radii 10 m and 4 m, with the noise of a walk.
+// A spiral on a torus with radii 10 m and 4 m, with the noise of a hand-held sensor.
 inline TrueGraph MakeTorus(int turns, int poses_per_turn, const GraphNoise& noise = {0.05, 0.1}) {
   std::mt19937_64 rng(2);
   TrueGraph graph;
@@ -102,7 +102,7 @@ inline TrueGraph MakeTorus(int turns, int poses_per_turn, const GraphNoise& nois
   return graph;
 }
 
-// A snake through size^3 places 1 m apart, with all neighbours joined.
+// A path through size^3 grid points at 1 m spacing. Loop edges connect all neighbours.
 inline TrueGraph MakeGrid(int size, const GraphNoise& noise = {0.05, 0.1}) {
   std::mt19937_64 rng(3);
   TrueGraph graph;
@@ -138,8 +138,8 @@ inline TrueGraph MakeGrid(int size, const GraphNoise& noise = {0.05, 0.1}) {
   return graph;
 }
 
-// Adds loops between poses anywhere, as if they were at one place, until they are this share of all
-// loops. Returns the edges' indices.
+// Adds loops between random poses with random measurements of up to 0.5 rad and 1 m, until they are
+// this ratio of all loops. Returns the indices of these edges.
 inline std::vector<std::size_t> PlantWrongLoops(double share, TrueGraph* graph) {
   std::mt19937_64 rng(4);
   std::size_t loops = 0;

@@ -14,13 +14,13 @@ inline Eigen::Vector3d RandomVector(double size, std::mt19937_64* rng) {
   return {x, y, z};
 }
 
-// A pose with a rotation vector and a translation from such cubes.
+// A pose with a uniform rotation vector and translation.
 inline Rigid3d RandomPose(double size_rad, double size_m, std::mt19937_64* rng) {
   const Eigen::Quaterniond rotation = QuaternionExp<double>(RandomVector(size_rad, rng));
   return {rotation, RandomVector(size_m, rng)};
 }
 
-// Increments both ways along each of the three turns and the three shifts.
+// Positive and negative increments along the three rotations and translations.
 inline std::vector<Rigid3d::Vector6> EachDirection(double turn_rad, double shift_m) {
   std::vector<Rigid3d::Vector6> increments;
   for (int axis = 0; axis < 6; ++axis) {

@@ -13,7 +13,7 @@
 
 namespace surfit::testing {
 
-// What .klg and .sens files are made of, by other means than the library's.
+// Encoders of .klg and .sens files that are independent of the library.
 
 template <typename... Values>
 std::string LittleEndian(Values... values) {
@@ -53,8 +53,8 @@ inline std::string KlgFrame(std::int64_t stamp_us, const std::string& depth,
          depth + color;
 }
 
-// `count` of the small numbered frames at 10 Hz from time 5. Depth is raw or compressed, colour
-// raw, JPEG or none ("", ".jpg", "none").
+// A .klg file with `count` small numbered frames at 10 Hz, starting at 5 s. `color`: "" for raw,
+// ".jpg" or "none".
 inline std::string KlgFile(int count, bool zlib, const std::string& color) {
   std::string file = LittleEndian(static_cast<std::int32_t>(count));
   for (int i = 0; i < count; ++i) {
@@ -67,21 +67,22 @@ inline std::string KlgFile(int count, bool zlib, const std::string& color) {
   return file;
 }
 
-using Matrix16 = std::array<float, 16>;  // 4 x 4, row by row
+using Matrix16 = std::array<float, 16>;  // 4 x 4, row-major
 
 inline Matrix16 TranslationMatrix(float x, float y, float z) {
   return {1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z, 0, 0, 0, 1};
 }
 
-// A .sens file of the small numbered frames; its colour camera has twice their size.
+// Encoder of .sens files with small numbered frames. The colour camera has twice their size.
 struct SensEncoder {
   int depth_coding = 1;      // 0 raw, 1 zlib, 2 occi
   std::string color_coding;  // "": raw, ".png", ".jpg", or "none": no colour
   bool has_stamps = true;    // 10 Hz from time 5
-  int depth_delay_us = 0;    // of depth's stamps after colour's
+  int depth_delay_us = 0;    // delay of depth timestamps after colour timestamps
   bool registered = false;   // colour has the pixels of depth
   Matrix16 color_extrinsics = TranslationMatrix(0, 0, 0);
-  std::vector<Matrix16> poses;  // one a frame; of frames beyond, (number, 2, 3)
+  std::vector<Matrix16>
+      poses;  // one per frame; default of further frames: translation (number, 2, 3)
 
   std::string Header(std::uint64_t count) const {
     const Matrix16 depth_intrinsics = {31, 0, 15.5f, 0, 0, 30, 11.5f, 0, 0, 0, 1, 0, 0, 0, 0, 1};

@@ -10,7 +10,7 @@
 
 namespace surfit::testing {
 
-// Recordings of ROS 1, by other means than the library's.
+// Encoders of ROS 1 bags that are independent of the library.
 
 inline std::string Counted(const std::string& bytes) {
   return LittleEndian(static_cast<std::uint32_t>(bytes.size())) + bytes;
@@ -23,7 +23,7 @@ inline std::string RosHeader(double stamp_s, const std::string& frame) {
          Counted(frame);
 }
 
-// sensor_msgs/Image; step 0: rows without a gap.
+// sensor_msgs/Image; step 0: rows without padding.
 struct RosImage {
   std::string encoding, data;
   std::uint32_t width = 32, height = 24, step = 0;
@@ -41,7 +41,7 @@ inline std::string RosCompressedImage(double stamp_s, const std::string& frame,
   return RosHeader(stamp_s, frame) + Counted(format) + Counted(data);
 }
 
-// sensor_msgs/CameraInfo of the small images; P has other numbers than K.
+// sensor_msgs/CameraInfo of the small images. P and K differ.
 struct RosCameraInfo {
   std::string model = "plumb_bob";
   std::vector<double> distortion = {0, 0, 0, 0, 0};
@@ -60,7 +60,7 @@ struct RosCameraInfo {
   }
 };
 
-// tf2_msgs/TFMessage of one transform.
+// tf2_msgs/TFMessage with one transform.
 inline std::string RosTransform(const std::string& parent, const std::string& child,
                                 const Rigid3d& parent_from_child) {
   const auto& [q, t] = parent_from_child;
@@ -68,7 +68,7 @@ inline std::string RosTransform(const std::string& parent, const std::string& ch
          LittleEndian(t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
 }
 
-// A bag of format 2.0, its messages in chunks of their own.
+// Bag of format 2.0 with one message per chunk.
 class RosBagEncoder {
  public:
   void Add(const std::string& topic, const std::string& type, double stamp_s,

@@ -11,6 +11,7 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "testing/matchers.h"
@@ -19,13 +20,12 @@
 namespace surfit::testing {
 
 struct ProgramResult {
-  int exit_code = -1;  // 128 + signal if one ended it, as in a shell
-  std::string out;     // all it wrote to stdout
-  std::string err;     // and to stderr
+  int exit_code = -1;  // 128 + signal number after a signal, as in a shell
+  std::string out;     // complete stdout
+  std::string err;     // complete stderr
 };
 
-// One of our programs (by its name in the build's tools folder), or the one at a path from the root
-// on, running as a process of its own.
+// A child process. `name` is a program of the tools folder in the build, or an absolute path.
 class RunningProgram {
  public:
   RunningProgram(const std::string& name, std::vector<std::string> arguments) {
@@ -56,24 +56,24 @@ class RunningProgram {
   RunningProgram& operator=(const RunningProgram&) = delete;
 
   void Signal(int signal) { kill(pid_, signal); }
-  // Whether it is still at work.
+  // True until the process ends.
   bool IsRunning() const {
     siginfo_t ended = {};
     return waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
            ended.si_pid == 0;
   }
-  // Of its memory, what is not swapped out.
+  // Resident memory of the process.
   std::size_t ResidentBytes() const {
     std::size_t pages = 0, resident = 0;
     std::ifstream("/proc/" + std::to_string(pid_) + "/statm") >> pages >> resident;
     return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   }
 
-  // What it has written so far.
+  // Output up to now.
   std::string StdoutSoFar() const { return ReadBytes(out()); }
   std::string StderrSoFar() const { return ReadBytes(err()); }
 
-  // Waits for its end; once.
+  // Waits for the end of the process. Call it once.
   ProgramResult Wait() {
     int status = 0;
     if (pid_ < 0 || waitpid(pid_, &status, 0) != pid_) return {};
@@ -90,8 +90,8 @@ class RunningProgram {
   pid_t pid_ = -1;
 };
 
-// What a program says on stderr but for the notes of what it takes for granted of a sequence, and
-// for the progress that it shows where a machine is slow.
+// stderr without notes about the sequence and without progress lines, which appear on slow
+// machines.
 inline std::string WithoutNotes(const std::string& err) {
   std::string text;
   std::istringstream lines(err);
@@ -103,26 +103,57 @@ inline std::string WithoutNotes(const std::string& err) {
   return text;
 }
 
-// Bad input: exit code 1, one sentence on stderr, nothing on stdout.
-inline void ExpectRefused(const ProgramResult& result, const std::string& message) {
-  EXPECT_EQ(result.exit_code, 1) << message;
-  EXPECT_THAT(result.out, IsEmpty()) << message;
-  EXPECT_THAT(WithoutNotes(result.err), AllOf(MatchesRegex("error: [^\n]*\n"), HasSubstr(message)));
+// Expects rejected input: exit code 1, one line with the names on stderr, and an empty stdout.
+inline void ExpectRefused(const ProgramResult& result, const NamesMatcher& names) {
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_THAT(result.out, IsEmpty()) << result.err;
+  EXPECT_THAT(WithoutNotes(result.err), AllOf(MatchesRegex("error: [^\n]*\n"), names));
+}
+template <typename... Parts>
+void ExpectRefused(const ProgramResult& result, const Parts&... names) {
+  ExpectRefused(result, Names(names...));
 }
 
-// Runs one of our programs to its end: RunProgram("surfit_evaluate", {"--estimate=" + path}).
+// Command lines with the names that the error message must contain.
+using RefusedFlags = std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>>;
+
+// The lines of a text that contain `mark`.
+inline std::vector<std::string> LinesWith(const std::string& mark, const std::string& text) {
+  std::vector<std::string> found;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(mark) != std::string::npos) found.push_back(line);
+  }
+  return found;
+}
+
+// Matches the stderr of a program with a warning that contains all names.
+template <typename... Parts>
+auto HasWarning(const Parts&... names) {
+  return ::testing::ResultOf([](const std::string& err) { return LinesWith("warning: ", err); },
+                             ::testing::Contains(Names("warning", names...)));
+}
+
+// Matches the stderr of a program with an error that contains all names.
+template <typename... Parts>
+auto HasError(const Parts&... names) {
+  return ::testing::ResultOf([](const std::string& err) { return LinesWith("error: ", err); },
+                             ::testing::Contains(Names("error", names...)));
+}
+
+// Runs a program and waits for its end: RunProgram("surfit_evaluate", {"--estimate=" + path}).
 inline ProgramResult RunProgram(const std::string& name,
                                 const std::vector<std::string>& arguments) {
   return RunningProgram(name, arguments).Wait();
 }
 
-// Runs commands of the shell, of which ours are in the folder $tools.
+// Runs shell commands. $tools is the folder of the programs.
 inline ProgramResult RunShell(const std::string& commands) {
   return RunProgram("/bin/sh",
                     {"-c", "tools='" + std::string(SURFIT_TOOLS_DIR) + "'\n" + commands});
 }
 
-// Expects that it did what it was asked for.
+// Expects exit code 0.
 inline ProgramResult Succeeded(const ProgramResult& result) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   return result;

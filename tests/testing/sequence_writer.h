@@ -14,7 +14,7 @@
 
 namespace surfit::testing {
 
-// Image files for the readers to read, of the kind that the name's ending says.
+// Writes an image file. The extension determines the format.
 inline void WriteDepth(const std::string& path, const Image<std::uint16_t>& raw) {
   cv::imwrite(path,
               cv::Mat(raw.height(), raw.width(), CV_16UC1, const_cast<std::uint16_t*>(raw.data())));
@@ -33,7 +33,7 @@ inline void WriteColor(const std::string& path, const Image<Rgb8>& color,
   cv::imwrite(path, bgr, parameters);
 }
 
-// How the sequence in a folder or file is opened.
+// Default options for the sequence at `path`.
 inline SequenceOptions OptionsOf(const std::string& path) {
   SequenceOptions options;
   options.path = path;
@@ -41,8 +41,8 @@ inline SequenceOptions OptionsOf(const std::string& path) {
 }
 inline SequenceOptions Options(const TempFolder& folder) { return OptionsOf(folder.path()); }
 
-// Small images that tell their frame: depth between 1 and 2 m at 1000 counts a metre, red the
-// frame's number.
+// Small images that encode the frame number: depth is between 1 and 2 m at 1000 counts per metre,
+// and red is the frame number.
 inline Image<std::uint16_t> NumberedDepth(int frame, int width = 32, int height = 24) {
   Image<std::uint16_t> depth(width, height);
   for (std::size_t i = 0; i < depth.size(); ++i)
@@ -60,15 +60,15 @@ inline std::string Format(const char* format, int number) {
   return text;
 }
 
-// The camera of these images as a camera.yaml.
+// camera.yaml for these images.
 inline std::string SmallCameraYaml(double fy = 30) {
   return "%YAML:1.0\n---\ndepth_camera: { width: 32, height: 24, fx: 31., fy: " +
          std::to_string(fy) +
          ", cx: 15.5, cy: 11.5 }\ndepth_units_per_metre: 1000.\nframes_per_second: 30.\n";
 }
 
-// A TUM folder of `count` frames at 10 Hz from time 5, depth 3 ms later than colour, each frame's
-// pose the translation (its number, 2, 3), with a camera.yaml.
+// Writes a TUM folder with camera.yaml and `count` frames at 10 Hz, starting at 5 s. Depth is 3 ms
+// later than colour. The pose of frame i is the translation (i, 2, 3).
 inline void WriteTumSequence(const TempFolder& folder, int count, double fy = 30) {
   std::string rgb = "# colour\n", depth = "# depth\n", poses = "# poses\n";
   for (int i = 0; i < count; ++i) {

@@ -6,7 +6,7 @@
 
 namespace surfit::testing {
 
-// The folder of a shared recorded sequence. It need not exist: see HasSharedData.
+// Folder of a recorded sequence. It may not exist: see HasSharedData().
 inline std::string SharedData(const std::string& sequence) {
   const char* const folder = std::getenv("SURFIT_DATA_DIR");
   return (folder != nullptr ? std::string(folder) : SURFIT_DATA_DIR) + "/" + sequence;
@@ -18,7 +18,7 @@ inline bool HasSharedData(const std::string& sequence) {
 
 }  // namespace surfit::testing
 
-// Skips the running test, saying why, if the sequence is not there.
+// Skips the test if the sequence does not exist.
 #define SURFIT_REQUIRE_SHARED_DATA(sequence)            \
   if (!surfit::testing::HasSharedData(sequence))        \
   GTEST_SKIP() << surfit::testing::SharedData(sequence) \

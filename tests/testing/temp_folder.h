@@ -10,7 +10,7 @@
 
 namespace surfit::testing {
 
-// A folder of the running test's own, removed at the end.
+// Temporary folder that is removed by the destructor.
 class TempFolder {
  public:
   TempFolder() {
@@ -23,13 +23,13 @@ class TempFolder {
   TempFolder& operator=(const TempFolder&) = delete;
 
   std::string path() const { return path_; }
-  // The path of a file in it, whose folder is made.
+  // Path of a file in the folder. Creates parent folders.
   std::string operator/(const std::string& name) const {
     const std::filesystem::path file = std::filesystem::path(path_) / name;
     std::filesystem::create_directories(file.parent_path());
     return file.string();
   }
-  // The same, for a file that is written with these bytes.
+  // Writes a file, and returns its path.
   std::string Write(const std::string& name, const std::string& bytes) const {
     std::ofstream(*this / name, std::ios::binary) << bytes;
     return *this / name;

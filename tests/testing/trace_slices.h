@@ -11,7 +11,7 @@
 
 namespace surfit::testing {
 
-// A slice of a trace file.
+// Slice of a trace file.
 struct Slice {
   std::string name;
   int frame = -1;
@@ -19,7 +19,7 @@ struct Slice {
   std::int64_t begin_ns = 0, end_ns = 0;
 };
 
-// All slices of a file, in the order in which they ended. Its other events must name threads.
+// Slices of a trace file in order of their end. Other events must be thread names.
 inline std::vector<Slice> ReadSlices(const std::string& path) {
   std::ifstream file(path);
   const auto ns = [](const nlohmann::json& microseconds) {
@@ -42,7 +42,7 @@ inline std::vector<Slice> ReadSlices(const std::string& path) {
   return slices;
 }
 
-// Slices of one thread lie within each other or apart.
+// Expects that slices of one thread are nested or disjoint.
 inline void ExpectNesting(const std::vector<Slice>& slices) {
   for (const Slice& a : slices) {
     EXPECT_LE(a.begin_ns, a.end_ns);

@@ -1,4 +1,4 @@
-// Whole batches, by Snakemake.
+// Complete batches with Snakemake.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 class BatchTool : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (RunShell("command -v snakemake").exit_code != 0) GTEST_SKIP() << "no snakemake here";
+    if (RunShell("command -v snakemake").exit_code != 0)
+      GTEST_SKIP() << "Snakemake is not installed";
   }
   std::string Sequences() const { return folder_.path() + "/sequences"; }
   std::string Batch() const { return folder_.path() + "/batch"; }
@@ -37,13 +38,13 @@ class BatchTool : public ::testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(BatchTool, RunsAllAndOneThatFailsCostsOnlyItself) {
+TEST_F(BatchTool, ContinuesAfterAFailedRun) {
   Simulate("long", 12);
   Simulate("short & strange", 6);
   fs::create_directories(Sequences() + "/none");
   const ProgramResult result = Run({"--cores=2"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("warning: none: error: "));
+  EXPECT_THAT(result.err, HasWarning("none"));
   nlohmann::json rows = Rows();
   ASSERT_EQ(rows.size(), 3u);
   EXPECT_EQ(rows[0]["sequence"], "long");
@@ -52,12 +53,12 @@ TEST_F(BatchTool, RunsAllAndOneThatFailsCostsOnlyItself) {
   EXPECT_EQ(rows[1]["state"], "failed");
   EXPECT_EQ(rows[2]["sequence"], "short%20%26%20strange");
   EXPECT_EQ(rows[2]["frames"], 6);
-  // A run in a batch is the run that it would be by itself.
+  // A run in a batch has the same result as a separate run.
   const std::string alone = folder_.path() + "/alone";
   Succeeded(RunProgram("surfit_slam", {"--sequence=" + Sequences() + "/long", "--output=" + alone,
                                        "--nopictures", "--nofinal_map", "--nocalibrate"}));
   EXPECT_EQ(rows[0]["digest"], nlohmann::json::parse(ReadBytes(alone + "/summary.json"))["digest"]);
-  // Once the sequence is there, it alone is run.
+  // After the missing sequence is added, only its run is executed.
   const auto time = fs::last_write_time(Batch() + "/jobs/run_long.json");
   Simulate("none", 6);
   EXPECT_EQ(Run({}).exit_code, 2);
@@ -66,13 +67,13 @@ TEST_F(BatchTool, RunsAllAndOneThatFailsCostsOnlyItself) {
   EXPECT_EQ(fs::last_write_time(Batch() + "/jobs/run_long.json"), time);
 }
 
-TEST_F(BatchTool, SaysWhatIsWrong) {
+TEST_F(BatchTool, RejectsBadInput) {
   fs::create_directories(Sequences());
-  ExpectRefused(Run({}), "has no folder and no recording");
-  ExpectRefused(Run({"--profile=nowhere"}), "profile is 'nowhere'");
-  ExpectRefused(Run({"--format=watch"}), "format is 'watch'");
+  ExpectRefused(Run({}), Sequences());
+  ExpectRefused(Run({"--profile=nowhere"}), "profile", "nowhere");
+  ExpectRefused(Run({"--format=watch"}), "format", "watch");
   ExpectRefused(RunProgram("surfit_batch", {"--sequences=" + Sequences()}), "output");
-  ExpectRefused(Run({"--output=" + Sequences()}), "--sequences reads");
+  ExpectRefused(Run({"--output=" + Sequences()}), "--sequences", Sequences());
 }
 
 }  // namespace

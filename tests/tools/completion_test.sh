@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Completes as bash would: completion_test.sh FOLDER_OF_PROGRAMS
+# Tests completion in bash: completion_test.sh FOLDER_OF_PROGRAMS
 set -euo pipefail
 programs=$1
 source "$programs/completion.bash"
-compopt() { :; }  # bash has it only within a real completion
+compopt() { :; }  # bash defines compopt only during a completion
 
-expect() {  # expect WANTED WORD...: what completing the last word gives
+expect() {  # expect WANTED WORD...: compares the completions of the last word
   local wanted=$1
   shift
   COMP_WORDS=(surfit_slam "$@")

@@ -1,5 +1,5 @@
 #!/usr/bin/env zsh
-# Completes as zsh does, in a shell of its own on a pseudo terminal: completion_test.zsh FOLDER_OF_PROGRAMS
+# Tests completion in a zsh on a pseudo terminal: completion_test.zsh FOLDER_OF_PROGRAMS
 programs=$1
 zmodload zsh/zpty || exit 77
 folder=$(mktemp -d)
@@ -7,7 +7,7 @@ trap 'rm -r "$folder"' EXIT
 cp "$programs/completion.zsh" "$folder/_surfit"
 touch "$folder/one_file"
 
-# What the line is after a tab: the shell inserts what it completes, and shows the line.
+# Prints the command line after a tab: the shell inserts the completion and shows the line.
 completed() {
   local line
   zpty shell "zsh -f -i"

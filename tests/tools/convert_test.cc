@@ -16,30 +16,28 @@ TEST(ConvertTool, WritesASequenceAsKlg) {
   const ProgramResult result = Succeeded(
       RunProgram("surfit_convert", {"--sequence=" + folder.path(), "--stride=2", "--jpeg_quality=0",
                                     "--output=" + (folder / "a.klg")}));
-  EXPECT_THAT(result.out, HasSubstr("a.klg: 3 frames, 0 skipped, 0 depths"));
+  EXPECT_THAT(result.out, Names("a.klg", 3, 0));
   const auto frames = ReadAll(OpenSequence(OptionsOf(folder / "a.klg")).get());
   ASSERT_EQ(frames.size(), 3u);
   EXPECT_EQ(frames[2].frame->color, NumberedColor(4));
   EXPECT_DOUBLE_EQ(frames[2].stamp_s, 5.403);
 }
 
-TEST(ConvertTool, MakesACameraYamlOfWhatIsTakenForGranted) {
+TEST(ConvertTool, WritesACameraYamlWithTheAssumedCamera) {
   const TempFolder folder;
   WriteColor(folder / "color/1.png", NumberedColor(1, 640, 480));
   WriteDepth(folder / "depth/1.png", NumberedDepth(1, 640, 480));
   const std::string sequence = "--sequence=" + folder.path();
   const ProgramResult made =
       Succeeded(RunProgram("surfit_convert", {sequence, "--make_camera_yaml"}));
-  EXPECT_THAT(made.out, AllOf(HasSubstr("/camera.yaml: format redwood, 1 frames"),
-                              HasSubstr("replace what is guessed")));
-  EXPECT_THAT(made.err, HasSubstr("warning: " + folder.path() + " does not name its camera"));
+  EXPECT_THAT(made.out, Names(folder.path() + "/camera.yaml", "redwood", 1));
+  EXPECT_THAT(made.err, HasWarning(folder.path()));
   const auto info = OpenSequence(OptionsOf(folder.path()))->info();
   EXPECT_EQ(info.camera_from, folder.path() + "/camera.yaml");
   EXPECT_EQ(info.camera.depth.fx, 525);
   EXPECT_EQ(info.camera.depth.width, 640);
   EXPECT_THAT(info.warnings, IsEmpty());
-  ExpectRefused(RunProgram("surfit_convert", {sequence, "--make_camera_yaml"}),
-                "camera.yaml exists");
+  ExpectRefused(RunProgram("surfit_convert", {sequence, "--make_camera_yaml"}), "camera.yaml");
   Succeeded(
       RunProgram("surfit_convert", {sequence, "--make_camera_yaml", "--intrinsics=500,501,3,4",
                                     "--output=" + (folder / "other.yaml")}));
@@ -54,7 +52,7 @@ TEST(ConvertTool, WritesCloudsAsPcdAndPly) {
   for (const char* name : {"a.pcd", "b.ply"}) {
     const ProgramResult result =
         Succeeded(RunProgram("surfit_convert", {"--cloud=" + from, "--output=" + (folder / name)}));
-    EXPECT_THAT(result.out, HasSubstr(": 1 points"));
+    EXPECT_THAT(result.out, Names(1));
     from = folder / name;
     const PointCloud read = ReadPointCloud(from);
     EXPECT_EQ(read.points, cloud.points);
@@ -69,20 +67,20 @@ TEST(ConvertTool, WritesTrajectoriesAsKittiPoses) {
   const std::string path = folder.Write("t.txt", "1.5 7 8 9 0 0 0 1\n");
   Succeeded(
       RunProgram("surfit_convert", {"--trajectory=" + path, "--output=" + (folder / "poses.txt")}));
-  EXPECT_THAT(ReadBytes(folder / "poses.txt"), HasSubstr("0.000000000 1.000000000 9.000000000\n"));
+  EXPECT_THAT(ReadBytes(folder / "poses.txt"), Names("0.000000000 1.000000000 9.000000000"));
 }
 
-TEST(ConvertTool, RefusesBadInput) {
-  const auto expect = [](std::vector<std::string> flags, const char* message) {
-    ExpectRefused(RunProgram("surfit_convert", std::move(flags)), message);
+TEST(ConvertTool, RejectsBadInput) {
+  const auto expect = [](const std::vector<std::string>& flags, const auto&... names) {
+    ExpectRefused(RunProgram("surfit_convert", flags), names...);
   };
-  expect({}, "0 of --sequence, --cloud and --trajectory are set, must be 1; surfit_convert --help");
-  expect({"--cloud=b"}, "--output is missing, must be set");
-  expect({"--cloud=b", "--make_camera_yaml"}, "--make_camera_yaml needs a --sequence");
-  expect({"--output=a"}, "0 of --sequence, --cloud and --trajectory are set, must be 1");
-  expect({"--output=a", "--cloud=b", "--trajectory=c"}, "2 of --sequence, --cloud");
-  expect({"--output=a.ply", "--sequence=b"}, "--output is a.ply, must end in .klg");
-  expect({"--output=a.klg", "--cloud=b"}, "--output is a.klg, must end in .pcd or .ply");
+  expect({}, "--sequence", "--cloud", "--trajectory", "surfit_convert", "--help");
+  expect({"--cloud=b"}, "--output");
+  expect({"--cloud=b", "--make_camera_yaml"}, "--make_camera_yaml", "--sequence");
+  expect({"--output=a"}, "--sequence", "--cloud", "--trajectory");
+  expect({"--output=a", "--cloud=b", "--trajectory=c"}, "--sequence", "--cloud", "--trajectory");
+  expect({"--output=a.ply", "--sequence=b"}, "--output", "a.ply", ".klg");
+  expect({"--output=a.klg", "--cloud=b"}, "--output", "a.klg", ".pcd", ".ply");
 }
 
 }  // namespace

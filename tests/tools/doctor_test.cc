@@ -1,4 +1,4 @@
-// What surfit_doctor says of a simulated recording, and of the same with one fault.
+// surfit_doctor on a simulated recording, and on copies with one fault each.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -29,7 +29,7 @@ class DoctorTool : public SlamTool {
     return SlamTool::Simulate(name, flags);
   }
 
-  // The names of the faults that are found; the exit code must agree.
+  // Names of the detected faults. Expects a consistent exit code.
   std::vector<std::string> Faults(const std::string& sequence, std::vector<std::string> flags) {
     const std::string summary = own_ / "summary.json";
     flags.insert(flags.end(), {"--sequence=" + sequence, "--summary=" + summary});
@@ -50,7 +50,7 @@ class DoctorTool : public SlamTool {
     return Faults(sequence, {"--notrack"});
   }
 
-  // Changes the files of one of the copy's folders, in their order.
+  // Changes the images of a folder in the order of their names.
   static void Change(const std::string& folder, const std::function<void(int, cv::Mat*)>& change) {
     std::vector<std::string> paths;
     for (const auto& file : std::filesystem::directory_iterator(folder))
@@ -62,7 +62,7 @@ class DoctorTool : public SlamTool {
       cv::imwrite(paths[i], image);
     }
   }
-  // Rows of one of the copy's lists, and these again.
+  // Changes the rows of a list of images.
   static void ChangeRows(const std::string& path,
                          const std::function<void(std::vector<std::string>*)>& change) {
     std::vector<std::string> rows = Lines(path);
@@ -75,21 +75,21 @@ class DoctorTool : public SlamTool {
   ProgramResult result_;
 };
 
-TEST_F(DoctorTool, FindsNothingWrongWithASoundRecording) {
+TEST_F(DoctorTool, FindsNoFaultInAGoodRecording) {
   EXPECT_THAT(Faults(Room(), {}), IsEmpty());
-  EXPECT_THAT(result_.out, HasSubstr(Concat("nothing is wrong with ", kFrames, " frames")));
+  EXPECT_THAT(result_.out, Names(kFrames));
 }
 
-TEST_F(DoctorTool, TellsAWrongScale) {
+TEST_F(DoctorTool, DetectsAWrongDepthScale) {
   EXPECT_THAT(Faults(Room(), {"--notrack", "--depth_scale=1000"}), Contains("median_depth"));
-  EXPECT_THAT(result_.out, HasSubstr("the scale is more likely 5000"));
-  // By this one depth is a plausible metre, but goes in steps of another sensor.
+  EXPECT_THAT(result_.out, Names(5000));
+  // With this scale the depth is plausible (1 m), but its quantisation does not match the sensor.
   EXPECT_THAT(Faults(Room(), {"--notrack", "--depth_scale=10000"}),
               ElementsAre("inverse_depth_step"));
-  EXPECT_THAT(result_.out, HasSubstr("give --depth_scale=5000"));
+  EXPECT_THAT(result_.out, Names("--depth_scale=5000"));
 }
 
-TEST_F(DoctorTool, TellsDepthThatIsNearFarOrMissing) {
+TEST_F(DoctorTool, DetectsDepthThatIsCloseFarOrMissing) {
   EXPECT_THAT(Faults(Room(), {"--notrack", "--depth_scale=22000"}), Contains("too_close"));
   EXPECT_THAT(Faults(Room(), {"--notrack", "--depth_scale=2300"}), Contains("too_far"));
   const std::string copy = CopyOfRoom();
@@ -97,8 +97,8 @@ TEST_F(DoctorTool, TellsDepthThatIsNearFarOrMissing) {
   EXPECT_THAT(FaultsOfImages(copy), ElementsAre("valid_depth"));
 }
 
-TEST_F(DoctorTool, TellsColorThatLiesElsewhere) {
-  // At the whole resolution, where there are edges enough.
+TEST_F(DoctorTool, DetectsShiftedColor) {
+  // The full resolution has enough edges.
   const std::string room = SlamTool::Simulate("large", {"--frames=6", "--downsample=1"});
   EXPECT_THAT(FaultsOfImages(room), IsEmpty());
   Change(room + "/rgb", [](int, cv::Mat* color) {
@@ -106,13 +106,13 @@ TEST_F(DoctorTool, TellsColorThatLiesElsewhere) {
     moved.colRange(0, 616).copyTo(color->colRange(24, 640));
   });
   EXPECT_THAT(FaultsOfImages(room), ElementsAre("color_offset"));
-  EXPECT_THAT(result_.out, ContainsRegex("9[0-9] % as large|100 % as large"));
-  EXPECT_THAT(result_.out, ContainsRegex("large, (20|24|28) px to the right"));
+  EXPECT_THAT(result_.out, ContainsRegex("(9[0-9]|100) %"));
+  EXPECT_THAT(result_.out, ContainsRegex(" (20|24|28) px"));
   std::filesystem::remove(room + "/camera.yaml");
   EXPECT_THAT(FaultsOfImages(room), Contains("camera_guessed"));
 }
 
-TEST_F(DoctorTool, TellsColorOfAnotherMoment) {
+TEST_F(DoctorTool, DetectsDelayedColor) {
   const std::string early = SlamTool::Simulate("early", {"--frames=150", "--color_latency_s=0.03"});
   EXPECT_THAT(Faults(early, {}), ElementsAre("depth_width", "color_latency"));
   const std::string copy = CopyOfRoom();
@@ -126,13 +126,13 @@ TEST_F(DoctorTool, TellsColorOfAnotherMoment) {
   EXPECT_THAT(FaultsOfImages(copy), ElementsAre("color_stamp_after_depth"));
 }
 
-TEST_F(DoctorTool, TellsStampsThatAreLateByTheTruth) {
+TEST_F(DoctorTool, DetectsLateStampsByTheGroundTruth) {
   const std::string late = Simulate("late", {"--latency_s=0.05", "--max_step_m=0.03"});
   EXPECT_THAT(Faults(late, {}), ElementsAre("stamps_late"));
-  EXPECT_THAT(result_.out, ContainsRegex("give depth's delay: --latency_s=0\\.0(49|5)"));
+  EXPECT_THAT(result_.out, ContainsRegex("--latency_s=0\\.0(49|5)"));
 }
 
-TEST_F(DoctorTool, TellsLightThatIsTooLittleTooMuchOrChanges) {
+TEST_F(DoctorTool, DetectsUnderOverAndChangingExposure) {
   const std::string copy = CopyOfRoom();
   Change(copy + "/rgb", [](int i, cv::Mat* color) { *color *= i % 5 == 0 ? 0.8 : 1.; });
   EXPECT_THAT(FaultsOfImages(copy), ElementsAre("exposure_changes"));
@@ -142,20 +142,20 @@ TEST_F(DoctorTool, TellsLightThatIsTooLittleTooMuchOrChanges) {
   EXPECT_THAT(FaultsOfImages(copy), ElementsAre("brightness"));
 }
 
-TEST_F(DoctorTool, TellsBlur) {
+TEST_F(DoctorTool, DetectsBlur) {
   const std::string copy = CopyOfRoom();
   Change(copy + "/rgb", [](int i, cv::Mat* color) {
-    if (i % 3 == 0) cv::blur(*color, *color, {9, 1});  // as if the camera turned about
+    if (i % 3 == 0) cv::blur(*color, *color, {9, 1});  // motion blur
   });
   EXPECT_THAT(FaultsOfImages(copy), ElementsAre("blurred"));
 }
 
-TEST_F(DoctorTool, TellsFramesThatAreMissingRepeatedOrOutOfOrder) {
+TEST_F(DoctorTool, DetectsMissingDuplicateAndUnorderedFrames) {
   const std::string list = "/associations.txt";
   std::string copy = CopyOfRoom();
   ChangeRows(copy + list, [](auto* rows) { rows->erase(rows->begin() + 9, rows->begin() + 15); });
   EXPECT_THAT(FaultsOfImages(copy), ElementsAre("missing_frames"));
-  EXPECT_THAT(result_.out, HasSubstr("6 frames are missing"));
+  EXPECT_THAT(result_.out, Names(6));
 
   std::filesystem::remove_all(copy);
   copy = CopyOfRoom();
@@ -185,7 +185,7 @@ TEST_F(DoctorTool, TellsFramesThatAreMissingRepeatedOrOutOfOrder) {
   EXPECT_THAT(FaultsOfImages(copy), Contains("stamps_not_ascending"));
 }
 
-TEST_F(DoctorTool, TellsImagesWithoutPartner) {
+TEST_F(DoctorTool, DetectsUnpairedImages) {
   const std::string copy = CopyOfRoom();
   std::filesystem::remove(copy + "/associations.txt");
   EXPECT_THAT(FaultsOfImages(copy), IsEmpty());
@@ -193,8 +193,8 @@ TEST_F(DoctorTool, TellsImagesWithoutPartner) {
   EXPECT_THAT(FaultsOfImages(copy), ElementsAre("unpaired_images"));
 }
 
-// What the whole recording leaves out is not held against the part that is looked at.
-TEST_F(DoctorTool, TellsUnpairedImagesOfTheWholeRecording) {
+// Images without a partner outside the checked part are not reported as missing frames.
+TEST_F(DoctorTool, DetectsUnpairedImagesOfTheWholeRecording) {
   const std::string copy = CopyOfRoom();
   std::filesystem::remove(copy + "/associations.txt");
   ChangeRows(copy + "/rgb.txt", [](auto* rows) { rows->resize(rows->size() - 3); });
@@ -202,25 +202,25 @@ TEST_F(DoctorTool, TellsUnpairedImagesOfTheWholeRecording) {
   EXPECT_THAT(Faults(copy, {"--notrack", "--last=5"}), IsEmpty());
 }
 
-TEST_F(DoctorTool, TellsWhatCannotBeReadAndImagesThatAreSmall) {
+TEST_F(DoctorTool, DetectsUnreadableAndSmallImages) {
   const std::string copy = CopyOfRoom();
   std::ofstream(copy + "/depth/" +
                 std::filesystem::directory_iterator(copy + "/depth")->path().filename().string())
       << "no image";
   EXPECT_THAT(FaultsOfImages(copy), ElementsAre("unreadable_frames"));
-  EXPECT_THAT(result_.out, HasSubstr(copy + "/depth/"));
+  EXPECT_THAT(result_.out, Names(copy + "/depth/"));
   const std::string small = SlamTool::Simulate("small", {});
   EXPECT_THAT(FaultsOfImages(small), ElementsAre("depth_width"));
 }
 
-TEST_F(DoctorTool, TellsACameraThatIsHardlyTheSensor) {
-  // The sensor's focal lengths are 131.25 px.
+TEST_F(DoctorTool, DetectsAWrongCamera) {
+  // The focal length of the sensor is 131.25 px.
   const std::string walk = SlamTool::Simulate("walk", {"--frames=150"});
   EXPECT_THAT(Faults(walk, {}), ElementsAre("depth_width"));
   EXPECT_THAT(Faults(walk, {"--intrinsics=78,78,79.9,59.9"}), Contains("focal_error"));
 }
 
-TEST_F(DoctorTool, TellsThatTrackingLosesFrames) {
+TEST_F(DoctorTool, DetectsLostFrames) {
   const std::string copy = CopyOfRoom();
   Change(copy + "/depth", [](int i, cv::Mat* depth) {
     if (i % 4 == 3) *depth = 0;
@@ -228,10 +228,9 @@ TEST_F(DoctorTool, TellsThatTrackingLosesFrames) {
   EXPECT_THAT(Faults(copy, {}), Contains("lost_frames"));
 }
 
-TEST_F(DoctorTool, RefusesWhatIsNoRecording) {
+TEST_F(DoctorTool, RejectsOtherFoldersAndCameras) {
   ExpectRefused(RunProgram("surfit_doctor", {"--sequence=" + own_.path()}), own_.path());
-  ExpectRefused(RunProgram("surfit_doctor", {"--sequence=any", "--format=openni2"}),
-                "only a live run");
+  ExpectRefused(RunProgram("surfit_doctor", {"--sequence=any", "--format=openni2"}), "openni2");
 }
 
 }  // namespace

@@ -12,9 +12,9 @@
 namespace surfit::testing {
 namespace {
 
-// The square of tests/evaluation/trajectory_evaluation_test.cc, where the figures are derived: one
-// corner is lifted by h = 0.001 m, so that the ATE is h / 4 for every pose, and the step errors are
-// 0, h, h.
+// The square of tests/evaluation/trajectory_evaluation_test.cc, which derives the figures. One
+// corner is lifted by h = 0.001 m: the ATE is h / 4 for every pose, and the step errors are 0, h,
+// h.
 constexpr char kSquare[] =
     "# timestamp tx ty tz qx qy qz qw\n"
     "1305031453.000000 -1 -1 0 0 0 0 1\n"
@@ -48,11 +48,11 @@ class EvaluateTest : public ::testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(EvaluateTest, PrintsTheFiguresOfTheLiftedSquare) {
+TEST_F(EvaluateTest, PrintsTheErrorsOfTheLiftedSquare) {
   Write(kSquare, kLifted);
   const ProgramResult result = Succeeded(Evaluate({}));
   const auto json = nlohmann::json::parse(result.out);
-  // Second order in h, as derived with the square.
+  // The figures are exact up to second order in h.
   EXPECT_NEAR(json.at("ate_rmse_m"), kLift_m / 4, kLift_m * kLift_m);
   EXPECT_NEAR(json.at("ate_max_m"), kLift_m / 4, kLift_m * kLift_m);
   EXPECT_EQ(json.at("ate_coverage"), 1);
@@ -60,10 +60,10 @@ TEST_F(EvaluateTest, PrintsTheFiguresOfTheLiftedSquare) {
   EXPECT_EQ(json.at("rpe_rotation_rmse_deg"), 0);
   EXPECT_EQ(json.at("rpe_pairs"), 3);
   EXPECT_EQ(json.at("poses_matched"), 4);
-  EXPECT_THAT(result.err, HasSubstr("over 4 of 4 true poses"));
+  EXPECT_THAT(result.err, Names(4));
 }
 
-TEST_F(EvaluateTest, TakesTheStepFromTheFlags) {
+TEST_F(EvaluateTest, UsesTheStepOfTheFlags) {
   Write(kSquare, kLifted);
   for (const char* unit : {"frames", "seconds"}) {
     const ProgramResult result = Succeeded(Evaluate({"--delta=2", Concat("--delta_unit=", unit)}));
@@ -73,7 +73,7 @@ TEST_F(EvaluateTest, TakesTheStepFromTheFlags) {
   }
 }
 
-// A camera that swings along x, 0.2 sin(4 t), with motion capture at 100 Hz, stamped 0.02 s late.
+// Camera with x = 0.2 sin(4 t), sampled at 1 / `period_s`. Timestamps are `late_s` late.
 std::string Swing(int count, double period_s, double begin_s, double late_s) {
   std::string lines;
   for (int i = 0; i < count; ++i) {
@@ -84,7 +84,7 @@ std::string Swing(int count, double period_s, double begin_s, double late_s) {
   return lines;
 }
 
-TEST_F(EvaluateTest, TellsATimeOffsetBesideThePlainError) {
+TEST_F(EvaluateTest, ReportsTheTimeOffsetAndTheUncorrectedError) {
   Write(Swing(200, 0.01, 0, 0), Swing(45, 1 / 30., 0.2, 0.02));
   const auto plain = nlohmann::json::parse(Evaluate({}).out);
   EXPECT_TRUE(plain.at("time_offset_s").is_null());
@@ -94,10 +94,10 @@ TEST_F(EvaluateTest, TellsATimeOffsetBesideThePlainError) {
     const auto json = nlohmann::json::parse(result.out);
     EXPECT_EQ(json.at("ate_rmse_m"), plain.at("ate_rmse_m"));
     EXPECT_NEAR(json.at("time_offset_s"), -0.02, 2e-4);
-    // Linear between true poses: 0.2 * 4^2 m/s^2 * (0.01 s)^2 / 8 = 0.04 mm.
+    // Error of linear interpolation: 0.2 * 4^2 m/s^2 * (0.01 s)^2 / 8 = 0.04 mm.
     EXPECT_LT(json.at("ate_at_time_offset_rmse_m"), 1e-4);
     EXPECT_GT(json.at("ate_rmse_m"), 1e-3);
-    EXPECT_THAT(result.err, HasSubstr("with the estimate's stamps moved by -0.0"));
+    EXPECT_THAT(result.err, ContainsRegex(" -0[.]0[0-9]"));
   }
 }
 
@@ -105,10 +105,10 @@ TEST_F(EvaluateTest, ReportsNoStepAsNull) {
   Write(kSquare, kLifted);
   const ProgramResult result = Succeeded(Evaluate({"--delta=10"}));
   EXPECT_TRUE(nlohmann::json::parse(result.out).at("rpe_translation_rmse_m").is_null());
-  EXPECT_THAT(result.err, HasSubstr("no two poses are apart by 10 frames"));
+  EXPECT_THAT(result.err, Names(10));
 }
 
-TEST_F(EvaluateTest, CoverageIsOfTheListedFrames) {
+TEST_F(EvaluateTest, CoverageCountsTheListedFrames) {
   Write(kSquare, FirstLines(kLifted, 3));
   EXPECT_EQ(nlohmann::json::parse(Evaluate({}).out).at("ate_coverage"), 0.75);
   const std::string frames = folder_.Write(
@@ -117,75 +117,72 @@ TEST_F(EvaluateTest, CoverageIsOfTheListedFrames) {
   EXPECT_EQ(nlohmann::json::parse(result.out).at("ate_coverage"), 1);
 }
 
-TEST_F(EvaluateTest, RefusesFewerThanThreeMatches) {
+TEST_F(EvaluateTest, RejectsFewerThanThreeMatches) {
   Write(kSquare, kLifted);
-  ExpectRefused(Evaluate({"--max_difference_s=0.003"}),
-                "0 poses match within 0.003 s, must be at least 3");
+  ExpectRefused(Evaluate({"--max_difference_s=0.003"}), 0, 0.003, 3);
   Write(kSquare, FirstLines(kLifted, 2));
-  ExpectRefused(Evaluate({}), "estimate.txt has 2 poses from 1305031453.004 to 1305031454.004 s");
+  ExpectRefused(Evaluate({}), "estimate.txt", 2, "1305031453.004", "1305031454.004");
   Write("# nothing\n", kLifted);
-  ExpectRefused(Evaluate({}), "truth.txt has no poses");
+  ExpectRefused(Evaluate({}), "truth.txt");
 }
 
-TEST_F(EvaluateTest, NamesFileAndLineOfWhatItCannotRead) {
+TEST_F(EvaluateTest, RejectsMalformedFilesByLine) {
   Write(kSquare, "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0\n");
-  ExpectRefused(Evaluate({}), "estimate.txt:2: 7 columns, must be 8");
+  ExpectRefused(Evaluate({}), "estimate.txt:2", 7, 8);
   Write(std::string("\x89PNG\n"), kLifted);
-  ExpectRefused(Evaluate({}), "truth.txt:1: ");
+  ExpectRefused(Evaluate({}), "truth.txt:1");
 }
 
-TEST_F(EvaluateTest, RefusesBadFlags) {
+TEST_F(EvaluateTest, RejectsBadFlags) {
   Write(kSquare, kLifted);
-  ExpectRefused(Evaluate({"--delta=0"}), "delta is 0, must be positive");
-  ExpectRefused(Evaluate({"--delta=1.5"}), "delta is 1.5 frames, must be an integer");
-  ExpectRefused(Evaluate({"--delta_unit=m"}), "--delta_unit is 'm', must be 'frames' or 'seconds'");
-  ExpectRefused(Evaluate({"--max_difference_s=-1"}), "max_difference_s is -1, must be from 0 to 1");
+  ExpectRefused(Evaluate({"--delta=0"}), "delta", 0);
+  ExpectRefused(Evaluate({"--delta=1.5"}), "delta", 1.5, "frames");
+  ExpectRefused(Evaluate({"--delta_unit=m"}), "--delta_unit", "m", "frames", "seconds");
+  ExpectRefused(Evaluate({"--max_difference_s=-1"}), "max_difference_s", -1);
   ExpectRefused(Evaluate({"--max_difference_s=abc"}), "abc");
-  ExpectRefused(Evaluate({"--max_gap_s=2"}), "max_gap_s is 2, must be from 0 to 1");
-  ExpectRefused(Evaluate({"--time_offset_s=late"}),
-                "time_offset_s is 'late', must be a number of seconds or 'estimate'");
-  ExpectRefused(Evaluate({"--time_offset_s=100"}), "fewer than 3 poses match with it");
-  ExpectRefused(Evaluate({"--time_offset_s=estimate"}), "each offset of up to 0.1 s");
+  ExpectRefused(Evaluate({"--max_gap_s=2"}), "max_gap_s", 2);
+  ExpectRefused(Evaluate({"--time_offset_s=late"}), "time_offset_s", "late", "estimate");
+  ExpectRefused(Evaluate({"--time_offset_s=100"}), "time_offset_s", 100, 3);
+  ExpectRefused(Evaluate({"--time_offset_s=estimate"}), "time_offset_s", "estimate", 0.1);
   ExpectRefused(Evaluate({"--no_such_flag=1"}), "no_such_flag");
-  ExpectRefused(Evaluate({"word"}), "unexpected argument 'word'");
-  ExpectRefused(RunProgram("surfit_evaluate", {}), "--groundtruth is missing, must be set");
-  ExpectRefused(RunProgram("surfit_evaluate", {"--groundtruth=x"}), "--estimate is missing");
+  ExpectRefused(Evaluate({"word"}), "word");
+  ExpectRefused(RunProgram("surfit_evaluate", {}), "--groundtruth");
+  ExpectRefused(RunProgram("surfit_evaluate", {"--groundtruth=x"}), "--estimate");
   ExpectRefused(RunProgram("surfit_evaluate", {"--groundtruth=/no/such", "--estimate=x"}),
-                "cannot read '/no/such'");
+                "/no/such");
 }
 
-TEST_F(EvaluateTest, TakesNamesThatAreNoUtf8) {
+TEST_F(EvaluateTest, AcceptsNamesThatAreNotUtf8) {
   Write(kSquare, kLifted);
   const ProgramResult result =
       Succeeded(Evaluate({"--frame_list=" + folder_.Write("\xff.txt", "1305031453 a.png\n")}));
   EXPECT_NO_THROW(nlohmann::json::parse(result.out));
 }
 
-TEST_F(EvaluateTest, TakesAFlagfile) {
+TEST_F(EvaluateTest, ReadsAFlagfile) {
   Write(kSquare, kLifted);
   const std::string flags = folder_.Write("flags", "--delta=2\n--max_difference_s=0.02\n");
   const ProgramResult result = Succeeded(Evaluate({"--flagfile=" + flags}));
   EXPECT_EQ(nlohmann::json::parse(result.out).at("options").at("max_difference_s"), 0.02);
 }
 
-TEST_F(EvaluateTest, RefusesAFlagfileThatItDoesNotUnderstand) {
-  const auto expect_refused = [&](const std::string& text, const std::string& message) {
-    ExpectRefused(Evaluate({"--flagfile", folder_.Write("flags", text)}), message);
+TEST_F(EvaluateTest, RejectsBadFlagfiles) {
+  const auto expect_refused = [&](const std::string& text, const auto&... names) {
+    ExpectRefused(Evaluate({"--flagfile", folder_.Write("flags", text)}), names...);
   };
-  expect_refused("# a misspelt flag\n--deltas=2\n", "unknown command line flag 'deltas'");
-  expect_refused("\n  --delta=much\r\n", "illegal value 'much'");
-  expect_refused("delta=2\n", "unexpected argument 'delta=2'");
-  expect_refused("--flagfile=other\n", "must not name another one");
-  ExpectRefused(Evaluate({"--flagfile=" + folder_.path()}), "cannot be read");
+  expect_refused("# a misspelt flag\n--deltas=2\n", "deltas");
+  expect_refused("\n  --delta=much\r\n", "much", "delta");
+  expect_refused("delta=2\n", "delta=2");
+  expect_refused("--flagfile=other\n", "--flagfile=other");
+  ExpectRefused(Evaluate({"--flagfile=" + folder_.path()}), folder_.path());
 }
 
 TEST(EvaluateHelp, ShowsEveryDefault) {
   const ProgramResult result = Succeeded(RunProgram("surfit_evaluate", {"--help"}));
-  EXPECT_THAT(result.out, AllOf(HasSubstr("--max_difference_s=0.01"), HasSubstr("--delta=1"),
-                                HasSubstr("--delta_unit=frames")));
+  EXPECT_THAT(result.out, Names("--max_difference_s=0.01", "--delta=1", "--delta_unit=frames"));
 }
 
-// Motion capture at 100 Hz against itself: no error, and each of the nine frames is covered.
+// Motion capture at 100 Hz, compared with itself: the error is 0, and all nine frames are covered.
 TEST(EvaluateSharedData, ReadsMotionCaptureAndCountsFrames) {
   SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk_9");
   const std::string folder = SharedData("tum_fr1_desk_9");
@@ -202,8 +199,8 @@ TEST(EvaluateSharedData, ReadsMotionCaptureAndCountsFrames) {
 class EvaluateMapTest : public ::testing::Test {
  protected:
   EvaluateMapTest() {
-    // A row of reference points 0.25 m apart with normals along z; surfels over the first three of
-    // them, 1/128 m, 1/128 m and 0.5 m above.
+    // Reference points in a row, 0.25 m apart, with normals along z. Surfels are 1/128 m, 1/128 m
+    // and 0.5 m above the first three points.
     PointCloud reference;
     for (int i = 0; i < 4; ++i) {
       reference.points.push_back({0.25f * i, 0, 0});
@@ -234,12 +231,13 @@ TEST_F(EvaluateMapTest, PrintsAccuracyAndCompletenessAsJson) {
   EXPECT_EQ(json.at("accuracy_median_m"), 0.0078125);
   EXPECT_NEAR(json.at("accuracy_p90_m"), 0.0078125 + 0.8 * (0.5 - 0.0078125), 1e-12);
   EXPECT_EQ(json.at("plane_accuracy_max_m"), 0.5);
-  EXPECT_EQ(json.at("completeness"), 0.5);  // two of four within the default of 1 cm
+  EXPECT_EQ(json.at("completeness"),
+            0.5);  // two of four points within the default distance of 1 cm
   EXPECT_EQ(json.at("map_points"), 3);
   EXPECT_EQ(json.at("reference_points"), 4);
 }
 
-TEST_F(EvaluateMapTest, TakesAFolderOfTilesAsOneMap) {
+TEST_F(EvaluateMapTest, ReadsAFolderOfTilesAsOneMap) {
   const TempFolder tiles;
   for (int i = 0; i < 3; ++i) {
     SurfelMap map;
@@ -255,18 +253,18 @@ TEST_F(EvaluateMapTest, TakesAFolderOfTilesAsOneMap) {
   json.erase("options"), expected.erase("options");
   EXPECT_EQ(json, expected);
   const TempFolder empty;
-  ExpectRefused(Evaluate({"--map=" + empty.path()}), "has no .ply or .pcd file");
+  ExpectRefused(Evaluate({"--map=" + empty.path()}), empty.path(), ".ply", ".pcd");
 }
 
-// At 0.5 m, inclusive, the third point counts too; the fourth is sqrt(0.25^2 + 0.5^2) m away.
-TEST_F(EvaluateMapTest, TakesTheDistanceOfCompletenessFromTheFlag) {
+// The third point is within 0.5 m (inclusive). The fourth is sqrt(0.25^2 + 0.5^2) m away.
+TEST_F(EvaluateMapTest, UsesTheCompletenessDistanceOfTheFlag) {
   const ProgramResult result = Succeeded(Evaluate({"--completeness_distance_m=0.5"}));
   EXPECT_EQ(nlohmann::json::parse(result.out).at("completeness"), 0.75);
 }
 
-// A map whose run began a quarter of a turn and a metre away from the reference's frame. A map that
-// is compared as it lies is 1 m and more off.
-TEST_F(EvaluateMapTest, TakesTheMapToTheReferenceAsTheTrajectoryIs) {
+// The frame of the map is rotated by 90 degrees and shifted by 1 m. Without alignment the error
+// exceeds 1 m.
+TEST_F(EvaluateMapTest, AlignsTheMapByTheTrajectory) {
   const std::string truth =
       folder_.Write("truth.txt", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 1 1 0 0 0 0 1\n");
   const std::string estimate =
@@ -287,22 +285,22 @@ TEST_F(EvaluateMapTest, TakesTheMapToTheReferenceAsTheTrajectoryIs) {
   EXPECT_NEAR(json.at("reference_from_map").at("translation_m").at(2), -1, 1e-12);
 }
 
-TEST_F(EvaluateMapTest, RefusesTrajectoriesThatPlaceNoMap) {
+TEST_F(EvaluateMapTest, RejectsCollinearTrajectories) {
   const std::string straight =
       folder_.Write("straight.txt", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n");
-  ExpectRefused(Evaluate({"--estimate=" + straight, "--groundtruth=" + straight}),
-                "straight.txt place no map, must be at least 3 that are not in a line");
-  ExpectRefused(Evaluate({"--estimate=" + straight}), "--groundtruth is missing, must be set");
+  ExpectRefused(Evaluate({"--estimate=" + straight, "--groundtruth=" + straight}), "straight.txt",
+                3);
+  ExpectRefused(Evaluate({"--estimate=" + straight}), "--groundtruth");
 }
 
-TEST_F(EvaluateMapTest, RefusesBadInput) {
-  ExpectRefused(Evaluate({"--completeness_distance_m=0"}), "completeness_distance_m is 0, must be");
-  ExpectRefused(Evaluate({"--map=" + folder_.Write("bad.ply", "solid cube")}),
-                "bad.ply: neither PLY nor PCD");
-  ExpectRefused(Evaluate({"--map=" + (folder_ / "none.ply")}), "none.ply': No such file");
-  ExpectRefused(RunProgram("surfit_evaluate", {"--what=map"}), "--map is missing, must be set");
+TEST_F(EvaluateMapTest, RejectsBadInput) {
+  ExpectRefused(Evaluate({"--completeness_distance_m=0"}), "completeness_distance_m", 0);
+  ExpectRefused(Evaluate({"--map=" + folder_.Write("bad.ply", "solid cube")}), "bad.ply", "PLY",
+                "PCD");
+  ExpectRefused(Evaluate({"--map=" + (folder_ / "none.ply")}), "none.ply");
+  ExpectRefused(RunProgram("surfit_evaluate", {"--what=map"}), "--map");
   WriteSurfelPly(SurfelMap(), folder_ / "empty.ply");
-  ExpectRefused(Evaluate({"--map=" + (folder_ / "empty.ply")}), "the map has no finite point");
+  ExpectRefused(Evaluate({"--map=" + (folder_ / "empty.ply")}), "map");
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
-// A library that is loaded before all others (LD_PRELOAD) and lets one call of the system fail:
-//   SURFIT_FAULT=write:7  SURFIT_FAULT_FOLDER=F  SURFIT_FAULT_MARK=M
-// is the seventh write to a file in the folder F, and likewise of open, read, rename, fsync, and of
-// memory (malloc: blocks of 64 kB and more, from the first file in the folder on). `short` stands
-// for a write of which half is done, which is no failure. The file M is made when it comes to that.
-// With slow:20 each write to such a file, and bringing it to the disk, takes 20 ms.
+// Preloaded library (LD_PRELOAD) that makes one system call fail. Environment variables:
+//   SURFIT_FAULT         CALL:N, the N-th call fails. CALL is open, read, write, rename, fsync,
+//   malloc
+//                        or short. malloc counts blocks of 64 KiB and more, after the first file in
+//                        the folder is opened. `short` writes half of the data and returns its
+//                        size. slow:20 delays each write and fsync by 20 ms.
+//   SURFIT_FAULT_FOLDER  only files in this folder are affected
+//   SURFIT_FAULT_MARK    file that is created when the fault occurs
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/syscall.h>
@@ -17,7 +19,7 @@
 #include <cstdlib>
 #include <cstring>
 
-extern "C" void* __libc_malloc(std::size_t size);  // NOLINT: glibc's own name
+extern "C" void* __libc_malloc(std::size_t size);  // NOLINT: name of glibc
 
 namespace {
 
@@ -30,11 +32,11 @@ struct Fault {
   const char* mark = "";
 };
 
-Fault fault;  // NOLINT: the library's state
+Fault fault;  // NOLINT: state of the library
 std::atomic<long> count{0};
 std::atomic<bool> has_begun{false};  // a file in the folder has been opened
 
-// Memory is asked for before this, and then does not fail.
+// Allocations before this constructor do not fail.
 __attribute__((constructor)) void ReadFault() {
   const char* const text = getenv("SURFIT_FAULT");
   const char* const folder = getenv("SURFIT_FAULT_FOLDER");
@@ -69,7 +71,7 @@ bool Fails(const char* kind, bool is_in_folder, int error) {
   return true;
 }
 
-// As on a slow disk.
+// Simulates a slow disk.
 void WaitForDisk(bool is_in_folder) {
   constexpr useconds_t kMillisecond_us = 1000;
   if (!is_in_folder || std::strcmp("slow", fault.kind.data()) != 0) return;

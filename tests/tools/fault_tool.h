@@ -9,14 +9,15 @@
 
 namespace surfit::testing {
 
-// Runs programs with one call of the system failing: see fault_library.cc.
+// Runs programs with one failing system call: see fault_library.cc.
 class FaultTest : public SlamTool {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(kLibrary)) GTEST_SKIP() << "no library of faults in this build";
+    if (!std::filesystem::exists(kLibrary)) GTEST_SKIP() << "this build has no fault library";
   }
 
-  // Runs a program with the n-th call of a kind failing; nothing if it makes fewer.
+  // Runs a program whose n-th call of this kind fails. Returns std::nullopt if it makes fewer
+  // calls.
   std::optional<ProgramResult> RunWithFault(const std::string& kind, int n,
                                             const std::string& folder,
                                             const std::string& command) const {
@@ -30,7 +31,7 @@ class FaultTest : public SlamTool {
     if (!std::filesystem::exists(mark)) return std::nullopt;
     EXPECT_LT(result.exit_code, 128) << kind << " " << n << ": " << result.err;
     if (result.exit_code == 1) {
-      EXPECT_THAT(result.err, HasSubstr("error: ")) << kind << " " << n;
+      EXPECT_THAT(result.err, HasError()) << kind << " " << n;
     }
     return result;
   }

@@ -1,5 +1,4 @@
-// Every call of the system that short runs of surfit_optimize and surfit_convert make is let fail
-// once.
+// Makes each system call of short runs of surfit_optimize and surfit_convert fail once.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -16,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A program that reads a file and writes one or more others.
+// Tests of programs that read a file and write one or more files.
 class FileFaultTest : public FaultTest {
  protected:
   FileFaultTest() {
@@ -27,8 +26,8 @@ class FileFaultTest : public FaultTest {
     return WholePath(own_.path() + "/to") + (name.empty() ? "" : "/" + name);
   }
 
-  // The older files stay unless the new ones are there as a whole: all of them after an exit code
-  // of 0. Each kind of call is one that writing makes.
+  // Expects that each output file is either the old file or the complete new file. After exit code
+  // 0, all files must be new. Fails each kind of system call for writing.
   void ExpectOlderOrWholeWhicheverWriteFails(const std::string& command,
                                              const std::vector<std::string>& names) const {
     const std::vector<std::string> whole = Results(command, names);
@@ -36,7 +35,7 @@ class FileFaultTest : public FaultTest {
       ExpectOlderOrWholeWhicheverFails(kind, Out(), command, names, whole);
     }
   }
-  // The same for the calls that reading makes.
+  // Same expectation for failing system calls for reading.
   void ExpectOlderOrWholeWhicheverReadFails(const std::string& command,
                                             const std::vector<std::string>& names) const {
     const std::vector<std::string> whole = Results(command, names);
@@ -46,7 +45,7 @@ class FileFaultTest : public FaultTest {
   }
 
  private:
-  // What the files hold after a run without faults.
+  // Contents of the output files after a run without faults.
   std::vector<std::string> Results(const std::string& command,
                                    const std::vector<std::string>& names) const {
     Succeeded(RunShell("$tools/" + command));
@@ -76,14 +75,14 @@ class FileFaultTest : public FaultTest {
   }
 };
 
-TEST_F(FileFaultTest, OptimizeKeepsTheOlderFileWhicheverCallFails) {
+TEST_F(FileFaultTest, OptimizeKeepsTheOldFileIfACallFails) {
   WriteG2o(MakeGrid(6).graph, In() + "/a.g2o");
   const std::string command = "surfit_optimize --graph=" + In() + "/a.g2o --output=" + Out("b.g2o");
   ExpectOlderOrWholeWhicheverWriteFails(command, {"b.g2o"});
   ExpectOlderOrWholeWhicheverReadFails(command, {"b.g2o"});
 }
 
-TEST_F(FileFaultTest, ConvertKeepsTheOlderFileWhicheverCallFails) {
+TEST_F(FileFaultTest, ConvertKeepsTheOldFileIfACallFails) {
   PointCloud cloud;
   cloud.points.resize(20000, {1, 2, 3});
   WritePly(cloud, In() + "/a.ply");
@@ -94,7 +93,7 @@ TEST_F(FileFaultTest, ConvertKeepsTheOlderFileWhicheverCallFails) {
   ExpectOlderOrWholeWhicheverWriteFails(convert + Out("b.ply"), {"b.ply"});
 }
 
-TEST_F(FileFaultTest, ConvertKeepsTheOlderPosesWhicheverCallFails) {
+TEST_F(FileFaultTest, ConvertKeepsTheOldPosesIfACallFails) {
   WriteTumTrajectory(Trajectory(2000), In() + "/a.txt");
   const std::string command =
       "surfit_convert --trajectory=" + In() + "/a.txt --output=" + Out("b.txt");
@@ -102,14 +101,14 @@ TEST_F(FileFaultTest, ConvertKeepsTheOlderPosesWhicheverCallFails) {
   ExpectOlderOrWholeWhicheverReadFails(command, {"b.txt"});
 }
 
-TEST_F(FileFaultTest, ConvertKeepsTheOlderRecordingWhicheverCallFails) {
+TEST_F(FileFaultTest, ConvertKeepsTheOldRecordingIfACallFails) {
   ExpectOlderOrWholeWhicheverWriteFails(
       "surfit_convert --last=2 --sequence=" + WholePath(Room()) + " --output=" + Out("b.klg"),
       {"b.klg", "b.klg.yaml"});
 }
 
-// A frame that cannot be read is left out, and told.
-TEST_F(FileFaultTest, ConvertSkipsFramesAndRefusesListsThatCannotBeRead) {
+// An unreadable frame is skipped and reported.
+TEST_F(FileFaultTest, ConvertSkipsUnreadableFramesAndRejectsUnreadableLists) {
   int skipped = 0, refused = 0;
   for (int n = 1;; ++n) {
     WriteBytes(Out("b.klg"), "older");

@@ -12,7 +12,7 @@
 namespace surfit::testing {
 namespace {
 
-// A simulated path that stays in a corner of the room, and an estimate that drifts from its poses.
+// A simulated path in one corner of a room, with exact poses and a drifting estimate.
 class DriftTest : public ::testing::Test {
  protected:
   DriftTest(int frames, double drift_m, const std::vector<std::string>& flags) {
@@ -37,7 +37,7 @@ class LoopSearchTest : public DriftTest {
   LoopSearchTest() : DriftTest(60, 0.08, {"--downsample=2"}) {}
 };
 
-TEST_F(LoopSearchTest, FindsRightLoops) {
+TEST_F(LoopSearchTest, FindsCorrectLoops) {
   LoopSearchOptions options;
   options.sequence.path = sequence_;
   options.trajectory = estimate_;
@@ -48,7 +48,7 @@ TEST_F(LoopSearchTest, FindsRightLoops) {
   ASSERT_TRUE(result.evaluation.has_value());
   EXPECT_EQ(result.evaluation->wrong, 0);
   EXPECT_GE(result.keyframes.size(), 3);
-  // The estimate drifts by 2 cm over 15 frames. The loops have no such error.
+  // The estimate drifts by 2 cm over 15 frames. Loop closures do not contain this error.
   int accepted = 0;
   for (const FoundLoop& loop : result.loops) {
     if (!loop.attempt.verdict.accepted()) continue;
@@ -71,8 +71,8 @@ class EvaluateRevisitsTest : public DriftTest {
   static constexpr double kDrift_m = 0.04;
 };
 
-// Frames 20 to 40 apart have drifted by 20 to 40 mm.
-TEST_F(EvaluateRevisitsTest, TellsWhichPosesLaySurfacesOverEachOther) {
+// The drift over 20 to 40 frames is 20 to 40 mm.
+TEST_F(EvaluateRevisitsTest, ErrorIsLargerForDriftingPoses) {
   const ProgramResult result =
       Succeeded(Evaluate({"--revisit_gap=20", "--revisit_distance_m=1", "--revisit_angle_deg=40"}));
   const auto json = nlohmann::json::parse(result.out);
@@ -85,10 +85,9 @@ TEST_F(EvaluateRevisitsTest, TellsWhichPosesLaySurfacesOverEachOther) {
   EXPECT_GT(estimate.at("surface_median_m"), 2 * truth.at("surface_median_m").get<double>());
   EXPECT_GT(estimate.at("icp_translation_median_m"), 0.5 * kDrift_m - 0.005);
   EXPECT_LT(estimate.at("icp_translation_max_m"), kDrift_m + 0.005);
-  EXPECT_THAT(result.err, HasSubstr("dense ICP goes"));
 }
 
-TEST_F(EvaluateRevisitsTest, SeesByTheCameraThatTheRunFound) {
+TEST_F(EvaluateRevisitsTest, UsesTheCalibrationOfTheRun) {
   const nlohmann::json summary = {
       {"options", {{"sequence", sequence_}, {"stride", "1"}, {"downsample", "2"}}}};
   WriteBytes(run_ + "/summary.json", summary.dump());
@@ -99,15 +98,15 @@ TEST_F(EvaluateRevisitsTest, SeesByTheCameraThatTheRunFound) {
   };
   const ProgramResult own = evaluate("--stride=5");
   ASSERT_EQ(own.exit_code, 0) << own.err;
-  EXPECT_THAT(own.err, HasSubstr("seen by the sequence's own camera"));
+  EXPECT_THAT(own.err, Not(Names(run_ + "/camera.yaml")));
   RgbdCamera found = ReadCameraYaml(sequence_ + "/camera.yaml");
   found.depth.fx *= 1.1;
   found.depth.fy *= 1.1;
   WriteCameraYaml(found, run_ + "/camera.yaml");
   const ProgramResult result = evaluate("--stride=5");
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("seen by the camera " + run_ + "/camera.yaml"));
-  // A tenth off, it lays exact surfaces apart.
+  EXPECT_THAT(result.err, Names(run_ + "/camera.yaml"));
+  // A focal length error of 10 % separates surfaces of exact poses.
   const auto median = [](const ProgramResult& of) {
     return nlohmann::json::parse(of.out).at("groundtruth").at("surface_median_m").get<double>();
   };
@@ -115,14 +114,14 @@ TEST_F(EvaluateRevisitsTest, SeesByTheCameraThatTheRunFound) {
   EXPECT_EQ(evaluate("--camera=").out, own.out);
 }
 
-TEST_F(EvaluateRevisitsTest, FailsWhereNothingIsSeenAgain) {
+TEST_F(EvaluateRevisitsTest, FailsWithoutRevisits) {
   const ProgramResult result = Evaluate({"--revisit_gap=1000"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("0 pairs"));
+  EXPECT_THAT(result.err, Names(0));
 }
 
-TEST_F(EvaluateRevisitsTest, RefusesImpossibleOptions) {
-  ExpectRefused(Evaluate({"--revisit_gap=0"}), "revisit_gap is 0, must be at least 1");
+TEST_F(EvaluateRevisitsTest, RejectsBadOptions) {
+  ExpectRefused(Evaluate({"--revisit_gap=0"}), "revisit_gap", 0);
 }
 
 }  // namespace

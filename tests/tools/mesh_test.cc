@@ -17,7 +17,7 @@
 namespace surfit::testing {
 namespace {
 
-// The triangles at the end of a binary PLY file: a byte 3 and three 32-bit indices each.
+// Triangles at the end of a binary PLY file: a byte 3 and three 32-bit indices per triangle.
 std::vector<std::array<std::uint32_t, 3>> TrianglesOf(const std::string& path) {
   const std::string file = ReadBytes(path);
   const std::string key = "element face ";
@@ -28,7 +28,7 @@ std::vector<std::array<std::uint32_t, 3>> TrianglesOf(const std::string& path) {
   return triangles;
 }
 
-// Corners and centres of the triangles.
+// Vertices and centres of the triangles.
 std::vector<Eigen::Vector3f> SamplesOf(const std::string& path) {
   const std::vector<Eigen::Vector3f> vertices = ReadPly(path).points;
   std::vector<Eigen::Vector3f> samples = vertices;
@@ -37,7 +37,7 @@ std::vector<Eigen::Vector3f> SamplesOf(const std::string& path) {
   return samples;
 }
 
-// Of the mesh's area, the share of triangles whose centre is farther than this from all points.
+// Ratio of the mesh area whose triangle centres are farther than `distance_m` from all points.
 double ShareFartherThan(double distance_m, const std::string& path,
                         const std::vector<Eigen::Vector3f>& points) {
   const std::vector<Eigen::Vector3f> vertices = ReadPly(path).points;
@@ -53,11 +53,11 @@ double ShareFartherThan(double distance_m, const std::string& path,
   return far_area / area;
 }
 
-// Half a sphere of radius 0.5 m about the origin, z > 0, seen from outside.
+// Half sphere of radius 0.5 m about the origin, z > 0, with outward normals.
 PointCloud HalfSphere() {
   PointCloud cloud;
   const int count = 20000;
-  for (int i = 0; i < count; ++i) {  // a spiral of even steps in z
+  for (int i = 0; i < count; ++i) {  // a spiral with constant steps in z
     const float z = (static_cast<float>(i) + 0.5f) / count, r = std::sqrt(1 - z * z);
     const float angle = 2.3999632f * static_cast<float>(i);
     cloud.normals.push_back({r * std::cos(angle), r * std::sin(angle), z});
@@ -80,7 +80,7 @@ TEST(MeshTool, MeshesTheSimulatedRoom) {
     run("surfit_mesh", flags);
   };
   mesh("out/map.ply", "mesh.ply", {});
-  PointCloud surface = ReadPly(folder / "room/surface.ply");  // that the sensor saw
+  PointCloud surface = ReadPly(folder / "room/surface.ply");  // visible surface
   const MapError error =
       ComputeMapError(SamplesOf(folder / "mesh.ply"), surface.points, surface.normals, {0.02});
   std::printf("mesh to exact surface: mean %.4f m, max %.4f m; complete %.3f\n",
@@ -88,8 +88,8 @@ TEST(MeshTool, MeshesTheSimulatedRoom) {
   EXPECT_LE(error.accuracy_m.mean, 0.005);
   EXPECT_GT(error.completeness, 0.9);
 
-  // Nothing where nothing was seen: of exact points with discs of 10 mm, whatever is kept is within
-  // a cell of 20 mm along the normal and two radii sideways of one.
+  // The mesh has no triangles in unobserved space. Points are exact discs with a radius of 10 mm,
+  // so each triangle is within one cell (20 mm) along the normal, and two radii sideways.
   const double reach_m = std::hypot(0.02, 2 * 0.01);
   surface.radii_m.assign(surface.points.size(), 0.01f);
   WritePly(surface, folder / "exact.ply");
@@ -97,7 +97,7 @@ TEST(MeshTool, MeshesTheSimulatedRoom) {
   EXPECT_EQ(ShareFartherThan(reach_m, folder / "trimmed.ply", surface.points), 0);
 }
 
-TEST(MeshTool, EndsWhereThePointsDoAndSaysWhatItMade) {
+TEST(MeshTool, EndsAtTheBorderOfThePoints) {
   const TempFolder folder;
   WritePly(HalfSphere(), folder / "half.ply");
   for (const char* name : {"a.ply", "b.ply"}) {
@@ -105,10 +105,7 @@ TEST(MeshTool, EndsWhereThePointsDoAndSaysWhatItMade) {
         RunProgram("surfit_mesh",
                    {"--map=" + (folder / "half.ply"), "--output=" + (folder / name),
                     "--cell_m=0.02", std::string("--threads=") + (name[0] == 'a' ? "1" : "2")}));
-    EXPECT_THAT(result.out, HasSubstr("20000 points, 0 not finite"));
-    EXPECT_THAT(result.out, HasSubstr(" triangles in 1 pieces, "));
-    EXPECT_THAT(result.out, HasSubstr("half of the points are within 0."));
-    EXPECT_THAT(result.err, HasSubstr("done in "));
+    EXPECT_THAT(result.out, Names(20000, 0, 1));
   }
   EXPECT_TRUE(ReadBytes(folder / "a.ply") == ReadBytes(folder / "b.ply"));
   const auto samples = SamplesOf(folder / "a.ply");
@@ -122,14 +119,14 @@ TEST(MeshTool, EndsWhereThePointsDoAndSaysWhatItMade) {
   EXPECT_NEAR(color.b, 50, 2);
 }
 
-// The half sphere and the disc below it hold 2 / 3 pi r^3.
+// The volume of the closed half sphere is 2 / 3 pi r^3.
 TEST(MeshTool, ClosesTheHalfSphere) {
   const TempFolder folder;
   WritePly(HalfSphere(), folder / "half.ply");
   const ProgramResult result = Succeeded(
       RunProgram("surfit_mesh", {"--map=" + (folder / "half.ply"), "--output=" + (folder / "a.ply"),
                                  "--cell_m=0.02", "--watertight"}));
-  EXPECT_THAT(result.out, HasSubstr("; watertight: 1 holes filled with "));
+  EXPECT_THAT(result.out, Names("watertight", 1));
   const std::vector<Eigen::Vector3f> vertices = ReadPly(folder / "a.ply").points;
   double volume = 0;
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
@@ -141,7 +138,7 @@ TEST(MeshTool, ClosesTheHalfSphere) {
     ASSERT_EQ(count, 1);
     ASSERT_EQ(sides.count({side.second, side.first}), 1u);
   }
-  // The mesh ends within a cell and two radii below z = 0.
+  // The mesh extends at most one cell and two radii below z = 0.
   EXPECT_NEAR(volume, 2. / 3 * M_PI * 0.125, 0.05 * 0.26);
 }
 
@@ -169,33 +166,31 @@ class RunMeshTool : public SlamTool {
   }
 };
 
-TEST_F(RunMeshTool, HasAPictureOfTheRunsFrames) {
+TEST_F(RunMeshTool, HasATextureFromTheFramesOfTheRun) {
   Succeeded(Slam(Room(), Output(), {"--hold_out=5"}));
   const ProgramResult result = Succeeded(Mesh(Output(), "a.obj", {"--threads=1"}));
-  EXPECT_THAT(result.out, HasSubstr(" of 20 frames in "));  // all but those held out
+  EXPECT_THAT(result.out, Names(20));  // all frames except held-out frames
   Succeeded(Mesh(Output(), "b.obj", {"--threads=2"}));
   EXPECT_EQ(ReadBytes(Output("a.jpg")), ReadBytes(Output("b.jpg")));
   EXPECT_EQ(Lines(Output("a.obj")).size(), Lines(Output("b.obj")).size());
   EXPECT_EQ(Lines(Output("a.obj"))[0], "mtllib a.mtl");
-  EXPECT_THAT(Succeeded(Mesh(Output(), "c.glb", {"--max_texture_frames=4"})).out,
-              HasSubstr(" of 4 frames in "));
-  EXPECT_THAT(ReadBytes(Output("c.glb")), HasSubstr("image/jpeg"));
-  // Without one.
-  EXPECT_THAT(Succeeded(Mesh(Output(), "d.obj", {"--max_texture_px=0"})).out,
-              Not(HasSubstr("picture")));
+  EXPECT_THAT(Succeeded(Mesh(Output(), "c.glb", {"--max_texture_frames=4"})).out, Names(4));
+  EXPECT_THAT(ReadBytes(Output("c.glb")), Names("image/jpeg"));
+  // Meshes without texture.
+  Succeeded(Mesh(Output(), "d.obj", {"--max_texture_px=0"}));
   EXPECT_FALSE(std::filesystem::exists(Output("d.jpg")));
-  EXPECT_THAT(Succeeded(Mesh(Output(), "e.ply")).out, Not(HasSubstr("picture")));
+  Succeeded(Mesh(Output(), "e.ply"));
+  EXPECT_FALSE(std::filesystem::exists(Output("e.jpg")));
 }
 
-TEST_F(RunMeshTool, RefusesRunsAndPicturesThatCannotBe) {
-  ExpectRefused(Mesh(Output("none"), "a.obj"), "none/summary.json': No such file");
+TEST_F(RunMeshTool, RejectsBadRunsAndTextures) {
+  ExpectRefused(Mesh(Output("none"), "a.obj"), "none/summary.json");
   Succeeded(Slam(Room(), Output(), {"--last=3"}));
-  // The mesh is made by then: how far it came may have been told.
+  // The mesh is complete before the error, so stderr may contain progress lines.
   const ProgramResult small = Mesh(Output(), "a.obj", {"--max_texture_px=20"});
   EXPECT_EQ(small.exit_code, 1);
-  EXPECT_THAT(small.err,
-              HasSubstr("error: max_texture_px is 20, which is too small for the mesh's"));
-  ExpectRefused(Mesh(Output(), "a.obj", {"--max_texture_px=-1"}), "max_texture_px is -1");
+  EXPECT_THAT(small.err, HasError("max_texture_px", 20));
+  ExpectRefused(Mesh(Output(), "a.obj", {"--max_texture_px=-1"}), "max_texture_px", -1);
   ExpectRefused(Mesh(Output(), "a.obj", {"--sequence=" + Output("none")}), "none");
   std::filesystem::remove(Output() + "/poses.json");
   ExpectRefused(Mesh(Output(), "a.obj"), "poses.json");
@@ -203,25 +198,25 @@ TEST_F(RunMeshTool, RefusesRunsAndPicturesThatCannotBe) {
   ExpectRefused(Mesh(Output(), "a.ply"), "map.ply");
 }
 
-TEST(MeshTool, RefusesBadInput) {
+TEST(MeshTool, RejectsBadInput) {
   const TempFolder folder;
   PointCloud cloud = HalfSphere();
   WritePly(cloud, folder / "half.ply");
   cloud.normals.clear();
   WritePly(cloud, folder / "points.ply");
   const auto expect = [&](const std::string& map, std::vector<std::string> flags,
-                          const char* message) {
+                          const auto&... names) {
     flags.insert(flags.begin(), "--output=" + (folder / "mesh.ply"));
     flags.push_back("--map=" + (folder / map));
-    ExpectRefused(RunProgram("surfit_mesh", flags), message);
+    ExpectRefused(RunProgram("surfit_mesh", flags), names...);
   };
-  expect("half.ply", {"--output=a.stl"}, "a.stl, must end in .ply, .obj or .glb");
-  expect("half.ply", {"--cell_m=0"}, "cell_m is 0, must be positive");
-  expect("half.ply", {"--cell_m=1e-9"}, "too far for cells of this size");
-  expect("half.ply", {"--min_piece_m=5"}, "the map supports no triangle");
-  expect("half.ply", {"--trim_distance_m=-1"}, "trim_distance_m is -1, must be positive");
-  expect("half.ply", {"--support_radii=0"}, "support_radii is 0, must be positive");
-  expect("points.ply", {}, "the map has no points with normals");
+  expect("half.ply", {"--output=a.stl"}, "a.stl", ".ply", ".obj", ".glb");
+  expect("half.ply", {"--cell_m=0"}, "cell_m", 0);
+  expect("half.ply", {"--cell_m=1e-9"}, "cell_m");
+  expect("half.ply", {"--min_piece_m=5"}, "cell_m", "trim_distance_m", "min_piece_m");
+  expect("half.ply", {"--trim_distance_m=-1"}, "trim_distance_m", -1);
+  expect("half.ply", {"--support_radii=0"}, "support_radii", 0);
+  expect("points.ply", {}, "map");
   ExpectRefused(RunProgram("surfit_mesh", {"--output=" + (folder / "mesh.ply")}), "--map");
 }
 

@@ -1,4 +1,4 @@
-// surfit_slam and surfit_record with OpenNI2's recordings and cameras, of which one is made up.
+// surfit_slam and surfit_record with OpenNI2 recordings and a virtual OpenNI2 camera.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 class OpenNiTool : public SlamTool {
  protected:
-  // The room's images as a camera sends them.
+  // Images of the room as a film for the virtual camera.
   static std::vector<FilmFrame> Film() {
     std::vector<FilmFrame> film;
     for (const std::string& line : Lines(Room() + "/associations.txt")) {
@@ -38,7 +38,7 @@ class OpenNiTool : public SlamTool {
     return film;
   }
 
-  // The folder with the stamps that OpenNI2's recorder makes.
+  // A copy of the room with the timestamps of an OpenNI2 recording.
   std::string CopyWithStampsOfOni() const {
     const std::string folder = CopyOfRoom();
     fs::remove(folder + "/groundtruth.txt");
@@ -56,7 +56,7 @@ class OpenNiTool : public SlamTool {
     }
     return folder;
   }
-  // The same frames as OpenNI2 records them, with the folder's camera.
+  // OpenNI2 recording of the same frames, with the camera file of the folder.
   std::string Recorded() const {
     const std::string oni = own_ / "room.oni";
     const VirtualCamera camera({}, Film());
@@ -68,7 +68,7 @@ class OpenNiTool : public SlamTool {
   static std::string Library() { return "--openni2_library=" + VirtualCamera::library(); }
 };
 
-TEST_F(OpenNiTool, ARecordingGivesTheTrajectoryAndMapOfTheFolder) {
+TEST_F(OpenNiTool, RecordingHasTheResultOfTheFolder) {
   const std::string folder = CopyWithStampsOfOni(), oni = Recorded();
   Succeeded(Slam(folder, Output("folder")));
   Succeeded(Slam(oni, Output("oni"), {Library()}));
@@ -84,8 +84,8 @@ TEST_F(OpenNiTool, ARecordingGivesTheTrajectoryAndMapOfTheFolder) {
   }
 }
 
-// Each is written by a program that is not ours, and those that are missing are told.
-TEST_F(OpenNiTool, EachKindOfRecordingGivesTheTrajectoryAndMapOfTheFolder) {
+// Each recording is written by a third-party program. Missing programs are reported.
+TEST_F(OpenNiTool, EveryRecordingFormatHasTheResultOfTheFolder) {
   const std::string folder = CopyWithStampsOfOni(), bags = own_.path() + "/bags";
   const ProgramResult written =
       RunShell("'" SURFIT_TEST_PYTHON "' '" SURFIT_TEST_BAGS_DIR "/write_bags.py' '" + folder +
@@ -110,8 +110,8 @@ TEST_F(OpenNiTool, EachKindOfRecordingGivesTheTrajectoryAndMapOfTheFolder) {
   }
 }
 
-TEST_F(OpenNiTool, ACameraIsFollowedAndItsMapKeptWhereItIsUnplugged) {
-  // There and back: the last frames of the way there may come late and be lost.
+TEST_F(OpenNiTool, CameraKeepsItsMapAfterReconnection) {
+  // Forward and backward: the last frames before the disconnection may be late and lost.
   std::vector<FilmFrame> film = Film();
   for (int i = kFrames - 2; i >= 0; --i)
     film.push_back(FilmFrameOf(2 * kFrames - 2 - i, film[i].depth, film[i].color));
@@ -129,12 +129,11 @@ TEST_F(OpenNiTool, ACameraIsFollowedAndItsMapKeptWhereItIsUnplugged) {
   EXPECT_GE(summary["paused_s"], 0.3);
   EXPECT_EQ(summary["frames_total"].get<int>() + summary["frames_dropped"].get<int>(), 21);
   EXPECT_EQ(summary["frames_lost"], 0);
-  EXPECT_THAT(result.err, HasSubstr("Surfit Virtual is unplugged: the run pauses"));
-  EXPECT_THAT(result.err, HasSubstr("Surfit Virtual is back after"));
-  EXPECT_THAT(result.out, HasSubstr("the camera was away 1 times"));
+  EXPECT_THAT(result.err, HasWarning("Surfit", "Virtual"));
+  EXPECT_GE(LinesWith("Surfit Virtual", result.err).size(), 2u);  // disconnected and reconnected
 }
 
-TEST_F(OpenNiTool, ACameraIsRecorded) {
+TEST_F(OpenNiTool, RecordsACamera) {
   CameraScript script;
   script.period_us = 20000;
   const VirtualCamera camera(script, Film());
@@ -143,14 +142,14 @@ TEST_F(OpenNiTool, ACameraIsRecorded) {
       "surfit_record",
       {"--sequence=test://1", "--output=" + copy, "--format=openni2", Library(),
        "--device_width=160", "--device_height=120", "--max_frames=16", "--queue_capacity=1000"}));
-  EXPECT_THAT(result.out, HasSubstr("recorded: 16 frames over"));
+  EXPECT_THAT(result.out, Names(16));
   Succeeded(Slam(copy, Output(), {"--camera=" + Room() + "/camera.yaml"}));
   EXPECT_EQ(Summary(Output())["frames_tracked"], 16);
 }
 
-TEST_F(OpenNiTool, WithoutTheLibrarySaysSo) {
+TEST_F(OpenNiTool, RejectsMissingLibrary) {
   ExpectRefused(Slam("any", Output(), {"--format=openni2", "--openni2_library=libNowhere.so"}),
-                "install Debian's libopenni2-0");
+                "libNowhere.so", "libopenni2-0");
 }
 
 }  // namespace

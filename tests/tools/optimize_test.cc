@@ -12,7 +12,7 @@
 namespace surfit::testing {
 namespace {
 
-TEST(OptimizeTool, LeavesWrongLoopsOutAndWritesGraphAndSummary) {
+TEST(OptimizeTool, RejectsOutlierLoopsAndWritesGraphAndSummary) {
   const TempFolder folder;
   TrueGraph torus = MakeTorus(10, 15);
   const auto planted = PlantWrongLoops(0.1, &torus);
@@ -22,8 +22,8 @@ TEST(OptimizeTool, LeavesWrongLoopsOutAndWritesGraphAndSummary) {
       RunProgram("surfit_optimize",
                  {"--graph=" + folder / "in.g2o", "--loop_robustness=gnc",
                   "--output=" + folder / "out.g2o", "--summary=" + folder / "summary.json"}));
-  EXPECT_THAT(result.out, HasSubstr("converged: 150 poses (1 held)"));
-  EXPECT_THAT(result.err, HasSubstr("1 lines SOMETHING ignored"));
+  EXPECT_THAT(result.out, Names("converged", 150, 1));
+  EXPECT_THAT(result.err, Names(1, "SOMETHING"));
   const auto json = nlohmann::json::parse(ReadBytes(folder / "summary.json"));
   EXPECT_GE(json["wrong_loops"].size(), planted.size());
   EXPECT_EQ(json["options"]["loop_robustness"], "gnc");
@@ -36,7 +36,7 @@ TEST(OptimizeTool, LeavesWrongLoopsOutAndWritesGraphAndSummary) {
   EXPECT_NEAR(json["final_cost"].get<double>(), cost, 1e-6 * cost);
 }
 
-TEST(OptimizeTool, GivesTheSameBytesAtAnyNumberOfThreadsAndTheSameCostWithEveryBackend) {
+TEST(OptimizeTool, ResultDoesNotDependOnThreadsOrBackend) {
   const TempFolder folder;
   WriteG2o(MakeSphere(20, 20).graph, folder / "in.g2o");
   std::vector<double> costs;
@@ -62,7 +62,7 @@ TEST(OptimizeTool, GivesTheSameBytesAtAnyNumberOfThreadsAndTheSameCostWithEveryB
   unsetenv("OPENBLAS_NUM_THREADS");
 }
 
-TEST(OptimizeTool, KeepsWhatItReads) {
+TEST(OptimizeTool, DoesNotOverwriteItsInput) {
   const TempFolder folder;
   WriteG2o(MakeGrid(3).graph, folder / "a.g2o");
   std::filesystem::create_hard_link(folder / "a.g2o", folder / "same.g2o");
@@ -71,25 +71,25 @@ TEST(OptimizeTool, KeepsWhatItReads) {
     for (const char* name : {"a.g2o", "same.g2o"}) {
       ExpectRefused(
           RunProgram("surfit_optimize", {"--graph=" + folder / "a.g2o", flag + folder / name}),
-          "which --graph reads, must be another");
+          "--graph", folder / name);
     }
   }
   EXPECT_EQ(ReadBytes(folder / "a.g2o"), before);
 }
 
-TEST(OptimizeTool, SaysWhereItsOutputIsNotTaken) {
+TEST(OptimizeTool, ReportsAnUnwritableStdout) {
   const TempFolder folder;
   WriteG2o(MakeGrid(3).graph, folder / "a.g2o");
   const ProgramResult result =
       RunShell("$tools/surfit_optimize --graph=" + folder / "a.g2o" + " >/dev/full");
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("stdout cannot be written"));
+  EXPECT_THAT(result.err, HasError("stdout"));
 }
 
-TEST(OptimizeTool, RefusesBadInput) {
+TEST(OptimizeTool, RejectsBadInput) {
   EXPECT_EQ(RunProgram("surfit_optimize", {}).exit_code, 1);
   ExpectRefused(RunProgram("surfit_optimize", {"--graph=a", "--sparse_backend=b"}),
-                "error: --sparse_backend is 'b', must be one of");
+                "--sparse_backend", "b");
 }
 
 }  // namespace

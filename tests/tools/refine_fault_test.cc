@@ -1,4 +1,4 @@
-// Every call of the system that a short run of surfit_refine makes is let fail once.
+// Makes each system call of a short run of surfit_refine fail once.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -30,7 +30,7 @@ class RefineFaultTest : public FaultTest {
            " --output=" + WholePath(Output());
   }
 
-  // How many of the five results are there, each as a whole.
+  // Number of complete result files, 0 to 5.
   int CountWholeResults() const {
     const auto is_there = [&](const char* name) { return fs::exists(Output() + name); };
     int count = 0;
@@ -58,8 +58,8 @@ class RefineFaultTest : public FaultTest {
     return count;
   }
 
-  // Once it is refined no more than one of the results may be missing, and never in silence.
-  // Returns how often such a call is made.
+  // After refinement at most one result may be missing, and an error must be reported. Returns the
+  // number of such calls in a run.
   int ExpectSavedWhicheverFails(const std::string& kind, const std::string& folder) const {
     for (int n = 1;; ++n) {
       const auto result = RunWithFault(kind, n, folder, RefineCommand());
@@ -75,19 +75,19 @@ class RefineFaultTest : public FaultTest {
   }
 };
 
-TEST_F(RefineFaultTest, SavesWhatItCanWhicheverWriteFails) {
+TEST_F(RefineFaultTest, SavesOtherResultsIfAWriteFails) {
   EXPECT_GE(ExpectSavedWhicheverFails("write", Output()), 5);
   EXPECT_GE(ExpectSavedWhicheverFails("open", Output()), 5);
   EXPECT_GE(ExpectSavedWhicheverFails("rename", Output()), 5);
   EXPECT_GE(ExpectSavedWhicheverFails("fsync", Output()), 5);
 }
 
-// What is refined is that of the frames that can be read.
-TEST_F(RefineFaultTest, SavesWhatItCanWhicheverReadFails) {
+// Refines the readable frames.
+TEST_F(RefineFaultTest, SavesResultsIfAReadFails) {
   EXPECT_GT(ExpectSavedWhicheverFails("read", Room()), 4 * kFramesRun);
 }
 
-TEST_F(RefineFaultTest, SavesWhatItCanWhicheverMemoryIsMissing) {
+TEST_F(RefineFaultTest, SavesResultsIfAnAllocationFails) {
   EXPECT_GT(ExpectSavedWhicheverFails("malloc", Output()), 20);
 }
 

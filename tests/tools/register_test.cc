@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kSigma_m = 0.001;
 
-// Three walls of 1 m before the origin with 4000 points each, off by noise.
+// Three walls of 1 m in front of the origin, with 4000 noisy points each.
 PointCloud Corner(int seed) {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -38,7 +38,7 @@ const Rigid3d& Truth() {
   return truth;
 }
 
-// The corner where the source saw it.
+// The corner in the frame of the source.
 PointCloud MovedCorner(int seed) {
   PointCloud cloud = Corner(seed);
   const Rigid3d source_from_target = Truth().Inverse();
@@ -76,17 +76,17 @@ class RegisterTool : public ::testing::Test {
   TempFolder folder_;
 };
 
-// A wall of N = 4000 points 0.41 m from its middle (RMS) holds its turns to
-// sqrt(2) sigma / (0.41 sqrt(N)) = 5.5e-5 rad: 4 sigma of three are 4e-4 rad, and 1 mm at the
+// N = 4000 points with an RMS distance of 0.41 m to the centre of a wall determine the rotation to
+// sqrt(2) sigma / (0.41 sqrt(N)) = 5.5e-5 rad. 4 sigma of three walls are 4e-4 rad, or 1 mm at the
 // origin, 2.5 m away.
 constexpr double kTolerance_rad = 4e-4, kTolerance_m = 1e-3;
 
 TEST_F(RegisterTool, FindsThePoseAndWritesIt) {
   const ProgramResult result = Succeeded(Register(Source(), Target()));
   EXPECT_THAT(result.out,
-              AllOf(HasSubstr("source: 12000 points, normals from 0.0"),
+              AllOf(Names("source", 12000),
                     ContainsRegex("iter 0: avg loss = [0-9.]+e[-+][0-9]+, inlier count = [0-9]+\n"),
-                    HasSubstr("converged: rmse 0.00"), HasSubstr("target_from_source =\n")));
+                    Names("converged", "rmse", "target_from_source")));
   const Rigid3d pose = ParseTransform(ReadBytes(Output("transform.txt")));
   EXPECT_THAT(pose, RigidNear(Truth(), kTolerance_m, kTolerance_rad));
 
@@ -112,11 +112,11 @@ TEST_F(RegisterTool, FindsThePoseAndWritesIt) {
   }
 }
 
-TEST_F(RegisterTool, TakesNormalsOfTheFilesAndLeavesOutWhatIsNotFinite) {
+TEST_F(RegisterTool, UsesNormalsOfTheFilesAndSkipsNonFinitePoints) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   PointCloud target = Corner(2);
   for (int i = 0; i < 12000; ++i) {
-    const Eigen::Vector3f inwards[] = {{2, 0, 0}, {0, 2, 0}, {0, 0, -2}};  // of any length
+    const Eigen::Vector3f inwards[] = {{2, 0, 0}, {0, 2, 0}, {0, 0, -2}};  // not normalised
     target.normals.push_back(inwards[i / 4000]);
   }
   target.normals[7].setZero();
@@ -125,7 +125,7 @@ TEST_F(RegisterTool, TakesNormalsOfTheFilesAndLeavesOutWhatIsNotFinite) {
   WritePly(target, Target());
   const ProgramResult result =
       Succeeded(Register(Source(), Target(), {"--max_normal_angle_deg=0"}));
-  EXPECT_THAT(result.out, HasSubstr("target: 12000 points, 1 more not finite, 1 without normal\n"));
+  EXPECT_THAT(result.out, Names("target", 12000, 1));
   EXPECT_THAT(ParseTransform(ReadBytes(Output("transform.txt"))),
               RigidNear(Truth(), kTolerance_m, kTolerance_rad));
 }
@@ -141,33 +141,33 @@ TEST_F(RegisterTool, RegistersByEachResidualAndSolver) {
   }
 }
 
-TEST_F(RegisterTool, FailsWhereCloudsDoNotMeet) {
+TEST_F(RegisterTool, FailsWithoutOverlap) {
   PointCloud far = Corner(1);
   for (auto& point : far.points) point.x() += 100;
   WritePly(far, Source());
   const ProgramResult result = Register(Source(), Target());
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, StartsWith("failed: too_few_inliers: inlier share is 0, pairs must be"));
+  EXPECT_THAT(result.err, StartsWith("failed: too_few_inliers: "));
 }
 
-TEST_F(RegisterTool, RefusesBadInputInOneSentence) {
+TEST_F(RegisterTool, RejectsBadInputInOneLine) {
   const std::string empty = folder_ / "empty.ply";
   WritePly({}, empty);
-  const std::tuple<std::string, RunFlags, std::string> cases[] = {
-      {Source(), {"--target="}, "--target is missing"},
-      {"/no/such.pcd", {}, "/no/such.pcd"},
-      {empty, {}, empty + ": there is no finite point"},
-      {Source(), {"--association=projective"}, "association is 'projective', must be 'kd_tree'"},
-      {Source(), {"--levels=0"}, "levels is 0, must be from 1 to 10"},
-      {Source(), {"--normal_radius_m=-1"}, "radius_m is -1, must be zero"},
-      {Source(), {"--solver=magic"}, "solver is 'magic', must be one of: "},
-      {Source(), {"--solver=svd"}, "svd"},
-      {Source(), {"--pyramid_levels=3"}, "pyramid_levels"}};
-  for (const auto& [source, flags, message] : cases)
-    ExpectRefused(Register(source, Target(), flags), message);
+  const std::tuple<std::string, RunFlags, std::vector<std::string>> cases[] = {
+      {Source(), {"--target="}, {"--target"}},
+      {"/no/such.pcd", {}, {"/no/such.pcd"}},
+      {empty, {}, {empty}},
+      {Source(), {"--association=projective"}, {"association", "projective", "kd_tree"}},
+      {Source(), {"--levels=0"}, {"levels", "0"}},
+      {Source(), {"--normal_radius_m=-1"}, {"radius_m", "-1"}},
+      {Source(), {"--solver=magic"}, {"solver", "magic", "closed_form_ldlt"}},
+      {Source(), {"--solver=svd"}, {"svd"}},
+      {Source(), {"--pyramid_levels=3"}, {"pyramid_levels"}}};
+  for (const auto& [source, flags, names] : cases)
+    ExpectRefused(Register(source, Target(), flags), NamesMatcher(names));
 }
 
-// A simulated walk at 160 x 120 pixels; made once for all tests.
+// A simulated walk at 160 x 120 pixels, shared by all tests.
 class AlignTool : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -196,10 +196,10 @@ TEST_F(AlignTool, PrintsEachIterationAndWritesCloudsAndPictures) {
   const ProgramResult result = Succeeded(Align(Room(), {"--source_frame=0", "--target_frame=2"}));
   EXPECT_THAT(result.out,
               AllOf(ContainsRegex("iter 0: avg loss = [0-9.]+e[-+][0-9]+, inlier count = [0-9]+\n"),
-                    HasSubstr("converged: "), HasSubstr("pose error: ")));
+                    Names("converged", "pose")));
   for (const char* name : {"before", "after"}) {
     const PointCloud cloud = ReadPly(own_ / "out" + "/" + name + ".ply");
-    EXPECT_GT(cloud.points.size(), 20000u);  // most of 2 x 19,200 pixels
+    EXPECT_GT(cloud.points.size(), 20000u);  // most pixels of two images with 19,200 pixels
     EXPECT_EQ(cloud.colors.size(), cloud.points.size());
     EXPECT_THAT(ReadBytes(own_ / "out" + "/" + name + ".png"), StartsWith("\x89PNG"));
   }
@@ -208,69 +208,66 @@ TEST_F(AlignTool, PrintsEachIterationAndWritesCloudsAndPictures) {
 TEST_F(AlignTool, FailsWithValueAndConstraint) {
   const ProgramResult few = Align(Room(), {"--target_frame=5", "--min_inliers=100000"});
   EXPECT_EQ(few.exit_code, 2);
-  EXPECT_THAT(WithoutNotes(few.err), AllOf(StartsWith("failed: too_few_inliers: inlier share is "),
-                                           HasSubstr("min_inliers (100000)")));
+  EXPECT_THAT(WithoutNotes(few.err),
+              AllOf(StartsWith("failed: too_few_inliers: "), Names("min_inliers", 100000)));
   const ProgramResult filled = Align(Room(), {"--target_frame=5", "--max_free_space_share=0"});
   EXPECT_EQ(filled.exit_code, 2);
   EXPECT_THAT(WithoutNotes(filled.err),
-              AllOf(StartsWith("failed: free_space_filled: free-space share is "),
-                    HasSubstr("must be at most max_free_space_share (0)")));
+              AllOf(StartsWith("failed: free_space_filled: "), Names("max_free_space_share", 0)));
 }
 
-TEST_F(AlignTool, StartsFromItsPresetAndAFlagWins) {
+TEST_F(AlignTool, FlagsOverrideThePreset) {
   const ProgramResult help = RunProgram("surfit_align", {"--helpon=registration"});
-  EXPECT_THAT(help.out, HasSubstr("--max_distance_m=0.05"));
-  EXPECT_THAT(help.out, HasSubstr("--max_free_space_share=0.02"));
+  EXPECT_THAT(help.out, Names("--max_distance_m=0.05"));
+  EXPECT_THAT(help.out, Names("--max_free_space_share=0.02"));
   const ProgramResult strict = Align(Room(), {"--target_frame=1", "--max_distance_m=0.0001"});
   EXPECT_EQ(strict.exit_code, 2);
   EXPECT_THAT(WithoutNotes(strict.err), StartsWith("failed: too_few_inliers"));
 }
 
-TEST_F(AlignTool, RefusesBadInputInOneSentence) {
-  const std::pair<std::vector<std::string>, const char*> cases[] = {
-      {{"--source_frame=-1"}, "source_frame is -1, must be zero or positive"},
-      {{"--target_frame=6"}, "must be below 6, the number of frames"},
-      {{"--max_normal_angle_deg=-1"},
-       "--max_normal_angle_deg is -1, must be zero (off) or positive and below 90"},
-      {{"--max_free_space_share=2"}, "max_free_space_share is 2, must be from 0 to 1"},
-      {{"--solver=magic"}, "solver is 'magic', must be one of: "},
-      {{"--start=magic"}, "start is 'magic', must be one of: identity, so3, features"},
-      {{"--nonsense=1"}, "nonsense"},
+TEST_F(AlignTool, RejectsBadInputInOneLine) {
+  const RefusedFlags cases = {
+      {{"--source_frame=-1"}, {"source_frame", "-1"}},
+      {{"--target_frame=6"}, {"6"}},
+      {{"--max_normal_angle_deg=-1"}, {"--max_normal_angle_deg", "-1"}},
+      {{"--max_free_space_share=2"}, {"max_free_space_share", "2"}},
+      {{"--solver=magic"}, {"solver", "magic", "closed_form_ldlt"}},
+      {{"--start=magic"}, {"start", "magic", "identity", "so3", "features"}},
+      {{"--nonsense=1"}, {"nonsense"}},
   };
-  for (const auto& [flags, message] : cases) ExpectRefused(Align(Room(), flags), message);
+  for (const auto& [flags, names] : cases) ExpectRefused(Align(Room(), flags), NamesMatcher(names));
   ExpectRefused(Align(own_ / "nowhere", {}), "nowhere");
 }
 
-TEST_F(AlignTool, StartsFromFeaturesAndSaysWhatVerifiedTheFit) {
+TEST_F(AlignTool, StartsFromFeaturesAndPrintsTheVerification) {
   for (const char* start : {"--start=so3", "--start=features"}) {
     const ProgramResult result =
         Succeeded(Align(Room(), {"--source_frame=0", "--target_frame=5", start}));
-    EXPECT_THAT(result.out, ContainsRegex("verified by: overlap share 0\\.[0-9]+, correlation of "
-                                          "brightness 0\\.[0-9]+"));
-    // 14 mm a frame before, and less than a pixel (8 mm at 1 m) after
-    EXPECT_THAT(result.out, ContainsRegex("pose error: 0\\.00[0-7][0-9] m.*before: 0\\.0[4-9]"));
+    EXPECT_THAT(result.out, ContainsRegex("overlap [a-z]+ 0\\.[0-9]+.* correlation .*0\\.[0-9]+"));
+    // The motion is 14 mm per frame. The pose error is below one pixel, 8 mm at 1 m.
+    EXPECT_THAT(result.out, ContainsRegex("error:? 0\\.00[0-7][0-9] m.* 0\\.0[4-9]"));
   }
 }
 
-// ICP from the identity cannot follow so far; it must say so.
-TEST_F(AlignTool, SaysThatLargeMotionsFailed) {
+// The motion is too large for ICP from the identity. The failure must be reported.
+TEST_F(AlignTool, ReportsFailureOfLargeMotions) {
   SURFIT_REQUIRE_SHARED_DATA("icl_office");
   for (const char* target : {"--target_frame=50", "--target_frame=100"}) {
     const ProgramResult result = Align(SharedData("icl_office"), {"--source_frame=10", target});
     EXPECT_EQ(result.exit_code, 2) << target;
-    EXPECT_THAT(result.out, Not(HasSubstr("converged: "))) << target;
+    EXPECT_THAT(result.out, Not(ContainsRegex("(^|\n)converged: "))) << target;
     EXPECT_THAT(WithoutNotes(result.err), StartsWith("failed: ")) << target;
   }
 }
 
-// 52 cm and 17 degrees, where ICP from the identity, of whatever kind, ends 34 to 67 cm off. The
-// recorded poses are themselves centimetres off at that distance.
-TEST_F(AlignTool, FeaturesReachFramesFarApart) {
+// The motion is 52 cm and 17 degrees. ICP from the identity has errors of 34 to 67 cm with every
+// residual. The ground truth has an error of centimetres over this distance.
+TEST_F(AlignTool, FeaturesRegisterFramesFarApart) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
   const ProgramResult result =
       Succeeded(Align(SharedData("seven_scenes_kitchen"),
                       {"--source_frame=10", "--target_frame=100", "--start=features"}));
-  EXPECT_THAT(result.out, ContainsRegex("pose error: 0\\.0[0-5]"));
+  EXPECT_THAT(result.out, ContainsRegex("error:? 0\\.0[0-5]"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The replay of tools/scripts/scan_speedup.py on graphs whose schedules are made by hand:
+"""Tests the replay of tools/scripts/scan_speedup.py on graphs with known schedules:
 scan_speedup_test.py SCAN_SPEEDUP"""
 import importlib.util
 import json
@@ -41,19 +41,19 @@ class ReplayTest(unittest.TestCase):
     def test_starts_take_time_and_are_no_more_than_so_many_a_second(self):
         graph = {name: Job(10) for name in "abcd"}
         self.assertEqual(speedup.replay(graph, 4, start_s=1).seconds, 11)
-        # Begun at 0, 2, 4 and 6 s.
+        # The jobs start at 0, 2, 4 and 6 s.
         self.assertEqual(speedup.replay(graph, 4, jobs_per_second=0.5).seconds, 16)
 
 
     def test_what_is_not_on_a_worker_keeps_none(self):
         graph = {"a": Job(4), "b": Job(3, on_worker=False), "c": Job(2, ["b"])}
-        # a and b 0-4 and 0-3; c waits for the worker, and for no start of b's.
+        # a 0-4, b 0-3. c waits for the worker, but not for the start of b.
         self.assertEqual(speedup.replay(graph, 1).seconds, 6)
         self.assertEqual(speedup.replay(graph, 2, start_s=1).seconds, 6)
 
 
 class LawTest(unittest.TestCase):
-    """Two scans of which all is known."""
+    """Two scans with known receipts."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -67,7 +67,7 @@ class LawTest(unittest.TestCase):
         plan = {"fragments": [{"first": i * step, "last": (i + 1) * step - 1} for i in range(fragments)]}
         (scan / "plan.json").write_text(json.dumps(plan))
         for name, seconds in jobs.items():
-            # The machine was busy: the clock's time is twice the processor's.
+            # Busy machine: the wall time is twice the CPU time.
             receipt = {"job": name, "exit": 0, "seconds": 2 * seconds, "cpu_seconds": seconds}
             (scan / "jobs" / f"{name}.json").write_text(json.dumps(receipt))
         return speedup.Scan(scan)
@@ -86,7 +86,7 @@ class LawTest(unittest.TestCase):
         # camera, 4 fragments, candidates, 2 links, graph, 4 tiles
         self.assertAlmostEqual(speedup.replay(law.jobs(400), 1).seconds, 7 + 14 + 8 + 2 + 5 + 22)
         self.assertAlmostEqual(speedup.replay(law.jobs(400), 9).seconds, 7 + 4 + 8 + 1 + 5 + 6)
-        # Snakemake's own time for 1 + 4 + 1 + 2 + 1 + 4 jobs.
+        # Overhead of Snakemake for 1 + 4 + 1 + 2 + 1 + 4 jobs.
         self.assertAlmostEqual(speedup.replay(law.jobs(400, 0.5), 9).seconds, 31 + 6.5)
 
     def test_a_full_index_grows_no_more(self):

@@ -1,4 +1,4 @@
-// surfit_slam where the machine has little to give. Whoever hangs is ended by a watchdog.
+// surfit_slam on a slow machine. A watchdog ends runs that hang.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ class SlamLoad : public SlamTool {
     Simulate("walk", {"--frames=" + std::to_string(kFramesRun), "--downsample=8"});
   }
 
-  // Runs it with loops and calibration; `setting` goes before the program.
+  // Runs surfit_slam with loop closure and calibration. `setting` precedes the command.
   void Run(const std::string& output, int threads, const std::string& setting = "") const {
     constexpr int kHung = 124;
     const ProgramResult result =
@@ -33,7 +33,7 @@ class SlamLoad : public SlamTool {
     EXPECT_GE(Summary(Output(output))["calibrations"].size(), 1u);
   }
 
-  // The column of frames.csv, one number a frame.
+  // A column of frames.csv, one number per frame.
   std::vector<double> Times(const std::string& output, const std::string& name) const {
     const std::vector<std::string> lines = Lines(Output(output) + "/frames.csv");
     const auto cells = [](const std::string& line) {
@@ -55,8 +55,8 @@ class SlamLoad : public SlamTool {
   }
 };
 
-// With one thread the frame at which a result is due does all of the task itself.
-TEST_F(SlamLoad, LetsNoFrameWaitLongerThanTheTaskTakesOnABusyMachine) {
+// With one thread, the frame that needs a result computes the entire task.
+TEST_F(SlamLoad, FrameWaitsAtMostForItsTaskOnABusyMachine) {
   const BusyMachine busy;
   Run("one", 1);
   Run("two", 2);
@@ -65,22 +65,22 @@ TEST_F(SlamLoad, LetsNoFrameWaitLongerThanTheTaskTakesOnABusyMachine) {
   EXPECT_EQ(Summary(Output("one"))["digest"], Summary(Output("two"))["digest"]);
 }
 
-TEST_F(SlamLoad, EndsOnOneCore) {
+TEST_F(SlamLoad, FinishesOnOneCore) {
   Run("all", 2);
   Run("one", 2, "taskset --cpu-list $(taskset -cp $$ | sed 's/.*[ ,-]//')");
   EXPECT_EQ(Summary(Output("all"))["digest"], Summary(Output("one"))["digest"]);
 }
 
-TEST_F(SlamLoad, EndsWithASlowDisk) {
+TEST_F(SlamLoad, FinishesWithASlowDisk) {
   const std::string library = std::string(SURFIT_TOOLS_DIR) + "/libsurfit_fault.so";
-  if (!std::filesystem::exists(library)) GTEST_SKIP() << "no library of faults in this build";
+  if (!std::filesystem::exists(library)) GTEST_SKIP() << "this build has no fault library";
   constexpr double kWrite_ms = 20;
   Run("quick", 2);
   Run("slow", 2,
       "env LD_PRELOAD=" + library + " SURFIT_FAULT=slow:20 SURFIT_FAULT_MARK=" + Output("mark") +
           " SURFIT_FAULT_FOLDER=" + std::filesystem::weakly_canonical(own_.path()).string());
   EXPECT_EQ(Summary(Output("quick"))["digest"], Summary(Output("slow"))["digest"]);
-  // Each frame is written to three files.
+  // Each frame causes writes to three files.
   EXPECT_GT(Summary(Output("slow"))["total_s"], 3e-3 * kWrite_ms * kFramesRun);
 }
 

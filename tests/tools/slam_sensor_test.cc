@@ -1,4 +1,4 @@
-// What a sensor does to its images, and what surfit_slam makes of it, against the exact truth.
+// surfit_slam with simulated sensor errors, compared with exact ground truth.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -12,7 +12,7 @@
 namespace surfit::testing {
 namespace {
 
-// A simulated Kinect's walk through a room, at 320 x 240 pixels.
+// Simulates a Kinect that moves through a room, at 320 x 240 pixels.
 void SimulateRoom(const std::string& folder, int seed, int frames,
                   std::vector<std::string> sensor) {
   sensor.insert(sensor.begin(),
@@ -28,7 +28,7 @@ nlohmann::json SummaryOf(const std::string& sequence, const std::string& output,
   return nlohmann::json::parse(ReadBytes(output + "/summary.json"));
 }
 
-TEST(SlamSensor, AFifthOfTheErrorIsLeftOfARollingShutterThatIsKnown) {
+TEST(SlamSensor, KnownRollingShutterReducesTheErrorToAFifth) {
   for (const int seed : {4, 11}) {
     const TempFolder folder;
     SimulateRoom(folder / "in", seed, 150, {"--readout_s=0.033", "--known=readout_s"});
@@ -44,8 +44,8 @@ TEST(SlamSensor, AFifthOfTheErrorIsLeftOfARollingShutterThatIsKnown) {
   }
 }
 
-// Colour that is taken with depth, or earlier with the same stamp.
-TEST(SlamSensor, FindsHowMuchEarlierColourWasTaken) {
+// Colour is captured with depth, or earlier with the timestamp of depth.
+TEST(SlamSensor, EstimatesTheColourLatency) {
   for (const double latency_s : {0., 0.02}) {
     const TempFolder folder;
     SimulateRoom(folder / "in", 4, 150, {"--color_latency_s=" + std::to_string(latency_s)});
@@ -57,7 +57,7 @@ TEST(SlamSensor, FindsHowMuchEarlierColourWasTaken) {
                 1000 * sigma_s);
     EXPECT_LT(sigma_s, 0.003);
     if (latency_s == 0) {
-      EXPECT_EQ(found_s, 0);  // as given
+      EXPECT_EQ(found_s, 0);  // the input value
     } else {
       EXPECT_NEAR(found_s, latency_s, 3 * sigma_s);
       EXPECT_EQ(ReadCameraYaml(folder / "out/camera.yaml").color_latency_s, found_s);
@@ -65,7 +65,7 @@ TEST(SlamSensor, FindsHowMuchEarlierColourWasTaken) {
   }
 }
 
-TEST(SlamSensor, RefinesCameraAndPosesInTheEnd) {
+TEST(SlamSensor, RefinesCameraAndPosesAtTheEnd) {
   const TempFolder folder;
   SimulateRoom(folder / "in", 4, 150,
                {"--given_center_error=2,-1.5", "--inverse_depth_distortion=0.015,0,0,0,0"});
@@ -87,19 +87,19 @@ TEST(SlamSensor, RefinesCameraAndPosesInTheEnd) {
             ReadBytes(folder / "given/trajectory_online.txt"));
 }
 
-TEST(SlamSensor, RefinesNothingWhereTheCameraIsAsGiven) {
+TEST(SlamSensor, KeepsACorrectCamera) {
   const TempFolder folder;
   SimulateRoom(folder / "in", 4, 60, {});
   EXPECT_EQ(SummaryOf(folder / "in", folder / "out", {})["refinement"], nullptr);
 }
 
-// Within three standard deviations of the truth.
+// Expects an error of at most three standard deviations.
 void ExpectFound(const nlohmann::json& found, const nlohmann::json& sigma, double truth,
                  const std::string& what) {
   EXPECT_NEAR(found.get<double>(), truth, 3 * sigma.get<double>()) << what;
 }
 
-// Of the undistorted camera, by a calibration and its standard deviations in JSON.
+// Compares a calibration in JSON with the undistorted camera, by its standard deviations.
 void ExpectTrueCalibration(const nlohmann::json& found, const nlohmann::json& sigma) {
   const std::vector<std::pair<const char*, double>> truth = {
       {"fx", 262.5}, {"fy", 262.5}, {"cx", 159.75}, {"cy", 119.75}, {"readout_s", 0.033}};
@@ -110,9 +110,9 @@ void ExpectTrueCalibration(const nlohmann::json& found, const nlohmann::json& si
   }
 }
 
-// Focal length, centre, depth, readout and colour's latency, of which camera.yaml says nothing but
-// that the readout is not known.
-TEST(SlamSensorSweep, FindsASensorThatIsWrongInAll) {
+// Focal length, principal point, depth, readout and colour latency are wrong. camera.yaml only
+// states that the readout is unknown.
+TEST(SlamSensorSweep, CalibratesAllParameters) {
   for (const int seed : {2, 3, 4, 5, 11}) {
     SCOPED_TRACE(seed);
     const TempFolder folder;

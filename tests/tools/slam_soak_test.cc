@@ -1,4 +1,4 @@
-// surfit_slam over a recording that is played there and back for hours.
+// surfit_slam on a recording that is played forward and backward for hours.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// How much memory a run takes when it has done so many frames.
+// Memory of a run after a number of frames.
 struct Sample {
   int frames = 0;
   std::size_t bytes = 0;
@@ -24,7 +24,7 @@ class SlamSoak : public SlamTool {
  protected:
   static constexpr int kFramesThere = 120;
 
-  // A recording of so many frames at 30 Hz: the room there and back, over and over.
+  // A recording at 30 Hz: the room forward and backward, repeated.
   std::string ThereAndBack(int frames) const {
     const std::string walk =
         Simulate("walk", {"--frames=" + std::to_string(kFramesThere), "--downsample=8"});
@@ -45,7 +45,7 @@ class SlamSoak : public SlamTool {
     return walk;
   }
 
-  // Ten samples a second.
+  // Samples at 10 Hz.
   std::vector<Sample> Run(int frames) const {
     const std::string sequence = ThereAndBack(frames);
     RunningProgram program("surfit_slam", {"--sequence=" + sequence, "--output=" + Output(),
@@ -62,8 +62,8 @@ class SlamSoak : public SlamTool {
     return samples;
   }
 
-  // Poses and figures of all frames are kept: 40 numbers of each, in lists that grow by as much as
-  // they have. The final map, which is finer, comes beside the map that was tracked by.
+  // Expects constant memory except for 40 numbers per frame, in vectors that double their capacity.
+  // The finer final map exists in addition to the tracking map.
   void ExpectFlatMemoryAndNoLostFrame(int frames) const {
     constexpr double kBytesOfFrame = 600, kNoise = 8e6, kFinalMap = 24e6;
     std::size_t early = 0, late = 0, end = 0;
@@ -80,13 +80,13 @@ class SlamSoak : public SlamTool {
     EXPECT_LT(static_cast<double>(end), flat + kFinalMap);
     std::cout << frames << " frames: " << early / 1000000 << " MB in the second quarter, "
               << late / 1000000 << " MB in the second half, " << end / 1000000
-              << " MB in the end\n";
+              << " MB at the end\n";
   }
 };
 
-TEST_F(SlamSoak, LosesNothingIn2000Frames) { ExpectFlatMemoryAndNoLostFrame(2000); }
+TEST_F(SlamSoak, TracksAll2000FramesInConstantMemory) { ExpectFlatMemoryAndNoLostFrame(2000); }
 
-TEST_F(SlamSoak, LosesNothingIn100000Frames) { ExpectFlatMemoryAndNoLostFrame(100000); }
+TEST_F(SlamSoak, TracksAll100000FramesInConstantMemory) { ExpectFlatMemoryAndNoLostFrame(100000); }
 
 }  // namespace
 }  // namespace surfit::testing

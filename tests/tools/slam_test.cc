@@ -19,7 +19,7 @@ namespace {
 TEST_F(SlamTool, WritesTrajectoryMapTablesAndPictures) {
   pictures_ = true;
   const ProgramResult result = Succeeded(Slam(Room(), Output()));
-  EXPECT_THAT(result.out, HasSubstr("ATE RMSE"));
+  EXPECT_THAT(result.out, Names("ATE"));
   const nlohmann::json summary = Summary(Output());
   EXPECT_EQ(summary["frames_total"], kFrames);
   EXPECT_EQ(summary["frames_tracked"], kFrames);
@@ -31,7 +31,7 @@ TEST_F(SlamTool, WritesTrajectoryMapTablesAndPictures) {
   EXPECT_EQ(summary["ate_coverage"], 1.0);
   EXPECT_DOUBLE_EQ(summary["compression_ratio"],
                    summary["input_points"].get<double>() / summary["map_points"].get<double>());
-  // The pixels are 4 mm apart at 0.5 m and 30 mm at 4 m: the camera is followed to a small share.
+  // Pixels are 4 mm wide at 0.5 m and 30 mm at 4 m. The ATE is a fraction of that.
   EXPECT_LT(summary["ate_rmse_m"], 0.015);
   for (const char* key :
        {"match_share", "rpe_translation_rmse_m", "rpe_rotation_rmse_deg", "total_s", "frame_ms",
@@ -48,12 +48,11 @@ TEST_F(SlamTool, WritesTrajectoryMapTablesAndPictures) {
   }
 }
 
-// Along poses that are known from the start both maps have the same shape; colours may differ, as
-// how the camera moved is known of both sides only in the end.
-TEST_F(SlamTool, FusesTheMapAnewInTheEnd) {
+// With given poses both maps have the same geometry. Colours may differ: only the final map knows
+// the motion before and after each frame.
+TEST_F(SlamTool, FusesTheFinalMapAlongFinalPoses) {
   const std::vector<std::string> flags = {"--poses=groundtruth", "--map_period=1"};
-  const ProgramResult result = Succeeded(Slam(Room(), Output("final"), flags));
-  EXPECT_THAT(result.out, HasSubstr("the map was fused anew along the final poses in "));
+  Succeeded(Slam(Room(), Output("final"), flags));
   Succeeded(Slam(Room(), Output("first"), {flags[0], flags[1], "--nofinal_map"}));
   const nlohmann::json last = Summary(Output("final")), first = Summary(Output("first"));
   EXPECT_GT(last["final_map_s"], 0);
@@ -61,7 +60,7 @@ TEST_F(SlamTool, FusesTheMapAnewInTheEnd) {
   EXPECT_EQ(last["digest"], first["digest"]);
   EXPECT_EQ(first["map_points"], first["surfels_added"].get<std::int64_t>() -
                                      first["surfels_removed"].get<std::int64_t>());
-  // Finer than the first one, and without some of what was seen about once: at depth edges.
+  // The final map is finer, and has no surfels at depth edges that were observed about once.
   Succeeded(
       Slam(Room(), Output("fine"), {flags[0], flags[1], "--nofinal_map", "--max_spacing_m=0.007"}));
   const auto lasting_radii = [&](const char* run) {
@@ -75,18 +74,18 @@ TEST_F(SlamTool, FusesTheMapAnewInTheEnd) {
   EXPECT_EQ(lasting_radii("final"), lasting_radii("fine"));
   EXPECT_GE(last["map_points"], lasting_radii("final").size());
   EXPECT_LT(last["map_points"], Summary(Output("fine"))["map_points"]);
-  // Every second frame was fused at first; in the end all are.
+  // Tracking fuses every second frame. The final map contains all frames.
   Succeeded(Slam(Room(), Output("every"), {"--poses=groundtruth"}));
   EXPECT_EQ(ReadBytes(Output("every") + "/map.ply"), ReadBytes(Output("final") + "/map.ply"));
 }
 
-TEST_F(SlamTool, SaysWhatItDidAboutLoops) {
+TEST_F(SlamTool, ReportsLoopStatistics) {
   Succeeded(Slam(Room(), Output(), {"--loop_closure"}));
   const nlohmann::json summary = Summary(Output());
   EXPECT_GE(summary["keyframes"], 1);
   for (const char* key : {"loops_proposed", "loops_accepted", "loops_refused", "relocalisations",
                           "map_corrections", "submaps_apart", "surfels_merged_by_loops"}) {
-    EXPECT_EQ(summary[key], 0) << key;  // so short a walk has none
+    EXPECT_EQ(summary[key], 0) << key;  // the path is too short for loops
   }
   EXPECT_EQ(summary["submaps"], 1);
   EXPECT_EQ(Lines(Output() + "/loops.csv").size(), 1u);
@@ -95,7 +94,7 @@ TEST_F(SlamTool, SaysWhatItDidAboutLoops) {
   EXPECT_EQ(CountPoses(Output() + "/trajectory.txt"), kFrames);
 }
 
-TEST_F(SlamTool, GivesTheSameDigestAgainAndAtAnyNumberOfThreads) {
+TEST_F(SlamTool, DigestDoesNotDependOnThreads) {
   std::vector<std::string> digests, maps;
   for (const char* threads : {"--threads=1", "--threads=2", "--threads=2", "--threads=4"}) {
     Succeeded(Slam(Room(), Output(), {threads}));
@@ -106,7 +105,7 @@ TEST_F(SlamTool, GivesTheSameDigestAgainAndAtAnyNumberOfThreads) {
   for (const std::string& map : maps) EXPECT_TRUE(map == maps[0]);
 }
 
-TEST_F(SlamTool, GivesTheSameDigestWithBaseInstructionsAlone) {
+TEST_F(SlamTool, DigestDoesNotDependOnInstructionSet) {
   Succeeded(Slam(Room(), Output()));
   const nlohmann::json best = Summary(Output());
   setenv("SURFIT_INSTRUCTIONS", "base", 1);
@@ -125,10 +124,10 @@ TEST_F(SlamTool, TracesEveryStageOfEveryFrame) {
   std::map<std::pair<std::string, int>, int> counts;
   for (const Slice& slice : slices) ++counts[{slice.name, slice.frame}];
   std::map<int, std::int64_t> tracked_ns;
-  for (const Slice& slice : slices) {  // in the order in which they ended
+  for (const Slice& slice : slices) {  // in order of their end
     if (slice.name == "track") tracked_ns[slice.frame] = slice.end_ns;
     if (slice.name == "draw_ahead" && slice.frame > 0) {
-      EXPECT_GE(slice.begin_ns, tracked_ns.at(slice.frame)) << "a pose waited for drawing";
+      EXPECT_GE(slice.begin_ns, tracked_ns.at(slice.frame)) << "a pose waited for rendering";
     }
   }
   for (int frame = 0; frame < kFrames; ++frame) {
@@ -141,85 +140,83 @@ TEST_F(SlamTool, TracesEveryStageOfEveryFrame) {
     }
   }
   for (const char* stage : {"decode", "preprocess", "predict", "track", "fuse", "write"}) {
-    EXPECT_THAT(result.out, HasSubstr("\n" + std::string(stage) + " ")) << result.out;
+    EXPECT_THAT(result.out, ContainsRegex("\n" + std::string(stage) + " ")) << result.out;
     const nlohmann::json times = Summary(Output())["stage_ms"][stage];
     EXPECT_GT(times["share"], 0) << stage;
     EXPECT_LE(times["median"], times["p95"]) << stage;
   }
 }
 
-TEST_F(SlamTool, TracksAlikeWithEverySolver) {
+TEST_F(SlamTool, TracksEquallyWithEverySolver) {
   std::vector<double> errors_m;
   for (const char* solver : {"--solver=closed_form_ldlt", "--solver=closed_form_lu",
                              "--solver=closed_form_qr", "--solver=ceres", "--solver=tiny"}) {
     Succeeded(Slam(Room(), Output(), {solver, "--last=9"}));
     errors_m.push_back(Summary(Output())["ate_rmse_m"]);
   }
-  // They solve the same problem; their sums differ in the seventh digit (single against double
-  // precision), and a pair on the border of a gate may fall on either side.
+  // The solvers minimise the same cost. Sums in single and double precision differ in the seventh
+  // digit, which can change correspondences at the border of a gate.
   EXPECT_NEAR(errors_m[1], errors_m[0], 1e-4);
   EXPECT_NEAR(errors_m[2], errors_m[0], 1e-4);
-  // Levenberg-Marquardt goes to each problem's minimum, where a Gauss-Newton step stops short: of
-  // errors of millimetres a tenth.
+  // Levenberg-Marquardt converges to the minimum of each problem, while a Gauss-Newton step stops
+  // before. The difference is a tenth of the error.
   EXPECT_NEAR(errors_m[3], errors_m[0], 5e-4);
   EXPECT_NEAR(errors_m[4], errors_m[3], 1e-4);
 }
 
-// An angle is a flag in degrees; a gate that differs in its last digit lets other pairs through,
-// now and then.
-TEST_F(SlamTool, TheDefaultGateIsTheLibrarysToTheLastBit) {
+// The flag is in degrees. A gate that differs in the last bit can accept different correspondences.
+TEST_F(SlamTool, DefaultGateEqualsTheLibraryBitwise) {
   Succeeded(Slam(Room(), Output(), {"--last=1"}));
   const std::string degrees = Summary(Output())["options"]["max_normal_angle_deg"];
   EXPECT_EQ(std::stod(degrees) * (3.14159265358979323846 / 180),
             SlamOptions().icp.gates.max_normal_angle_rad);
 }
 
-TEST_F(SlamTool, HelpNamesEverydayFlagsWithTheirDefaultsOnTwoScreens) {
+TEST_F(SlamTool, HelpShowsCommonFlagsOnTwoScreens) {
   const ProgramResult result = Succeeded(RunProgram("surfit_slam", {"--help"}));
   for (const char* text : {"--sequence", "--output", "--downsample=1", "--solver=closed_form_ldlt",
                            "--flagfile", "--help=GROUP"}) {
-    EXPECT_THAT(result.out, HasSubstr(text));
+    EXPECT_THAT(result.out, Names(text));
   }
   EXPECT_LE(std::count(result.out.begin(), result.out.end(), '\n'), 2 * 30);
 }
 
-TEST_F(SlamTool, HelpOnAGroupOrOnAllNamesFurtherFlags) {
+TEST_F(SlamTool, HelpOnAGroupShowsItsFlags) {
   for (const char* flag : {"--help=map", "--helpon=map"}) {
     EXPECT_THAT(Succeeded(RunProgram("surfit_slam", {flag})).out,
-                AllOf(HasSubstr("--duplicate_share=0.7"), Not(HasSubstr("--sequence"))));
+                AllOf(Names("--duplicate_share=0.7"), Not(Names("--sequence"))));
   }
   for (const char* flag : {"--help=all", "--helpfull"}) {
     EXPECT_THAT(Succeeded(RunProgram("surfit_slam", {flag})).out,
-                AllOf(HasSubstr("--duplicate_share=0.7"), HasSubstr("--sequence")));
+                Names("--duplicate_share=0.7", "--sequence"));
   }
-  ExpectRefused(RunProgram("surfit_slam", {"--help=magic"}),
-                "--help is 'magic', must be one of: all, sequence, ");
+  ExpectRefused(RunProgram("surfit_slam", {"--help=magic"}), "--help", "magic", "all", "sequence");
 }
 
-TEST_F(SlamTool, AnswersShortQuestions) {
+TEST_F(SlamTool, PrintsShortHelpAndVersion) {
   EXPECT_EQ(Succeeded(RunProgram("surfit_slam", {"-h"})).out,
             Succeeded(RunProgram("surfit_slam", {"--help"})).out);
   EXPECT_THAT(Succeeded(RunProgram("surfit_slam", {"--version"})).out,
               MatchesRegex("surfit_slam [0-9]+.[0-9]+.[0-9]+\n"));
   for (const char* program : {"surfit_slam", "surfit_convert", "surfit_evaluate"}) {
-    ExpectRefused(RunProgram(program, {}), std::string(program) + " --help shows what it takes\n");
+    ExpectRefused(RunProgram(program, {}), program, "--help");
   }
 }
 
-TEST_F(SlamTool, NamesTheFlagThatWasMeant) {
+TEST_F(SlamTool, SuggestsSimilarFlags) {
   const auto expect_meant = [](const std::string& argument, const std::string& meant) {
-    ExpectRefused(RunProgram("surfit_slam", {argument}), ", did you mean " + meant + "?\n");
+    ExpectRefused(RunProgram("surfit_slam", {argument}), meant);
   };
   expect_meant("--sequenc=x", "--sequence");
   expect_meant("--oupput=x", "--output");
   expect_meant("--noreprot", "--noreport");
-  expect_meant("--intr=1,2,3,4", "--intrinsics");  // the only one that begins so
-  EXPECT_THAT(RunProgram("surfit_slam", {"--zzzzzz=1"}).err, Not(HasSubstr("did you mean")));
+  expect_meant("--intr=1,2,3,4", "--intrinsics");  // the only flag with this prefix
+  EXPECT_THAT(RunProgram("surfit_slam", {"--zzzzzz=1"}).err, Not(ContainsRegex("--[a-gi-y]")));
   const std::string folder = own_.path();
-  ExpectRefused(RunProgram("surfit_slam", {folder}), "did you mean --sequence=" + folder + "?\n");
+  ExpectRefused(RunProgram("surfit_slam", {folder}), "--sequence=" + folder);
 }
 
-TEST_F(SlamTool, RecordsAllFlagsThoseOfItsPresetIncluded) {
+TEST_F(SlamTool, RecordsAllFlagsIncludingThePreset) {
   Succeeded(Slam(Room(), Output(), {"--last=1", "--kernel_width=2.5"}));
   const auto options = Summary(Output())["options"];
   EXPECT_EQ(options["kernel_width"], "2.5");
@@ -227,25 +224,25 @@ TEST_F(SlamTool, RecordsAllFlagsThoseOfItsPresetIncluded) {
   EXPECT_EQ(options["min_source_rows"], std::to_string(SlamOptions().icp.min_source_rows));
 }
 
-TEST_F(SlamTool, TakesFramesAsACameraOffersThem) {
-  constexpr double kSlowFps = 2;  // that a busy machine keeps up with under sanitizers
+TEST_F(SlamTool, ProcessesFramesAtSensorRate) {
+  constexpr double kSlowFps = 2;  // slow enough for sanitizers
   Succeeded(Slam(Room(), Output("free")));
   const ProgramResult result =
       Succeeded(Slam(Room(), Output(), {"--offered_fps=" + std::to_string(kSlowFps)}));
-  EXPECT_THAT(result.out, HasSubstr("latency"));
+  EXPECT_THAT(result.out, Names("latency"));
   const nlohmann::json summary = Summary(Output()), free = Summary(Output("free"));
   EXPECT_EQ(summary["frames_dropped"], 0);
   EXPECT_EQ(summary["frames_hurried"], 0);
   EXPECT_EQ(summary["longest_map_period"], SlamOptions().map_period);
   EXPECT_EQ(summary["digest"], free["digest"]);
   EXPECT_GE(summary["total_s"], (kFrames - 1) / kSlowFps);
-  EXPECT_LT(summary["frame_ms"]["median"], 1e3 / kSlowFps);  // without waiting
+  EXPECT_LT(summary["frame_ms"]["median"], 1e3 / kSlowFps);  // without the time between frames
   EXPECT_GT(summary["pose_latency_ms"]["median"], 0);
   EXPECT_LT(summary["pose_latency_ms"]["mean"], summary["latency_ms"]["mean"]);
   EXPECT_TRUE(free["latency_ms"].is_null());
 }
 
-TEST_F(SlamTool, CountsFramesThatAreNotTakenInTime) {
+TEST_F(SlamTool, CountsDroppedFrames) {
   Succeeded(Slam(Room(), Output(), {"--offered_fps=100000"}));
   const nlohmann::json summary = Summary(Output());
   EXPECT_GT(summary["frames_dropped"], 0);

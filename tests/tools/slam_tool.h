@@ -29,8 +29,8 @@ inline int CountPoses(const std::string& path) {
   }));
 }
 
-// Runs surfit_slam over a simulated Kinect's walk through a room, at 160 x 120 pixels, which is
-// made once for all tests of a file.
+// Runs surfit_slam on a simulated Kinect recording of a room at 160 x 120 pixels. All tests of a
+// suite share the recording.
 class SlamTool : public ::testing::Test {
  protected:
   static constexpr int kFrames = 24;
@@ -52,13 +52,13 @@ class SlamTool : public ::testing::Test {
     return path;
   }
   static std::string Room() { return folder_->path() + "/room"; }
-  // A copy of the room that a test may spoil.
+  // A copy of the room that tests may modify.
   std::string CopyOfRoom() const {
     const std::string copy = own_.path() + "/copy";
     std::filesystem::copy(Room(), copy, std::filesystem::copy_options::recursive);
     return copy;
   }
-  // The room's frames over and over, so many that no run is done before it is interrupted.
+  // The frames of the room, repeated so often that no run ends before it is interrupted.
   std::string EndlessRoom() const {
     const std::string copy = CopyOfRoom();
     const std::vector<std::string> rows = Lines(copy + "/associations.txt");

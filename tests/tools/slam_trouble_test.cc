@@ -1,4 +1,4 @@
-// What surfit_slam saves, and says, when something goes wrong around it.
+// Results and messages of surfit_slam after faults of its environment.
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 class SlamTrouble : public SlamTool {
  protected:
-  // The command for the shell.
+  // Shell command of a run.
   std::string SlamCommand(const std::string& flags = "") const {
     return "$tools/surfit_slam --sequence=" + Room() + " --output=" + Output() + " --nopictures " +
            flags;
@@ -53,7 +53,7 @@ void WaitForPoses(const std::string& output, int count) {
   }
 }
 
-TEST_F(SlamTrouble, WritesNoProgressIntoFilesWhereStreamsAreClosed) {
+TEST_F(SlamTrouble, WritesNoProgressIntoFilesIfStreamsAreClosed) {
   for (const char* closed : {"<&-", ">&-", "2>&-", "<&- >&- 2>&-"}) {
     EXPECT_EQ(RunShell(SlamCommand(closed)).exit_code, 0) << closed;
     ExpectWhole(Output());
@@ -61,16 +61,16 @@ TEST_F(SlamTrouble, WritesNoProgressIntoFilesWhereStreamsAreClosed) {
   }
 }
 
-TEST_F(SlamTrouble, GoesOnWhereAPipeIsClosed) {
+TEST_F(SlamTrouble, ContinuesAfterAPipeIsClosed) {
   const ProgramResult result =
       RunShell("{ " + SlamCommand() + " 2>&1; echo $? > " + (own_ / "code") + "; } | true");
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_EQ(ReadBytes(own_ / "code"), "1\n");  // nobody has read what it says
+  EXPECT_EQ(ReadBytes(own_ / "code"), "1\n");  // nobody reads its output
   ExpectWhole(Output());
   EXPECT_EQ(Summary(Output())["frames_tracked"], kFrames);
 }
 
-TEST_F(SlamTrouble, EndsEarlyButWholeWhenTheTerminalGoes) {
+TEST_F(SlamTrouble, WritesCompleteResultsAfterSighup) {
   RunningProgram program("surfit_slam", {"--sequence=" + EndlessRoom(), "--output=" + Output(),
                                          "--nopictures", "--threads=1"});
   WaitForPoses(Output(), 2);
@@ -80,53 +80,52 @@ TEST_F(SlamTrouble, EndsEarlyButWholeWhenTheTerminalGoes) {
   EXPECT_EQ(Summary(Output())["interrupted"], true);
 }
 
-TEST_F(SlamTrouble, GoesOnWithoutATerminalIfAskedTo) {
+TEST_F(SlamTrouble, ContinuesWithoutATerminalWithNohup) {
   const ProgramResult result =
       RunShell("trap '' HUP; " + SlamCommand() + " & kill -HUP $!; wait $!");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(Summary(Output())["interrupted"], false);
 }
 
-TEST_F(SlamTrouble, RefusesAFolderThatAnotherRunWritesInto) {
+TEST_F(SlamTrouble, RejectsAFolderOfARunningProcess) {
   RunningProgram program("surfit_slam", {"--sequence=" + EndlessRoom(), "--output=" + Output(),
                                          "--nopictures", "--threads=1"});
   WaitForPoses(Output(), 2);
-  ExpectRefused(Slam(Room(), Output()), "is being written into by process");
+  ExpectRefused(Slam(Room(), Output()), Output());
   program.Signal(SIGTERM);
   Succeeded(program.Wait());
   ExpectWhole(Output());
   Succeeded(Slam(Room(), Output()));
 }
 
-TEST_F(SlamTrouble, TakesOverFromARunThatWasKilled) {
+TEST_F(SlamTrouble, ReusesTheFolderOfAKilledRun) {
   {
     RunningProgram program("surfit_slam", {"--sequence=" + EndlessRoom(), "--output=" + Output(),
                                            "--nopictures", "--threads=1"});
     WaitForPoses(Output(), 2);
-  }  // kills it
+  }  // SIGKILL
   const ProgramResult result = Succeeded(Slam(Room(), Output()));
-  EXPECT_THAT(result.err, HasSubstr("has ended without a word"));
+  EXPECT_THAT(result.err, HasWarning(Output()));
   ExpectWhole(Output());
 }
 
-// The map is the largest file by far: all others find place.
-TEST_F(SlamTrouble, WritesWhatFindsPlaceWhereTheMapDoesNot) {
+// The map is the only file above the size limit.
+TEST_F(SlamTrouble, WritesOtherResultsIfTheMapIsTooLarge) {
   const ProgramResult result = RunShell("ulimit -f 64; " + SlamCommand());
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("error: cannot write '" + Output() + "/map.ply'"),
-                                HasSubstr("File too large")));
+  EXPECT_THAT(result.err, AllOf(HasError(Output() + "/map.ply"), HasSubstr("File too large")));
   EXPECT_FALSE(fs::exists(Output() + "/map.ply"));
   const nlohmann::json summary = Summary(Output());
-  EXPECT_THAT(summary["failure"].get<std::string>(), HasSubstr("map.ply"));
+  EXPECT_THAT(summary["failure"].get<std::string>(), Names("map.ply"));
   EXPECT_EQ(summary["frames_tracked"], kFrames);
   EXPECT_EQ(CountPoses(Output() + "/trajectory.txt"), kFrames);
   EXPECT_TRUE(fs::exists(Output() + "/poses.json"));
   for (const auto& entry : fs::directory_iterator(Output())) {
-    EXPECT_THAT(entry.path().string(), Not(HasSubstr("partial")));
+    EXPECT_EQ(entry.path().string().find("partial"), std::string::npos) << entry.path();
   }
 }
 
-TEST_F(SlamTrouble, CutsNoLineOfTheTrajectoryWhereThereIsNoPlace) {
+TEST_F(SlamTrouble, WritesOnlyCompleteLinesOnAFullDisk) {
   const ProgramResult result = RunShell("ulimit -f 2; " + SlamCommand());
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("File too large"));
@@ -135,7 +134,7 @@ TEST_F(SlamTrouble, CutsNoLineOfTheTrajectoryWhereThereIsNoPlace) {
   EXPECT_GT(ReadTumTrajectory(Output() + "/trajectory.txt").size(), 2u);
 }
 
-TEST_F(SlamTrouble, FailsWhereMostFramesAreLost) {
+TEST_F(SlamTrouble, FailsIfMostFramesAreLost) {
   const std::string copy = CopyOfRoom(), blank = own_.path() + "/blank.png";
   cv::imwrite(blank, cv::Mat(120, 160, CV_16UC1, cv::Scalar(0)));
   const std::vector<fs::path> depths = DepthImages(copy);
@@ -144,22 +143,22 @@ TEST_F(SlamTrouble, FailsWhereMostFramesAreLost) {
   }
   const ProgramResult result = Slam(copy, Output());
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("failed: only 10 of 24 frames have a pose"));
+  EXPECT_THAT(result.err, AllOf(ContainsRegex("(^|\n)failed: "), Names(10, 24)));
   ExpectWhole(Output());
 }
 
-TEST_F(SlamTrouble, CountsWhatIsMissingInsteadOfNamingEachFile) {
+TEST_F(SlamTrouble, SummarisesManyMissingFiles) {
   const std::string copy = CopyOfRoom();
   const std::vector<fs::path> depths = DepthImages(copy);
   for (std::size_t i = 8; i < depths.size(); ++i) fs::remove(depths[i]);
   const ProgramResult result = Slam(copy, Output());
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("and 13 more frames skipped"));
-  EXPECT_THAT(result.err, HasSubstr(depths[8].filename().string()));
-  EXPECT_THAT(result.err, Not(HasSubstr(depths[20].filename().string())));
+  EXPECT_THAT(result.err, Names(13));
+  EXPECT_THAT(result.err, Names(depths[8].filename().string()));
+  EXPECT_THAT(result.err, Not(Names(depths[20].filename().string())));
 }
 
-TEST_F(SlamTrouble, ReadsNoPipeOrDeviceThatAListNames) {
+TEST_F(SlamTrouble, SkipsPipesAndDevices) {
   const std::string copy = CopyOfRoom();
   const std::vector<fs::path> depths = DepthImages(copy);
   fs::remove(depths[5]);
@@ -167,23 +166,23 @@ TEST_F(SlamTrouble, ReadsNoPipeOrDeviceThatAListNames) {
   fs::remove(depths[6]);
   fs::create_symlink("/dev/zero", depths[6]);
   const ProgramResult result = Succeeded(Slam(copy, Output()));
-  EXPECT_THAT(result.err, HasSubstr("it is no regular file"));
+  EXPECT_THAT(result.err, Names(depths[5].string()));
   EXPECT_EQ(Summary(Output())["frames_skipped"], 2);
 }
 
-TEST_F(SlamTrouble, RefusesToWriteOverWhatItReads) {
+TEST_F(SlamTrouble, RejectsOverwritingItsInput) {
   const std::string copy = CopyOfRoom(), camera = ReadBytes(copy + "/camera.yaml");
-  ExpectRefused(Slam(copy, copy), "--output is '" + copy + "', which --sequence reads");
+  ExpectRefused(Slam(copy, copy), "--output", copy, "--sequence");
   EXPECT_EQ(ReadBytes(copy + "/camera.yaml"), camera);
   Succeeded(Slam(copy, Output()));
   WriteBytes(Output() + "/camera.yaml", camera);
   ExpectRefused(Slam(copy, Output(), {"--camera=" + Output() + "/camera.yaml"}),
-                "camera.yaml is read");
+                Output() + "/camera.yaml");
   EXPECT_EQ(ReadBytes(Output() + "/camera.yaml"), camera);
 }
 
-// A stray image of a number that has come already is no reason to lose the map.
-TEST_F(SlamTrouble, FollowsAFolderWithAStrayImage) {
+// An image with a duplicate number must not stop the run.
+TEST_F(SlamTrouble, WatchesAFolderWithADuplicateImage) {
   const TempFolder live;
   for (const char* folder : {"depth", "rgb"}) {
     fs::create_directory(live.path() + "/" + folder);
@@ -198,7 +197,7 @@ TEST_F(SlamTrouble, FollowsAFolderWithAStrayImage) {
   fs::copy(Room() + "/camera.yaml", live / "camera.yaml");
   live.Write("done", "");
   const ProgramResult result = Succeeded(Slam(live.path(), Output(), {"--format=watch"}));
-  EXPECT_THAT(result.err, HasSubstr("-1.png and 1.png are both number 1"));
+  EXPECT_THAT(result.err, Names("-1.png", "1.png", 1));
   EXPECT_EQ(Summary(Output())["frames_tracked"], 4);
   ExpectWhole(Output());
 }

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# A Slurm of two nodes on this machine, on loopback alone, with all of its files in one folder. To be
-# sourced by a test that runs as root:
+# A Slurm cluster with two nodes on this machine. It uses only the loopback interface, and one folder for
+# all files. Functions for tests that run as root:
 #   start_cluster FOLDER   with munged, slurmctld and a slurmd for each node; sets SLURM_CONF
-#   node_jobs NODE         what runs there: the number of each job and its name, a line each
-#   restarted_jobs         the same of jobs that were started again
-#   fail_node NODE         sets it down as an administrator does
-#   resume_node NODE       takes it back
-#   kill_node NODE         ends its slurmd and its jobs at once, as if its power failed
+#   node_jobs NODE         running jobs of a node: number and name, one job per line
+#   restarted_jobs         restarted jobs in the same format
+#   fail_node NODE         sets a node to DOWN like an administrator
+#   resume_node NODE       returns a node to service
+#   kill_node NODE         kills slurmd and the jobs of a node, like a power failure
 #   stop_cluster
-# What it starts ends with the test, however that ends.
+# All processes end with the test.
 
 slurm_programs=(munged slurmctld slurmd sbatch scancel scontrol)
 nodes=(node1 node2)
@@ -40,7 +40,7 @@ SlurmctldPort=${ports[0]}
 CommunicationParameters=NoInAddrAny,NoCtldInAddrAny
 SlurmUser=root
 AuthType=auth/munge
-# Slurm starts a job again when the credential of its former start has expired, else in two minutes.
+# Slurm restarts a job after the credential of its former start expires. The default is two minutes.
 AuthInfo=socket=$cluster/munge.socket,cred_expire=20
 StateSaveLocation=$cluster/state
 SlurmctldPidFile=$cluster/slurmctld.pid
@@ -48,7 +48,7 @@ SlurmctldLogFile=$cluster/slurmctld.log
 SlurmdSpoolDir=$cluster/spool_%n
 SlurmdPidFile=$cluster/%n.pid
 SlurmdLogFile=$cluster/%n.log
-# Nodes have the cores and the memory that are told, whatever the machine has.
+# Nodes have the configured cores and memory, independent of the machine.
 SlurmdParameters=config_overrides
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
@@ -58,9 +58,9 @@ MpiDefault=none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU_Memory
 SchedulerParameters=batch_sched_delay=1
-# What became of jobs is known to the end.
+# Keeps records of completed jobs until the end of the test.
 MinJobAge=7200
-# A node that does not answer for so many seconds is down.
+# A node is DOWN after this time without an answer, s.
 SlurmdTimeout=10
 C
   for ((i = 0; i < ${#nodes[@]}; ++i)); do
@@ -85,7 +85,7 @@ start_cluster() {
   for node in "${nodes[@]}"; do wait_until "an idle $node" node_is "$node" IDLE; done
 }
 
-wait_until() {  # wait_until WHAT COMMAND...: for ten minutes at most
+wait_until() {  # wait_until WHAT COMMAND...: waits for at most ten minutes
   local i
   for ((i = 0; i < 3000; ++i)); do
     if "${@:2}" >/dev/null 2>&1; then return; fi
@@ -94,7 +94,7 @@ wait_until() {  # wait_until WHAT COMMAND...: for ten minutes at most
   fail "never: $1"
 }
 
-# State is one of Slurm's words, as IDLE or DOWN.
+# The state is a state of Slurm, for example IDLE or DOWN.
 node_is() { [[ $(scontrol --oneliner show node "$1") =~ \ State=$2[*+\ ] ]]; }
 cluster_jobs() { scontrol --oneliner show job 2>/dev/null || true; }
 restarted_jobs() { cluster_jobs | sed -En 's/^JobId=([0-9]+) JobName=(\S+) .* Restarts=[1-9].*/\1 \2/p'; }
@@ -106,7 +106,7 @@ resume_node() { scontrol update nodename="$1" state=resume; }
 
 kill_node() {
   kill -KILL "${daemons[$1]}"
-  { wait "${daemons[$1]}" || true; } 2>/dev/null  # else bash tells of its end
+  { wait "${daemons[$1]}" || true; } 2>/dev/null  # suppresses the message of bash
   unset "daemons[$1]"
   local process parent jobs=() parents=()
   mapfile -t jobs < <(node_processes "$1")
@@ -114,11 +114,11 @@ kill_node() {
     parent=$(sed -n 's/^PPid:\t//p' "/proc/$process/status" 2>/dev/null) || continue
     [[ $(<"/proc/$parent/comm") != slurmstepd ]] || parents+=("$parent")
   done 2>/dev/null
-  # Who watches a job goes first, so that nobody tells of its end.
+  # The parents are killed as well, so that they do not report the end of the jobs.
   ((${#jobs[@]} == 0)) || kill -KILL "${parents[@]}" "${jobs[@]}" 2>/dev/null || true
 }
 
-# The processes of its jobs. These take seconds: one program finds them all at once.
+# Process ids of the jobs of a node. One grep is much faster than one per process.
 node_processes() {
   grep -lzx "SLURMD_NODENAME=$1" /proc/[0-9]*/environ 2>/dev/null |
     xargs -r grep -lzx "SLURM_CONF=$SLURM_CONF" 2>/dev/null | cut -d / -f 3

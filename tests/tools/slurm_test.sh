@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# A scan on a Slurm of its own, with nodes that fail on the way:
+# A scan on a local Slurm cluster with failing nodes:
 #   slurm_test.sh FOLDER_OF_PROGRAMS
-# Takes a few minutes. Exits with 77 where the packages are missing
-# (tools/scripts/install_dependencies.sh cluster) or the user is not root.
+# Takes a few minutes. Exits with code 77 if packages are missing
+# (tools/scripts/install_dependencies.sh cluster), or without root permissions.
 set -euo pipefail
 programs=$1
 # shellcheck source=slurm_cluster.sh
@@ -18,7 +18,7 @@ running=()
 clean_up() {
   ((!${#running[@]})) || kill "${running[@]}" 2>/dev/null || true
   stop_cluster
-  # A job that was just ended may still write.
+  # A killed job may still be writing.
   rm -rf "$folder" 2>/dev/null || { sleep 2; rm -rf "$folder"; }
 }
 trap clean_up EXIT
@@ -44,19 +44,19 @@ echo "A scan on this machine"
   --surface_grid_m=0.1 >"$folder/simulate.txt" 2>&1
 (scan local --cores=2) || fail "the scan on this machine failed"
 
-echo "The same on a Slurm of two nodes"
+echo "A scan on a Slurm cluster with two nodes"
 start_cluster "$folder/cluster"
 (scan slurm --profile=slurm) || fail "the scan by Slurm failed"
-[[ $(digest slurm) == "$(digest local)" ]] || fail "by Slurm: $(digest slurm), else: $(digest local)"
+[[ $(digest slurm) == "$(digest local)" ]] || fail "digest $(digest slurm) with Slurm, $(digest local) without"
 jobs=$(receipts slurm)
-[[ $jobs == "$(receipts local)" ]] || fail "$jobs jobs by Slurm, $(receipts local) else"
+[[ $jobs == "$(receipts local)" ]] || fail "$jobs jobs with Slurm, $(receipts local) without"
 [[ $(submitted slurm) == "$jobs" ]] || fail "$(submitted slurm) jobs were submitted, not $jobs"
 for node in "${nodes[@]}"; do
   cluster_jobs | grep -q " JobState=COMPLETED .* NodeList=$node " || fail "$node has done no job"
 done
-[[ -z $(restarted_jobs) ]] || fail "jobs were started again though no node failed"
+[[ -z $(restarted_jobs) ]] || fail "jobs were restarted without a node failure"
 
-echo "The same with nodes that fail"
+echo "A scan with failing nodes"
 (scan failing --profile=slurm) &
 running=("$!")
 wait_until "a fragment on node2" runs_a node2 fragment
@@ -68,20 +68,20 @@ resume_node node2
 wait_until "a tile on node1" runs_a node1 tile
 touch "$folder/killed"
 kill_node node1
-lost_later=$(node_jobs node1)  # as the cluster believes for some seconds
+lost_later=$(node_jobs node1)  # the cluster detects the failure after some seconds
 echo "  node1 is killed with ${lost_later//$'\n'/, }"
 wait_until "node1 to be missed" node_is node1 DOWN
 wait "${running[0]}" || fail "the scan with failing nodes failed"
 running=()
-[[ $(digest failing) == "$(digest local)" ]] || fail "with failing nodes: $(digest failing), else: $(digest local)"
-# Slurm has started jobs of the nodes that failed again (one may have come to its end), and no other.
+[[ $(digest failing) == "$(digest local)" ]] || fail "digest $(digest failing) with failing nodes, $(digest local) without"
+# Slurm has restarted only jobs of failed nodes. One of these jobs may have completed before.
 restarted=$(restarted_jobs)
-echo "  started again: ${restarted//$'\n'/, }"
-[[ -n $(common "$restarted" "$lost") ]] || fail "no job of node2 was started again"
-[[ -n $(common "$restarted" "$lost_later") ]] || fail "no job of node1 was started again"
+echo "  restarted: ${restarted//$'\n'/, }"
+[[ -n $(common "$restarted" "$lost") ]] || fail "no job of node2 was restarted"
+[[ -n $(common "$restarted" "$lost_later") ]] || fail "no job of node1 was restarted"
 [[ $(common "$restarted" "$lost"$'\n'"$lost_later") == $(sort <<<"$restarted") ]] ||
-  fail "jobs of other nodes were started again"
+  fail "jobs of other nodes were restarted"
 [[ $(submitted failing) == "$jobs" ]] || fail "$(submitted failing) jobs were submitted, not $jobs"
 late=$(receipts failing -newer "$folder/killed" ! -name 'tile_*' ! -name report.json)
-[[ $late == 0 ]] || fail "$late jobs that were done have been done again"
+[[ $late == 0 ]] || fail "$late completed jobs were repeated"
 echo "done"

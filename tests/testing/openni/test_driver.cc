@@ -1,4 +1,4 @@
-// A driver of OpenNI2 for tests: one virtual camera, see CameraScript.
+// OpenNI2 driver for tests with one virtual camera, see CameraScript.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-// The package has the headers of drivers, but not the one that these are of.
+// The Debian package lacks the header that defines these macros of the driver headers.
 #define XN_NEW(Type, ...) new Type(__VA_ARGS__)
 #define XN_DELETE(pointer) delete (pointer)
 #include <Driver/OniDriverAPI.h>
@@ -26,7 +26,7 @@ struct StampedImage {
   std::vector<char> bytes;
 };
 
-// What the script's file holds.
+// Contents of the script file.
 class Film {
  public:
   bool Read() {
@@ -41,7 +41,7 @@ class Film {
 
   const CameraScript& script() const { return script_; }
 
-  // Depth and colour.
+  // Reads depth and colour of a frame.
   void ReadFrame(int index, StampedImage* depth, StampedImage* color) {
     const std::streamoff pixels = static_cast<std::streamoff>(script_.width) * script_.height;
     const std::streamoff size = 16 + pixels * (script_.has_color != 0 ? 5 : 2);
@@ -97,7 +97,7 @@ class TestStream : public oni::driver::StreamBase {
         return Give(film_.script().vertical_fov_rad, data, size);
       case ONI_STREAM_PROPERTY_MAX_VALUE:
         return Give(65534, data, size);
-      // A recording of the camera does not play without these.
+      // Playback of recordings requires these properties.
       case ONI_STREAM_PROPERTY_STRIDE:
         return Give(getRequiredFrameSize() / mode().resolutionY, data, size);
       case ONI_STREAM_PROPERTY_CROPPING:
@@ -172,7 +172,7 @@ class TestStream : public oni::driver::StreamBase {
   const Film& film_;
   const OniSensorType sensor_;
   std::atomic<bool> is_started_{false};
-  OniBool mirrors_ = TRUE;  // as cameras do if nothing is said
+  OniBool mirrors_ = TRUE;  // default of cameras
   int count_ = 0;
 };
 
@@ -221,7 +221,7 @@ class TestDevice : public oni::driver::DeviceBase {
     return mode == ONI_IMAGE_REGISTRATION_OFF || film_.script().can_register != 0;
   }
 
-  // To all streams, once all are started; whether they are.
+  // Sends images to all streams. Returns false until all streams are started.
   bool Send(const StampedImage& depth, const StampedImage& color) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (streams_.empty()) return false;
@@ -251,7 +251,7 @@ class TestDriver : public oni::driver::DriverBase {
                        oni::driver::DeviceDisconnectedCallback disconnected,
                        oni::driver::DeviceStateChangedCallback changed, void* cookie) override {
     DriverBase::initialize(connected, disconnected, changed, cookie);
-    if (!film_.Read()) return ONI_STATUS_OK;  // without a camera
+    if (!film_.Read()) return ONI_STATUS_OK;  // no camera
     PlugIn();
     thread_ = std::thread([this] { Play(); });
     return ONI_STATUS_OK;
@@ -290,7 +290,7 @@ class TestDriver : public oni::driver::DriverBase {
     deviceConnected(&info_);
   }
 
-  // Sends the frame once there is somebody to take it.
+  // Waits until the streams are started, and sends the frame.
   void Send(const StampedImage& depth, const StampedImage& color) {
     const std::chrono::microseconds period(film_.script().period_us);
     while (!ends_) {

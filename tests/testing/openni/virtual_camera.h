@@ -18,20 +18,20 @@
 
 namespace surfit::testing {
 
-// What the virtual camera sees in one moment.
+// One frame of the virtual camera.
 struct FilmFrame {
   std::uint64_t depth_us = 0, color_us = 0;
   Image<std::uint16_t> depth;
   Image<Rgb8> color;
 };
 
-// The virtual camera of test_driver.cc, plugged in while this lives, for this process and those
-// that it starts. The library to give as openni2_library has its driver.
+// The virtual camera of test_driver.cc, for this process and its children. It is connected during
+// the lifetime of this object. Use library() as openni2_library.
 class VirtualCamera {
  public:
   static std::string library() { return SURFIT_TOOLS_DIR "/../tests/openni/libOpenNI2.so.0"; }
 
-  // `script` but for the sizes and the number of frames, which are those of the film.
+  // The film determines image sizes and number of frames. The other values are those of `script`.
   VirtualCamera(CameraScript script, const std::vector<FilmFrame>& film) {
     script.width = film[0].depth.width();
     script.height = film[0].depth.height();
@@ -54,7 +54,7 @@ class VirtualCamera {
   VirtualCamera(const VirtualCamera&) = delete;
   VirtualCamera& operator=(const VirtualCamera&) = delete;
 
-  // What has been set in it.
+  // Log of changed settings.
   std::string Log() const {
     std::ifstream log(path() + ".log");
     return {std::istreambuf_iterator<char>(log), std::istreambuf_iterator<char>()};
@@ -66,15 +66,15 @@ class VirtualCamera {
   TempFolder folder_;
 };
 
-// A film's frames, 1/30 s apart from 0 on. OpenNI2's recorder leaves out the first frame that
-// comes, and lets the stamps begin at 0 with the second.
+// Frame of a film at 30 Hz with timestamps from 0. The recorder of OpenNI2 drops the first frame,
+// and sets the timestamp of the second frame to 0.
 inline FilmFrame FilmFrameOf(int number, Image<std::uint16_t> depth, Image<Rgb8> color) {
   constexpr std::uint64_t kPeriod_us = 33333;
   const std::uint64_t stamp_us = kPeriod_us * number;
   return {stamp_us, stamp_us, std::move(depth), std::move(color)};
 }
 
-// Records all that the virtual camera sends by OpenNI2's own recorder, without loss.
+// Records all frames of the virtual camera with the recorder of OpenNI2.
 inline void RecordOni(const std::string& path) {
   void* const library = dlopen(VirtualCamera::library().c_str(), RTLD_NOW | RTLD_NODELETE);
   ASSERT_NE(library, nullptr) << dlerror();
@@ -93,7 +93,7 @@ inline void RecordOni(const std::string& path) {
     ++count;
   }
   ASSERT_EQ(SURFIT_CALL(oniRecorderStart)(recorder), ONI_STATUS_OK);
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // it has a thread that starts
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // start of the recorder thread
   for (int i = 0; i < count; ++i) ASSERT_EQ(SURFIT_CALL(oniStreamStart)(streams[i]), ONI_STATUS_OK);
   constexpr int kSilence_ms = 1000;
   int ready = 0;

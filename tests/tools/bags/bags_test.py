@@ -1,7 +1,7 @@
-"""Frames in ROS bags give the run of the same frames in a folder: bags_test.py FOLDER_OF_PROGRAMS
+"""Runs on ROS bags equal the run on a folder with the same frames: bags_test.py FOLDER_OF_PROGRAMS
 
-Exits with 77 where a program that writes bags is missing, but only after what the others have
-written is compared."""
+If a program that writes bags is missing, the test exits with code 77 after the comparison of the
+other bags."""
 
 import json
 import pathlib
@@ -34,8 +34,8 @@ def main():
         bags = sorted((folder / "bags").iterdir())
         for bag in bags:
             found = digest(bag, folder / f"of_{bag.name}", "--depth_scale=5000")
-            assert found == expected, f"{bag.name}: {found[0]} is not the folder's {expected[0]}"
-            print(f"{bag.name}: {found[0]}, as the folder's")
+            assert found == expected, f"{bag.name}: {found[0]} differs from the folder: {expected[0]}"
+            print(f"{bag.name}: {found[0]}, equal to the folder")
     sys.exit(0 if len(bags) == 8 else 77)
 
 

@@ -1,10 +1,10 @@
-"""Writes a TUM folder's frames as recordings of ROS, by programs that are not ours.
+"""Writes the frames of a TUM folder as ROS bags with third-party programs.
 
     write_bags.py FOLDER OUTPUT     OUTPUT/room{,_lz4,_bz2}.bag, room{,_lz4,_zstd,_plain}.mcap, room.db3
 
-rosbag (python3-rosbag) writes ROS 1 bags, npm's @mcap/core MCAP files, SQLite ROS 2's database. What
-is missing of them is said, and its files are left out. Colour is registered to depth, whose counts
-are written as they are.
+rosbag (python3-rosbag) writes ROS 1 bags, @mcap/core (npm) writes MCAP files, and SQLite writes the
+database of ROS 2. Files of missing programs are skipped with a message. Colour is registered to depth.
+Depth counts are not scaled.
 """
 
 import base64
@@ -36,7 +36,7 @@ def listed(folder, name):
 
 
 def time_of(stamp):
-    """A stamp of text as seconds and nanoseconds, exactly."""
+    """Exact seconds and nanoseconds of a decimal timestamp."""
     whole, _, part = stamp.partition(".")
     return int(whole), int((part + "0" * 9)[:9])
 
@@ -63,7 +63,7 @@ def info(time, camera):
 
 
 def messages_of(folder):
-    """Topic, type, time and message of all, in order of time."""
+    """(topic, type, time, message) of all messages, sorted by time."""
     camera = camera_of(folder)
     found = []
     for name, topic, encoding in (("depth.txt", "/camera/depth", "16UC1"),
@@ -99,7 +99,7 @@ def write_ros1(messages, path, compression):
 
 
 def write_mcap(messages, path, how):
-    """Returns the messages in CDR."""
+    """Writes an MCAP file. Returns the messages in CDR."""
     as_json = [{"topic": topic, "type": kind.replace("/", "/msg/"), "time": time,
                 "message": {name: base64.b64encode(value).decode() if isinstance(value, bytes)
                             else value for name, value in message.items()}}
@@ -113,7 +113,7 @@ def write_mcap(messages, path, how):
 
 
 def write_db3(cdr, path):
-    """The tables of rosbag2's storage plugin sqlite3."""
+    """Writes the tables of the sqlite3 storage plugin of rosbag2."""
     path.unlink(missing_ok=True)
     with sqlite3.connect(path) as database:
         database.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT "
@@ -144,7 +144,7 @@ def main():
     except ImportError as error:
         print(f"no .bag: {error}")
     if not (HERE / "node_modules/@mcap/core").exists():
-        print("no .mcap and .db3: npm's @mcap/core is not installed")
+        print("no .mcap and .db3: @mcap/core (npm) is not installed")
         return
     for name, how in (("room_lz4", "lz4"), ("room_zstd", "zstd"), ("room_plain", "unchunked"),
                       ("room", "")):

@@ -1,4 +1,4 @@
-// Writes messages as an MCAP file, and prints them in CDR for who writes other files:
+// Writes messages as an MCAP file, and prints them in CDR for other writers:
 //   node write_mcap.mjs MESSAGES.json FILE.mcap [lz4|zstd|unchunked]
 // MESSAGES.json is a list of {topic, type, time: [sec, nsec], message}; data are in base64.
 import { readFileSync, writeFileSync } from 'node:fs';
