@@ -19,12 +19,12 @@ namespace surfit {
 // left perturbation. Const members are called from several threads.
 class OwnResidual {
  public:
-  static constexpr int kMostRows = 3;
+  static constexpr int kMaxRows = 3;
   using Cost = std::unique_ptr<ceres::CostFunction>;
   using Block = std::unique_ptr<ReducedBlock>;
 
   virtual ~OwnResidual() = default;
-  virtual int row_count() const = 0;  // 1 to kMostRows
+  virtual int row_count() const = 0;  // 1 to kMaxRows
   virtual NeededNormals needed_normals() const = 0;
 
   // Computes the rows [a r] of the correspondences [begin, end), r in m (row_sums.h). Column c of
@@ -59,7 +59,7 @@ class FunctorResidual final : public OwnResidual {
                 "q, n, m, 1/sigma");
   static_assert(Functor::kTurned < 0 || (kSize == 13 && Functor::kTurned == 9),
                 "surfit: kTurned of a residual must be negative, or 9 with 13 data values");
-  static_assert(kRows >= 1 && kRows <= kMostRows, "surfit: a residual must have one to three rows");
+  static_assert(kRows >= 1 && kRows <= kMaxRows, "surfit: a residual must have one to three rows");
 
  public:
   int row_count() const override { return kRows; }

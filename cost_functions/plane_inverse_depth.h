@@ -28,8 +28,8 @@ struct RowMotion {
 // ray e = ((u - cx)/fx, (v - cy)/fy, 1),
 //   1/z_plane = n . R e / (n . (p - t) + d).
 // If the readout time is longer by dT than in `RowMotion::readout_s`, the measured point X is at X
-// + dT (turn x X + way) (see AtMiddleOfReadout()). Then e + dT turn x e replaces e, and t + dT R
-// way replaces t. The residual equals the point-to-plane distance, divided by the distance of the
+// + dT (turn x X + way) (see CorrectRollingShutter()). Then e + dT turn x e replaces e, and t + dT
+// R way replaces t. The residual equals the point-to-plane distance, divided by the distance of the
 // camera to the plane and by the depth. It is in units of the measurement, so sigma does not depend
 // on the calibration. A residual in m would favour calibrations with small depths.
 class PlaneInverseDepth {

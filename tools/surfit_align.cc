@@ -13,13 +13,13 @@ void PrintResult(const AlignRunResult& result, bool verified) {
   const IcpResult& icp = result.registration.icp;
   std::printf(
       "%s: rmse %.4f m, inlier share %.3f, free-space share %.3f, smallest eigenvalue %.2e\n",
-      ToString(icp.termination).c_str(), icp.rmse_m, icp.inlier_share, icp.free_space_share,
-      icp.eigenvalues[0]);
+      ToString(icp.termination).c_str(), icp.rmse_m, icp.inlier_ratio,
+      icp.free_space_violation_ratio, icp.eigenvalues[0]);
   if (verified) {
     std::printf(
         "verification: overlap share %.3f, brightness correlation %.3f, detail correlation %.3f, "
         "score margin %.3f\n",
-        result.registration.overlap_share, result.registration.value_correlation,
+        result.registration.overlap_ratio, result.registration.value_correlation,
         result.registration.detail_correlation, result.registration.lead);
   }
   PrintPose(icp);
@@ -44,7 +44,7 @@ int Run(const AlignRunOptions& options) {
   }
   if (result.registration.accepted()) return kDone;
   std::fprintf(stderr, "failed: %s: %s\n", ToString(result.registration.reason).c_str(),
-               Doubt(result.registration, options.initialize.fit).c_str());
+               ViolatedCriterion(result.registration, options.initialize.fit).c_str());
   return kAlgorithmFailed;
 }
 

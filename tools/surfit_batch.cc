@@ -53,7 +53,7 @@ int Run(const Options& options) {
   const Workflow workflow(options.workflow, folder, "batch.smk");
   workflow.Lock();
   std::cout << PlanBatch(options.batch).size() << " sequences" << std::endl;
-  ForgetRuns(folder, options.workflow.retry_failed);
+  DeleteStaleRunReceipts(folder, options.workflow.retry_failed);
   const bool ended = workflow.Run();
   const std::vector<BatchRow> rows = ReportBatch(folder);
   PrintTable(rows);

@@ -44,7 +44,7 @@ void PrintTable(const std::vector<ComparisonRow>& rows) {
          Cell("%.1f", row.memory_bytes, 1e-6),
          Cell(row.iteration_ms ? "%.9g" : "%.5g", row.final_cost),
          Cell("%.2g", row.rotation_error_deg), Cell("%.2g", row.translation_error_m, 1000),
-         Cell("%.0f %%", row.converged_share, 100),
+         Cell("%.0f %%", row.converged_ratio, 100),
          row.termination.empty() ? "-" : row.termination});
   }
   std::fputs(TextTable(table, 3).c_str(), stdout);
@@ -77,7 +77,7 @@ int Run(const CompareOptions& options) {
 }
 
 void Prepare(CompareOptions* options) {
-  if (!options->run.empty()) TakeRecordedFlags(options->run, TableOf(&options->sequence));
+  if (!options->run.empty()) ApplyRecordedFlags(options->run, TableOf(&options->sequence));
   const bool clouds = !options->source.empty() || !options->target.empty();
   if (clouds) options->icp = RegisterCloudsOptions::DefaultIcp();
 }

@@ -54,7 +54,7 @@ void ConvertSequence(const Options& options) {
   const KlgSummary summary = WriteKlg(source.get(), options.output, options.klg);
   std::printf("%s: %d frames, %d skipped, %lld depths above 65.534 m removed\n",
               options.output.c_str(), summary.frames_written, summary.frames_skipped,
-              static_cast<long long>(summary.depths_beyond));
+              static_cast<long long>(summary.depths_out_of_range));
 }
 
 // Path of the camera.yaml that is used for the sequence by default.

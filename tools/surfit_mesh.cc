@@ -47,9 +47,10 @@ void Print(const Options& options, const PointCloud& cloud, std::size_t not_fini
               options.output.c_str(), cloud.points.size(), not_finite, mesh.vertices.size(),
               mesh.triangles.size(), summary.pieces,
               1e-6 * static_cast<double>(std::filesystem::file_size(options.output)));
-  if (summary.pieces_dropped > 0) {
+  if (summary.components_dropped > 0) {
     std::printf("; removed %zu pieces smaller than %g m, with %zu triangles",
-                summary.pieces_dropped, options.mesh.min_piece_m, summary.triangles_dropped);
+                summary.components_dropped, options.mesh.min_component_m,
+                summary.triangles_dropped);
   }
   if (summary.decimation_m > 0) {
     std::printf("; decimated from %zu triangles, which moved the surface by %.2f mm",
@@ -60,7 +61,7 @@ void Print(const Options& options, const PointCloud& cloud, std::size_t not_fini
         "; watertight: %zu holes filled with %zu triangles in unobserved areas, longest hole "
         "boundary "
         "%.2f m, %zu triangles removed",
-        summary.holes_filled, summary.triangles_added, summary.longest_rim_m,
+        summary.holes_filled, summary.triangles_added, summary.longest_hole_perimeter_m,
         summary.triangles_cut);
   }
   std::printf(
@@ -73,7 +74,7 @@ void Print(const MeshTexture& texture, const TextureSummary& summary) {
   std::printf(
       "texture: %d x %d texels, %.2f texels per pixel, from %d of %d frames in %zu charts; %zu "
       "triangles that no frame observes have the colours of the map\n",
-      texture.image.width(), texture.image.height(), summary.pixel_share, summary.frames_shown,
+      texture.image.width(), texture.image.height(), summary.pixel_ratio, summary.frames_used,
       summary.frames, summary.charts, summary.triangles_unseen);
 }
 
@@ -84,7 +85,7 @@ void Prepare(Options* options) {
     return;
   }
   if (options->map.empty()) options->map = options->run + "/map.ply";
-  TakeRecordedFlags(options->run, TableOf(&options->sequence), {}, RecordedCamera::kGiven);
+  ApplyRecordedFlags(options->run, TableOf(&options->sequence), {}, RecordedCamera::kGiven);
 }
 
 MeshTexture MakeTexture(const Options& options, const TriangleMesh& mesh, ProgressLine* progress,

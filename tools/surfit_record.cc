@@ -26,7 +26,7 @@ void PrintSummary(const RecordSummary& s, const std::string& output) {
   if (s.pauses > 0) std::printf("the camera was disconnected %d times\n", s.pauses);
   if (s.depth_is_rounded) {
     std::printf("depth in metres was rounded to 0.2 mm; %lld depths above 13.1 m were removed\n",
-                static_cast<long long>(s.depths_beyond));
+                static_cast<long long>(s.depths_out_of_range));
   }
 }
 

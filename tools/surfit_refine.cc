@@ -27,7 +27,7 @@ struct Options {
 
 void TakeRun(Options* options) {
   RequireFlag("run", options->run);
-  TakeRecordedFlags(options->run, TableOf(&options->refine.sequence));
+  ApplyRecordedFlags(options->run, TableOf(&options->refine.sequence));
   options->refine.trajectory = options->run + "/trajectory.txt";
   options->refine.output = options->run + "/refined";
 }

@@ -24,7 +24,7 @@ int Run(const RegisterRunOptions& options) {
   PrintCloud("target", result.target);
   PrintIterations(result.icp);
   std::printf("%s: rmse %.4f m, inlier share %.3f, smallest eigenvalue %.2e\n",
-              ToString(result.icp.termination).c_str(), result.icp.rmse_m, result.icp.inlier_share,
+              ToString(result.icp.termination).c_str(), result.icp.rmse_m, result.icp.inlier_ratio,
               result.icp.eigenvalues[0]);
   PrintPose(result.icp);
   std::printf("pictures: %s/before.png, %s/after.png\n", options.output.c_str(),

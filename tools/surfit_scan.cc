@@ -29,7 +29,7 @@ int RunAll(const ScanOptions& options) {
   workflow.Lock();
   const ScanPlan plan = PlanScan(options.plan);
   std::cout << plan.fragments.size() << " fragments" << std::endl;
-  ForgetJobs(scan, options.workflow.retry_failed);
+  DeleteStaleReceipts(scan, options.workflow.retry_failed);
   if (!workflow.Run()) return kBadInput;
   const ScanSummary summary = ReadScanSummary(scan);
   std::cout << summary.frames << " of " << summary.frames_total << " frames have a pose";
@@ -78,7 +78,7 @@ int RunGraph(const GraphOptions& options) {
   const GraphResult result = BuildScanGraph(options);
   std::cout << result.fragments << " fragments (" << result.missing << " missing, " << result.apart
             << " disconnected), " << result.keyframes << " keyframes, " << result.frames
-            << " frames; " << result.links_accepted << " links, " << result.links_left_out
+            << " frames; " << result.links_accepted << " links, " << result.links_rejected
             << " outliers; " << result.tiles << " tiles";
   if (result.ate_rmse_m) std::cout << "; ATE " << 1000 * *result.ate_rmse_m << " mm";
   std::cout << std::endl;

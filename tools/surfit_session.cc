@@ -118,7 +118,7 @@ int Merge(const Options& options) {
   std::cout << options.session << ": " << merged.sessions << " sessions, " << merged.frames
             << " frames, " << merged.keyframes << " keyframes, " << merged.loops_between
             << " loops between sessions, " << merged.surfels << " surfels ("
-            << merged.merged_doubles << " duplicates merged)" << std::endl;
+            << merged.merged_duplicates << " duplicates merged)" << std::endl;
   for (const std::string& apart : merged.apart) {
     std::cerr << "warning: " << apart
               << " has no loop closure to the first session: it stays a separate map\n";

@@ -15,7 +15,7 @@
 #include "simulate/surface_sampler.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
@@ -32,7 +32,7 @@ struct SimulatedFrame {
 };
 
 // Options, camera and renderer of the frames.
-struct Studio {
+struct FrameSimulator {
   const SimulateOptions& options;
   PinholeCamera camera;
   InverseDepthField error;
@@ -70,7 +70,7 @@ std::string FolderOfPart(int part, const SimulateOptions& options) {
 }
 
 // Frames are rendered and written in parallel. The surface is collected in frame order.
-SurfaceSampler WriteFrames(const Studio& studio, const Trajectory& path,
+SurfaceSampler WriteFrames(const FrameSimulator& studio, const Trajectory& path,
                            const SequenceWriter& writer) {
   constexpr int kBatch = 10;
   SurfaceSampler surface(studio.options.surface_grid_m);
@@ -122,7 +122,8 @@ void RemoveParts(const SimulateOptions& options) {
   }
 }
 
-SequenceTruth TruthOf(const Studio& studio, const RgbdCamera& camera, const Trajectory& path) {
+SequenceTruth TruthOf(const FrameSimulator& studio, const RgbdCamera& camera,
+                      const Trajectory& path) {
   SequenceTruth truth;
   truth.camera = camera;
   truth.field = studio.error;
@@ -130,7 +131,7 @@ SequenceTruth TruthOf(const Studio& studio, const RgbdCamera& camera, const Traj
   truth.color_readout_s = studio.options.color.color_readout_s;
   truth.exposure_s = studio.options.color.exposure_s;
   for (int i = 0; i < static_cast<int>(path.size()); ++i) {
-    truth.color_moments_s.push_back(studio.moving.ColorMoment(i));
+    truth.color_moments_s.push_back(studio.moving.ColorCaptureTime(i));
     truth.gains.push_back(studio.moving.gains(i));
   }
   return truth;
@@ -152,17 +153,18 @@ int Run(const SimulateOptions& options) {
   }
   const ThreadLimit limit(options.threads);
   const Scene scene = MakeScene(options.scene, options.seed, options.building);
-  const RgbdCamera camera = TrueCameraOf(options), given = GivenCameraOf(options, camera);
+  const RgbdCamera camera = TrueCameraOf(options), given = CameraYamlOf(options, camera);
   PathOptions path_options = options.path;
   path_options.frames_per_second = camera.frames_per_second;
   const Trajectory path = MakePath(scene, options.frames, options.seed, path_options);
-  const Studio studio = {options, camera.depth, error, {scene, camera, path, options.color}};
+  const FrameSimulator studio = {
+      options, camera.depth, error, {scene, camera, path, options.color}};
   const std::string output = FolderOfPart(options.part, options);
   const SequenceWriter writer(output,
                               options.image_y_up ? SequenceLayout::kIclNuim : SequenceLayout::kTum,
                               given, options.latency_s);
   writer.WriteLists(path);
-  if (HasHiddenTruth(options)) writer.WriteTruth(path, TruthOf(studio, camera, path));
+  if (HasUnlistedTruth(options)) writer.WriteTruth(path, TruthOf(studio, camera, path));
   const SurfaceSampler surface =
       options.join ? JoinParts(options, writer) : WriteFrames(studio, path, writer);
   WritePly(surface.cloud(), SurfaceFile(output));

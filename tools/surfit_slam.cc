@@ -40,13 +40,13 @@ void ShowFinalMap(const SlamRunProgress& progress) {
   static ProgressLine line;
   char text[200];
   std::snprintf(text, sizeof(text), "re-integrating with final poses: %d/%d  map %.2f M surfels",
-                progress.frames_fused_anew, progress.frames_done,
+                progress.frames_reintegrated, progress.frames_done,
                 static_cast<double>(progress.map_points) * 1e-6);
-  line.Show(text, progress.frames_fused_anew == progress.frames_done);
+  line.Show(text, progress.frames_reintegrated == progress.frames_done);
 }
 
 void ShowProgress(const SlamRunProgress& progress) {
-  if (progress.frames_fused_anew > 0) return ShowFinalMap(progress);
+  if (progress.frames_reintegrated > 0) return ShowFinalMap(progress);
   if (progress.refinement_rounds > 0) return ShowRefinement(progress);
   static ProgressLine line;
   const double fps = progress.frames_done / progress.elapsed_s;
@@ -65,16 +65,16 @@ void ShowProgress(const SlamRunProgress& progress) {
 
 void PrintLoops(const BackendCounts& c) {
   std::printf("%zu keyframes, %zu of %zu loop candidates accepted, %zu map corrections\n",
-              c.keyframes, c.loops_accepted, c.loops_proposed, c.corrections);
+              c.keyframes, c.loops_accepted, c.loop_candidates, c.corrections);
   if (c.relocalisations > 0) std::printf("relocalised %zu times\n", c.relocalisations);
-  if (c.submaps_apart > 0) {
+  if (c.disconnected_submaps > 0) {
     std::printf("%zu of %zu maps have no loop closure to the first map: they stay separate\n",
-                c.submaps_apart, c.submaps);
+                c.disconnected_submaps, c.submaps);
   }
 }
 
 // Prints the ATE with other timestamps, if they differ.
-void PrintOtherClocks(const SlamRunSummary& s) {
+void PrintOtherTimestamps(const SlamRunSummary& s) {
   if (s.sensor_latency_s != 0 && s.ate_without_latency) {
     std::printf("  %.4f m with the timestamps of the files, without the sensor latency of %g s\n",
                 s.ate_without_latency->translation_m.rmse, s.sensor_latency_s);
@@ -138,16 +138,17 @@ void PrintCalibration(const SlamRunSummary& s, const std::string& output) {
                 sigma[3]);
   }
   std::printf("; all values are in %s/camera.yaml\n", output.c_str());
-  if (!s.calibration_doubt.empty()) std::cerr << "warning: " << s.calibration_doubt << std::endl;
+  if (!s.calibration_warning.empty())
+    std::cerr << "warning: " << s.calibration_warning << std::endl;
 }
 
-void WarnOfMotion(const SlamRunSummary& s) {
-  if (s.frames_apart > 0) {
+void WarnAboutMovingObjects(const SlamRunSummary& s) {
+  if (s.frames_with_two_motions > 0) {
     std::fprintf(stderr,
                  "warning: %d frames show two motions, their poses may be wrong: the camera may be "
                  "registered "
                  "to a moving object (apart in frames.csv)\n",
-                 s.frames_apart);
+                 s.frames_with_two_motions);
   }
   if (20 * s.frames_with_motion <= s.frames_total && s.frames_lost_in_motion == 0) return;
   std::fprintf(stderr,
@@ -179,10 +180,10 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
   if (s.frames_dropped > 0) {
     std::printf("%d frames were dropped, because the run was too slow\n", s.frames_dropped);
   }
-  if (s.frames_hurried > 0) {
+  if (s.frames_with_longer_map_period > 0) {
     std::printf(
         "frames arrived too fast: during %d frames only a part was fused, at worst one of %d\n",
-        s.frames_hurried, s.longest_map_period);
+        s.frames_with_longer_map_period, s.longest_map_period);
   }
   if (s.pauses > 0) {
     std::printf("the camera was disconnected %d times, %.1f s in total\n", s.pauses, s.paused_s);
@@ -201,12 +202,12 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
   const bool closes_loops = options.slam.loops.enabled || !options.session.empty();
   if (closes_loops && !options.localize) PrintLoops(s.loops);
   PrintSession(s, options);
-  WarnOfMotion(s);
+  WarnAboutMovingObjects(s);
   PrintCalibration(s, output);
   if (s.evaluation && s.evaluation->ate) {
     std::printf("ATE RMSE %.4f m over %.1f %% of the frames\n",
                 s.evaluation->ate->translation_m.rmse, 100 * s.evaluation->coverage);
-    PrintOtherClocks(s);
+    PrintOtherTimestamps(s);
     PrintMount(s);
   } else if (s.evaluation) {
     std::printf("ATE unknown: %d of %d frames with ground truth have a pose, must be at least 3\n",

@@ -4,7 +4,7 @@
 #include "surfit/core/options.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/preprocess.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 
 namespace surfit::python {
 namespace {
@@ -17,15 +17,17 @@ ColoredView ViewOfFrame(const Frame& frame, const PreprocessOptions& options,
   return view;
 }
 
-FarVerdict Align(const Frame& source, const Frame& target, const InitializeOptions& initialize,
-                 const std::optional<IcpOptions>& given_icp, const PreprocessOptions& preprocess) {
-  const IcpOptions icp = given_icp.value_or(FarIcpOptions());
+GlobalRegistrationResult Align(const Frame& source, const Frame& target,
+                               const InitializeOptions& initialize,
+                               const std::optional<IcpOptions>& given_icp,
+                               const PreprocessOptions& preprocess) {
+  const IcpOptions icp = given_icp.value_or(GlobalIcpOptions());
   Validate(preprocess);
   Validate(initialize);
   Validate(icp);
   const bool with_intensities = icp.error_model.UsesIntensities();
-  return RegisterFar(ViewOfFrame(source, preprocess, with_intensities),
-                     ViewOfFrame(target, preprocess, with_intensities), initialize, icp);
+  return RegisterGlobally(ViewOfFrame(source, preprocess, with_intensities),
+                          ViewOfFrame(target, preprocess, with_intensities), initialize, icp);
 }
 
 }  // namespace

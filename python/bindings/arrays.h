@@ -6,7 +6,7 @@
 
 #include "bindings/bind.h"
 #include "surfit/core/image.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 #include "surfit/geometry/trajectory.h"
 
 namespace surfit::python {

@@ -35,17 +35,17 @@ RgbdCamera CameraOf(const CameraChoice& camera) {
   return registered;
 }
 
-FrameMaker::FrameMaker(const RgbdCamera& camera, const PrepareOptions& options)
+FrameMaker::FrameMaker(const RgbdCamera& camera, const RectifyOptions& options)
     : camera_(camera),
       mirrored_(camera.depth.fy < 0),
-      preparer_(mirrored_ ? Mirrored(camera) : camera, options) {}
+      rectifier_(mirrored_ ? Mirrored(camera) : camera, options) {}
 
 Frame FrameMaker::Make(const py::object& color, const py::array& depth, double stamp_s,
                        int index) const {
   ThrowIf(!std::isfinite(stamp_s), "stamp_s is ", stamp_s, ", must be finite");
   FrameImages images{DepthOf(depth), ColorOf(color), "depth", "color"};
   const py::gil_scoped_release release;
-  return {PrepareFrame(camera_, preparer_, std::move(images), index, {stamp_s, stamp_s}), sensor(),
+  return {RectifyFrame(camera_, rectifier_, std::move(images), index, {stamp_s, stamp_s}), sensor(),
           mirrored_};
 }
 
@@ -56,11 +56,11 @@ void BindFrame(py::module_& module) {
       "are views without copy.")
       .def(
           py::init([](const py::object& color, const py::array& depth, const CameraChoice& camera,
-                      double stamp_s, int index, const PrepareOptions& prepare) {
-            return FrameMaker(CameraOf(camera), prepare).Make(color, depth, stamp_s, index);
+                      double stamp_s, int index, const RectifyOptions& rectify) {
+            return FrameMaker(CameraOf(camera), rectify).Make(color, depth, stamp_s, index);
           }),
           py::arg("color"), py::arg("depth"), py::arg("camera"), py::arg("stamp_s") = 0.,
-          py::arg("index") = 0, py::arg("prepare") = PrepareOptions(),
+          py::arg("index") = 0, py::arg("rectify") = RectifyOptions(),
           "color: height x width x 3 array of uint8, red first, or None. depth: height x width "
           "array of integers (units of 1 / depth_units_per_metre; 0 and 65535 are missing) or "
           "floats (metres). stamp_s: timestamp; the latency of the camera is subtracted. camera: a "

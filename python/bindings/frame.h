@@ -4,7 +4,7 @@
 #include <variant>
 
 #include "bindings/bind.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/sensor.h"
 
@@ -26,10 +26,10 @@ RgbdCamera CameraOf(const CameraChoice& camera);
 class FrameMaker {
  public:
   // Throws InputError for an invalid camera or invalid options.
-  FrameMaker(const RgbdCamera& camera, const PrepareOptions& options);
+  FrameMaker(const RgbdCamera& camera, const RectifyOptions& options);
 
   DepthSensor sensor() const {
-    return {preparer_.pinhole(), camera_.noise, camera_.readout_s, camera_.prior};
+    return {rectifier_.pinhole(), camera_.noise, camera_.readout_s, camera_.prior};
   }
   bool mirrored() const { return mirrored_; }
 
@@ -40,7 +40,7 @@ class FrameMaker {
  private:
   RgbdCamera camera_;
   bool mirrored_;
-  FramePreparer preparer_;
+  FrameRectifier rectifier_;
 };
 
 }  // namespace surfit::python

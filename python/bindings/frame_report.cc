@@ -19,7 +19,7 @@ void BindFusionReport(py::module_& module) {
 
 void BindStageTimes(py::module_& module) {
   BindReport<StageTimes>(module, "StageTimes", "Wall time per stage, ms.")
-      .def_readonly("preprocess_ms", &StageTimes::prepare_ms, "depth filter, normals, pyramid")
+      .def_readonly("preprocess_ms", &StageTimes::preprocess_ms, "depth filter, normals, pyramid")
       .def_readonly(FIELD(StageTimes, predict_ms),
                     "rendering of the map, for this frame or in advance for the next frame")
       .def_readonly(FIELD(StageTimes, track_ms), "registration")
@@ -50,7 +50,8 @@ void BindFrameReport(py::module_& module) {
       .def_readonly(FIELD(FrameReport, is_held_out),
                     "True if the frame is excluded from the map (SlamOptions.hold_out)")
       .def_readonly(FIELD(FrameReport, is_fused), "True if the frame was fused")
-      .def_readonly(FIELD(FrameReport, found_again), "True if the frame was tracked after a jump")
+      .def_readonly(FIELD(FrameReport, found_by_search),
+                    "True if the frame was tracked after a jump")
       .def_readonly(FIELD(FrameReport, icp), "registration of a tracked or lost frame")
       .def_readonly(FIELD(FrameReport, fusion), "result of the fusion")
       .def_readonly(FIELD(FrameReport, times), "times of the stages");

@@ -1,6 +1,6 @@
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 #include "surfit/registration/icp.h"
 
 namespace surfit::python {
@@ -27,12 +27,12 @@ void BindIcpResult(py::module_& module) {
       .def_property_readonly(
           "termination", [](const IcpResult& result) { return ToString(result.termination); },
           "converged, rmse_increased, max_iterations; or the failure: too_few_inliers, "
-          "singular_system, free_space_filled")
+          "singular_system, free_space_violation")
       .def_readonly(FIELD(IcpResult, target_from_source), "4 x 4, metres")
       .def_readonly(FIELD(IcpResult, iterations), "states of all levels, coarse to fine")
       .def_readonly(FIELD(IcpResult, step_count), "number of steps over all levels")
       .def_readonly(FIELD(IcpResult, inlier_count), "correspondences within 3 sigma")
-      .def_readonly(FIELD(IcpResult, inlier_share), "inliers divided by valid source points")
+      .def_readonly(FIELD(IcpResult, inlier_ratio), "inliers divided by valid source points")
       .def_readonly(FIELD(IcpResult, rmse_m), "root of the weighted mean of |r|^2, m")
       .def_readonly(FIELD(IcpResult, intensity_count), "points with photometric residuals")
       .def_readonly(FIELD(IcpResult, information),
@@ -43,30 +43,33 @@ void BindIcpResult(py::module_& module) {
                     "6 x 6, rad^2, m^2; None with unobservable directions")
       .def_readonly(FIELD(IcpResult, eigenvalues),
                     "ascending, from 0 (unobservable direction) to 1")
-      .def_readonly(FIELD(IcpResult, free_directions), "unobservable left perturbations (rad, m)")
-      .def_readonly(FIELD(IcpResult, free_space_share),
+      .def_readonly(FIELD(IcpResult, degenerate_directions),
+                    "unobservable left perturbations (rad, m)")
+      .def_readonly(FIELD(IcpResult, free_space_violation_ratio),
                     "ratio of points with free-space violations; 0 unless limited");
 
-  BindReport<FarVerdict>(
+  BindReport<GlobalRegistrationResult>(
       module, "AlignResult",
       "Registration of two frames with its verification. Values that were not computed are 0. The "
       "pose is valid only if the registration was accepted.")
-      .def_property_readonly("accepted", &FarVerdict::accepted, "True if the pose is valid")
+      .def_property_readonly("accepted", &GlobalRegistrationResult::accepted,
+                             "True if the pose is valid")
       .def_property_readonly(
-          "reason", [](const FarVerdict& verdict) { return ToString(verdict.reason); },
+          "reason",
+          [](const GlobalRegistrationResult& verdict) { return ToString(verdict.reason); },
           "accepted, or the reason of the rejection: not_registered, degenerate, little_overlap, "
-          "poor_fit, free_space_filled, looks_different, ambiguous, inconsistent")
-      .def_readonly(FIELD(FarVerdict, target_from_source), "4 x 4, metres")
-      .def_readonly(FIELD(FarVerdict, icp), "result of ICP")
-      .def_readonly(FIELD(FarVerdict, start), "initial pose of ICP, 4 x 4")
-      .def_readonly(FIELD(FarVerdict, overlap_share),
+          "poor_fit, free_space_violation, looks_different, ambiguous, inconsistent")
+      .def_readonly(FIELD(GlobalRegistrationResult, target_from_source), "4 x 4, metres")
+      .def_readonly(FIELD(GlobalRegistrationResult, icp), "result of ICP")
+      .def_readonly(FIELD(GlobalRegistrationResult, start), "initial pose of ICP, 4 x 4")
+      .def_readonly(FIELD(GlobalRegistrationResult, overlap_ratio),
                     "ratio of points on the surface of the other view; this and the next values "
                     "are 0 for the method identity")
-      .def_readonly(FIELD(FarVerdict, value_correlation),
+      .def_readonly(FIELD(GlobalRegistrationResult, value_correlation),
                     "correlation of brightness in the overlap")
-      .def_readonly(FIELD(FarVerdict, detail_correlation),
+      .def_readonly(FIELD(GlobalRegistrationResult, detail_correlation),
                     "correlation of edges and texture in the overlap")
-      .def_readonly(FIELD(FarVerdict, lead),
+      .def_readonly(FIELD(GlobalRegistrationResult, lead),
                     "score margin to all other poses, relative to the score");
 }
 

@@ -53,9 +53,9 @@ void BindViewError(py::module_& module) {
       .def_readonly(FIELD(ViewError, coverage), "ratio of covered pixels")
       .def_readonly(FIELD(ViewError, depth_error_median_m), "error of rendered depth, m")
       .def_readonly(FIELD(ViewError, depth_error_mean_m), "error of rendered depth, m");
-  BindReport<JudgedView>(module, "JudgedView", "Evaluated view of the map.")
-      .def_readonly(FIELD(JudgedView, frame), "frame index")
-      .def_readonly(FIELD(JudgedView, error), "difference to the frame");
+  BindReport<EvaluatedView>(module, "EvaluatedView", "Evaluated view of the map.")
+      .def_readonly(FIELD(EvaluatedView, frame), "frame index")
+      .def_readonly(FIELD(EvaluatedView, error), "difference to the frame");
   BindReport<ViewEvaluation>(module, "ViewEvaluation", "Evaluation of a map by rendered views.")
       .def_readonly(FIELD(ViewEvaluation, held_out), "True if the frames are not part of the map")
       .def_readonly(FIELD(ViewEvaluation, views), "one view per evaluated frame")

@@ -9,14 +9,15 @@
 namespace surfit::python {
 namespace {
 
-struct MadeMesh : TriangleMesh {
+struct MeshWithSummary : TriangleMesh {
   MeshSummary summary;
 };
 
 void BindMeshSummary(py::module_& module) {
   BindReport<MeshSummary>(module, "MeshSummary", "Statistics of a mesh.")
       .def_readonly(FIELD(MeshSummary, pieces), "connected pieces of the mesh")
-      .def_readonly(FIELD(MeshSummary, pieces_dropped), "removed pieces smaller than min_piece_m")
+      .def_readonly(FIELD(MeshSummary, components_dropped),
+                    "removed pieces smaller than min_component_m")
       .def_readonly(FIELD(MeshSummary, triangles_dropped), "triangles of removed pieces")
       .def_readonly(FIELD(MeshSummary, triangles_found), "before decimation")
       .def_readonly(FIELD(MeshSummary, decimation_m), "motion of the surface by decimation, m")
@@ -30,8 +31,8 @@ void BindMeshSummary(py::module_& module) {
 
 void BindMesh(py::module_& module) {
   BindMeshSummary(module);
-  py::class_<MadeMesh> mesh(module, "TriangleMesh",
-                            "Triangle mesh. Arrays are views without copy.");
+  py::class_<MeshWithSummary> mesh(module, "TriangleMesh",
+                                   "Triangle mesh. Arrays are views without copy.");
   BindRows<float>(&mesh, FIELD(TriangleMesh, vertices), "N x 3, float32, metres");
   BindRows<float>(&mesh, FIELD(TriangleMesh, normals), "N x 3, float32, towards the observer");
   BindRows<std::uint8_t>(&mesh, FIELD(TriangleMesh, colors),
@@ -39,15 +40,15 @@ void BindMesh(py::module_& module) {
   BindRows<std::uint32_t>(
       &mesh, FIELD(TriangleMesh, triangles),
       "M x 3, uint32: vertex indices, counterclockwise as seen by the observer");
-  mesh.def_readonly(FIELD(MadeMesh, summary), "statistics")
+  mesh.def_readonly(FIELD(MeshWithSummary, summary), "statistics")
       .def(
           "write",
-          [](const MadeMesh& made, const std::filesystem::path& path) {
+          [](const MeshWithSummary& made, const std::filesystem::path& path) {
             const py::gil_scoped_release release;
             WriteMesh(made, path.string());
           },
           py::arg("path"), "Writes a .ply, .obj or .glb file.")
-      .def("__repr__", [](const MadeMesh& made) {
+      .def("__repr__", [](const MeshWithSummary& made) {
         return "<surfit.TriangleMesh of " + std::to_string(made.vertices.size()) +
                " vertices and " + std::to_string(made.triangles.size()) + " triangles>";
       });
@@ -57,7 +58,7 @@ void BindMesh(py::module_& module) {
         return WithoutGil(progress, [&](const auto& call) {
           PointCloud finite = cloud;
           RemoveNonFinite(&finite);
-          MadeMesh made;
+          MeshWithSummary made;
           static_cast<TriangleMesh&>(made) =
               MeshSurfels(finite, options, &made.summary,
                           [&](const std::string& stage, double share) { call(stage, share); });

@@ -17,7 +17,8 @@ void BindRegistrationOptions(py::module_& m) {
   BindOptions<ErrorModel>(m, "ErrorModel",
                           "Weight of residuals: sigma^2 = floor_sigma_m^2 + (sigma of depth)^2.");
   BindOptions<AssociationGates>(m, "AssociationGates", "Thresholds of correspondences.");
-  BindOptions<HeldOptions>(m, "HeldOptions", "Thresholds of observable directions of motion.");
+  BindOptions<ObservabilityOptions>(m, "ObservabilityOptions",
+                                    "Thresholds of observable directions of motion.");
   BindOptions<IcpOptions>(m, "IcpOptions", "Options of ICP.");
   BindOptions<PreprocessOptions>(m, "PreprocessOptions",
                                  "Depth filter, and computation of vertex and normal maps.");
@@ -27,7 +28,7 @@ void BindRegistrationOptions(py::module_& m) {
   BindOptions<CloudNormalOptions>(m, "CloudNormalOptions", "Normal estimation in point clouds.");
   BindOptions<CloudSensor>(m, "CloudSensor", "Sensor position and noise of point clouds.");
   BindOptions<RegisterCloudsOptions>(m, "RegisterCloudsOptions", "Registration of two clouds.");
-  m.def("far_icp_options", &FarIcpOptions,
+  m.def("far_icp_options", &GlobalIcpOptions,
         "Options of ICP for two frames with a larger distance than consecutive frames.");
 }
 
@@ -58,7 +59,7 @@ void BindEvaluationOptions(py::module_& m) {
 }  // namespace
 
 void BindAllOptions(py::module_& m) {
-  BindOptions<PrepareOptions>(m, "PrepareOptions", "Preparation of images.");
+  BindOptions<RectifyOptions>(m, "RectifyOptions", "Preparation of images.");
   BindOptions<SequenceOptions>(m, "SequenceOptions",
                                "Input sequence, with its frames and its camera.");
   BindRegistrationOptions(m);

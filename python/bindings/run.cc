@@ -14,7 +14,7 @@ void BindRunProgress(py::module_& module) {
       .def_readonly(FIELD(SlamRunProgress, frames_total), "all frames; -1: unknown")
       .def_readonly(FIELD(SlamRunProgress, map_points), "surfels of the map")
       .def_readonly(FIELD(SlamRunProgress, elapsed_s), "time since the start, s")
-      .def_readonly(FIELD(SlamRunProgress, frames_fused_anew), "frames fused into the final map");
+      .def_readonly(FIELD(SlamRunProgress, frames_reintegrated), "frames fused into the final map");
 }
 
 void BindRunSummary(py::module_& module) {
@@ -30,12 +30,12 @@ void BindRunSummary(py::module_& module) {
                     "lost frames whose pose was confirmed by the next frame")
       .def_readonly(FIELD(Summary, frames_lost_in_motion),
                     "lost frames whose last tracked frame has moving objects")
-      .def_readonly(FIELD(Summary, frames_apart),
+      .def_readonly(FIELD(Summary, frames_with_two_motions),
                     "frames with two motions: the camera may be registered to a moving object")
       .def_readonly(FIELD(Summary, frames_fused), "fused frames")
       .def_readonly(FIELD(Summary, frames_skipped), "unreadable frames")
       .def_readonly(FIELD(Summary, frames_dropped), "frames dropped because the run was too slow")
-      .def_readonly(FIELD(Summary, frames_hurried),
+      .def_readonly(FIELD(Summary, frames_with_longer_map_period),
                     "frames that arrived too fast: fewer were fused than map_period requires")
       .def_readonly(
           FIELD(Summary, longest_map_period),

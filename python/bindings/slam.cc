@@ -101,14 +101,14 @@ void BindSlam(py::module_& module) {
       "which also corrects map and trajectory.");
   slam.def(
       py::init([](const SlamOptions& options, const std::optional<CameraChoice>& camera,
-                  const PrepareOptions& prepare, std::optional<Rigid3d> initial_pose) {
+                  const RectifyOptions& rectify, std::optional<Rigid3d> initial_pose) {
         std::optional<RgbdCamera> rgbd_camera;
         if (camera) rgbd_camera = CameraOf(*camera);
-        return std::make_unique<SlamSession>(options, rgbd_camera, prepare,
+        return std::make_unique<SlamSession>(options, rgbd_camera, rectify,
                                              initial_pose.value_or(Rigid3d()));
       }),
       py::arg("options") = SlamOptions(), py::arg("camera") = py::none(),
-      py::arg("prepare") = PrepareOptions(), py::arg("initial_pose") = py::none(),
+      py::arg("rectify") = RectifyOptions(), py::arg("initial_pose") = py::none(),
       "The options are copied. camera (a PinholeCamera, an RgbdCamera or the name of a preset) "
       "and prepare are for frames that are arrays; a Frame has its own camera. initial_pose: "
       "pose of the first camera, 4 x 4; the identity if None.");

@@ -30,12 +30,12 @@ std::string Describe(const DepthSensor& sensor) {
 }  // namespace
 
 SlamSession::SlamSession(const SlamOptions& options, const std::optional<RgbdCamera>& camera,
-                         const PrepareOptions& prepare, const Rigid3d& world_from_first_camera)
+                         const RectifyOptions& rectify, const Rigid3d& world_from_first_camera)
     : options_(options), world_from_first_camera_(world_from_first_camera) {
   Validate(options_);
-  Validate(prepare);
+  Validate(rectify);
   if (!camera) return;
-  maker_.emplace(*camera, prepare);
+  maker_.emplace(*camera, rectify);
   Start(maker_->sensor(), maker_->mirrored());
 }
 

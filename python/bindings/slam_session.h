@@ -23,7 +23,7 @@ class SlamSession {
  public:
   // Without a camera, the camera of the first frame is used. Throws InputError for invalid options.
   SlamSession(const SlamOptions& options, const std::optional<RgbdCamera>& camera,
-              const PrepareOptions& prepare, const Rigid3d& world_from_first_camera);
+              const RectifyOptions& rectify, const Rigid3d& world_from_first_camera);
 
   // Throws InputError if the sensor of the frame differs from the sensor of the session.
   FrameReport Process(const Frame& frame, const std::optional<Rigid3d>& world_from_camera);

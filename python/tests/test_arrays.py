@@ -47,7 +47,7 @@ def test_invalid_depth_is_missing(missing):
     assert surfit.Frame(None, depth, CAMERA).depth_m[3, 4] == 0
 
 
-def test_views_share_memory_outlive_their_owner_and_are_read_only():
+def test_views_ratio_memory_outlive_their_owner_and_are_read_only():
     depth, color = depth_and_color()
     frame = surfit.Frame(color, depth, CAMERA)
     first, second = frame.depth_m, frame.depth_m

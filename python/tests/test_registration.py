@@ -43,7 +43,7 @@ def test_register_finds_a_known_motion(solver):
     # Exact points: single precision has errors of 1e-6 m.
     np.testing.assert_allclose(result.target_from_source @ source_from_target, np.eye(4), atol=2e-5)
     assert result.information.shape == result.covariance.shape == (6, 6)
-    assert result.inlier_share > 0.9
+    assert result.inlier_ratio > 0.9
 
 
 def test_register_uses_the_initial_pose_and_estimates_normals():

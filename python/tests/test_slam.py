@@ -82,7 +82,7 @@ def test_options_reach_the_pipeline(room, tmp_path):
     options = surfit.SlamOptions(tracking="frame_to_frame")
     options.icp.max_iterations = 3
     options.fusion.weighting = "uniform"
-    sequence = surfit.Sequence(room, prepare=surfit.PrepareOptions(downsample=2), stride=2)
+    sequence = surfit.Sequence(room, rectify=surfit.RectifyOptions(downsample=2), stride=2)
     slam = slam_over(sequence, surfit.Slam(options))
     summary = run_surfit_slam(room, tmp_path / "out", "--tracking=frame_to_frame",
                               "--max_iterations=3", "--weighting=uniform", "--downsample=2",
@@ -135,7 +135,7 @@ def test_run_slam_does_what_the_program_does(room, program, tmp_path):
     options.sequence.path = room
     states = []
     summary = surfit.run_slam(
-        options, lambda state: states.append((state.frames_done, state.frames_fused_anew)))
+        options, lambda state: states.append((state.frames_done, state.frames_reintegrated)))
     assert summary.digest == program[1]["digest"]
     numbers = range(1, FRAMES + 1)
     assert states[:FRAMES] == [(i, 0) for i in numbers]

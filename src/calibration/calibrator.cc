@@ -44,7 +44,7 @@ Image<T> Subsampled(const Image<T>& image) {
 }  // namespace
 
 Calibrator::Calibrator(const DepthSensor& sensor, const PreprocessOptions& preprocess,
-                       const CalibrationOptions& options, bool always_beside)
+                       const CalibrationOptions& options, bool always_in_background)
     : camera_(sensor.camera),
       sensor_(Subsampled(sensor)),
       preprocess_(preprocess),
@@ -52,15 +52,15 @@ Calibrator::Calibrator(const DepthSensor& sensor, const PreprocessOptions& prepr
       given_{sensor.camera, {}, sensor.readout_s},
       calibration_(given_),
       next_count_(options.first_keyframes),
-      task_(always_beside) {
+      task_(always_in_background) {
   RefinementOptions& refinement = options_.refinement;
   refinement.prior.Complete(sensor.prior);
   const int cell_px = std::max(1, sensor_.camera.width / refinement.cells_across);
   refinement.correlation_px = std::max(refinement.correlation_px, kSharedCells * cell_px);
 }
 
-void Calibrator::GoOnFrom(const std::optional<DepthCalibration>& calibration,
-                          double color_latency_s, Frames frames) {
+void Calibrator::ContinueFrom(const std::optional<DepthCalibration>& calibration,
+                              double color_latency_s, Frames frames) {
   calibration_ = calibration.value_or(given_);
   color_latency_s_ = color_latency_s;
   frames_ = std::move(frames);

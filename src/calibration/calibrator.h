@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/spare_time.h"
+#include "core/background_task.h"
 #include "surfit/calibration/calibration.h"
 #include "surfit/frame/camera_motion.h"
 #include "surfit/frame/preprocess.h"
@@ -24,16 +24,16 @@ class Calibrator {
     std::vector<Rigid3d> world_from_keyframe_before, world_from_keyframe;
   };
 
-  // `sensor` is the input sensor. If `always_beside`, tasks run in a SpareTimeTask with any number
-  // of threads.
+  // `sensor` is the input sensor. If `always_in_background`, tasks run in a BackgroundTask with any
+  // number of threads.
   Calibrator(const DepthSensor& sensor, const PreprocessOptions& preprocess,
-             const CalibrationOptions& options, bool always_beside);
+             const CalibrationOptions& options, bool always_in_background);
 
   using Frames = std::vector<std::shared_ptr<const RgbdFrame>>;
   // Continues from a saved calibration and its keyframes. Without keyframes, the calibration does
   // not change any more.
-  void GoOnFrom(const std::optional<DepthCalibration>& calibration, double color_latency_s,
-                Frames frames);
+  void ContinueFrom(const std::optional<DepthCalibration>& calibration, double color_latency_s,
+                    Frames frames);
 
   // Current calibration.
   const DepthCalibration& calibration() const { return calibration_; }
@@ -48,16 +48,16 @@ class Calibrator {
     return frames_.empty() ? nullptr : frames_.back();
   }
   // Returns whether a task is running or another one can start.
-  bool IsCalibrating() const { return next_count_ > 0 || task_.IsUnderWay(); }
+  bool IsCalibrating() const { return next_count_ > 0 || task_.IsPending(); }
   // Returns whether there are enough keyframes for the next task, and no task is running.
   bool IsTaskDue() const {
-    return !task_.IsUnderWay() && next_count_ > 0 && frames_.size() >= next_count_;
+    return !task_.IsPending() && next_count_ > 0 && frames_.size() >= next_count_;
   }
   // Starts a task with the poses of all keyframes so far. `trajectory` has all frames, for the
   // motion during their readout.
   void StartTask(std::vector<Rigid3d> world_from_keyframe, const Trajectory& trajectory);
 
-  SpareTimeTask<Outcome>& task() { return task_; }
+  BackgroundTask<Outcome>& task() { return task_; }
   // Returns the result of the task, and makes it the current calibration.
   Outcome Take();
 
@@ -76,9 +76,9 @@ class Calibrator {
   CalibrationOptions options_;
   DepthCalibration given_, calibration_;
   double color_latency_s_ = 0;
-  Frames frames_;                // stored keyframes; empty after the last task has started
-  std::size_t next_count_;       // number of keyframes for the next task; 0: no further task
-  SpareTimeTask<Outcome> task_;  // last member: its destructor waits for the task
+  Frames frames_;                 // stored keyframes; empty after the last task has started
+  std::size_t next_count_;        // number of keyframes for the next task; 0: no further task
+  BackgroundTask<Outcome> task_;  // last member: its destructor waits for the task
 };
 
 }  // namespace surfit

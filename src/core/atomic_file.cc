@@ -32,7 +32,7 @@ std::string MakePartial(const std::string& path, int* file) {
   std::string partial;
   do {
     partial = Concat(path, kPartialMark, getpid(), "-", count++);
-    *file = MakeNewFile(partial);
+    *file = CreateFileExclusively(partial);
   } while (*file < 0 && errno == EEXIST);
   if (*file < 0) ThrowCannotWrite(path);
   return partial;
@@ -84,7 +84,7 @@ AppendedFile::AppendedFile(const std::string& path) : path_(path) {
   const fs::file_status status = fs::symlink_status(path, none);
   const bool is_replaced = fs::is_regular_file(status) || fs::is_symlink(status);
   if (is_replaced && unlink(path.c_str()) != 0) ThrowCannotWrite(path);
-  file_ = fs::exists(status) && !is_replaced ? OpenSpecialFile(path) : MakeNewFile(path);
+  file_ = fs::exists(status) && !is_replaced ? OpenSpecialFile(path) : CreateFileExclusively(path);
   if (file_ < 0) ThrowCannotWrite(path);
 }
 

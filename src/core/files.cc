@@ -13,9 +13,9 @@
 namespace surfit {
 namespace {
 
-constexpr std::size_t kMostOfPipe = std::size_t{1} << 30;    // bytes
-constexpr std::size_t kMostOfJson = std::size_t{256} << 20;  // bytes
-constexpr int kMostNested = 100;
+constexpr std::size_t kMaxOfPipe = std::size_t{1} << 30;    // bytes
+constexpr std::size_t kMaxOfJson = std::size_t{256} << 20;  // bytes
+constexpr int kMaxNested = 100;
 
 [[noreturn]] void ThrowCannotRead(const std::string& path) {
   const std::error_code reason(errno, std::generic_category());
@@ -75,7 +75,7 @@ void RequireShallow(const std::string& json, const std::string& path) {
     if (in_string) continue;
     if (c == '[' || c == '{') ++depth;
     if (c == ']' || c == '}') --depth;
-    ThrowIf(depth > kMostNested, path, " is nested too deeply, must be at most ", kMostNested,
+    ThrowIf(depth > kMaxNested, path, " is nested too deeply, must be at most ", kMaxNested,
             " brackets deep");
   }
 }
@@ -87,7 +87,7 @@ void ThrowCannotWrite(const std::string& path) {
   throw InputError("cannot write '", path, "': ", reason.message());
 }
 
-int MakeNewFile(const std::string& path) {
+int CreateFileExclusively(const std::string& path) {
   constexpr mode_t kAsTheUserAllows = 0666;
   return open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kAsTheUserAllows);
 }
@@ -162,13 +162,13 @@ std::string ReadFile(const std::string& path, std::size_t most) {
 std::string ReadFileOrPipe(const std::string& path) {
   const OpenFile file(path, 0);
   if (file.is_regular()) return file.Read(kAnySize);
-  std::string bytes = file.Read(kMostOfPipe + 1);
-  RequireNoMoreThan(kMostOfPipe, bytes.size(), path);
+  std::string bytes = file.Read(kMaxOfPipe + 1);
+  RequireNoMoreThan(kMaxOfPipe, bytes.size(), path);
   return bytes;
 }
 
 std::string ReadJsonText(const std::string& path) {
-  std::string text = ReadFile(path, kMostOfJson);
+  std::string text = ReadFile(path, kMaxOfJson);
   RequireShallow(text, path);
   return text;
 }

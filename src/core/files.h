@@ -16,7 +16,7 @@ inline constexpr const char* kPartialMark = ".partial-";
 
 // Creates a file for writing and returns its descriptor. Returns -1 and sets errno on errors, for
 // example if the name exists, also as a symbolic link.
-int MakeNewFile(const std::string& path);
+int CreateFileExclusively(const std::string& path);
 
 // Opens a device or a pipe for writing and returns its descriptor. Returns -1 and sets errno on
 // errors.

@@ -30,7 +30,7 @@ std::string NameOf(const T& value, const NamedValue<T> (&choices)[kCount]) {
 }
 
 // Returns "a, b, c".
-inline std::string Listed(const std::vector<std::string>& names) {
+inline std::string JoinNames(const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   return list;
@@ -42,7 +42,7 @@ T ValueOf(const char* field, const std::string& name, const NamedValue<T> (&choi
   for (const NamedValue<T>& choice : choices) {
     if (name == choice.name) return choice.value;
   }
-  throw InputError(field, " is '", name, "', must be one of: ", Listed(NamesOf(choices)));
+  throw InputError(field, " is '", name, "', must be one of: ", JoinNames(NamesOf(choices)));
 }
 
 }  // namespace surfit

@@ -160,7 +160,7 @@ void RequireOption(const std::string& name, const Option& option, const OptionVa
         }
         ThrowIf(option.required && text.empty(), name, " is missing, must be set");
         if (!option.choices.empty() && !Contains(option.choices, text)) {
-          throw InputError(name, " is '", text, "', must be one of: ", Listed(option.choices));
+          throw InputError(name, " is '", text, "', must be one of: ", JoinNames(option.choices));
         }
       },
       value);

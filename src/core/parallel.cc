@@ -10,7 +10,7 @@
 #include <opencv2/core/utility.hpp>
 #include <utility>
 
-#include "core/spare_time_loops.h"
+#include "core/low_priority_loops.h"
 #include "surfit/core/error.h"
 
 #if defined(SURFIT_THREAD_SANITIZER)
@@ -87,7 +87,7 @@ void ParallelFor(int begin, int end, int grain, const std::function<void(int, in
     const int block_begin = begin + block * grain;
     body(block_begin, std::min(end, block_begin + grain));
   };
-  if (blocks > 1 && RunLoopInSpareTime(blocks, run_block)) return;
+  if (blocks > 1 && RunLoopAtLowPriority(blocks, run_block)) return;
   if (blocks == 1 || ThreadCount() == 1) {
     for (int block = 0; block < blocks; ++block) run_block(block);
     return;

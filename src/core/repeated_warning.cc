@@ -7,18 +7,18 @@
 namespace surfit {
 namespace {
 
-constexpr int kTold = 3;
+constexpr int kMaxLogged = 3;
 
 }  // namespace
 
 RepeatedWarning::RepeatedWarning(std::string what) : what_(std::move(what)) {}
 
 RepeatedWarning::~RepeatedWarning() {
-  if (count_ > kTold) LOG(WARNING) << "and " << count_ - kTold << " more " << what_;
+  if (count_ > kMaxLogged) LOG(WARNING) << "and " << count_ - kMaxLogged << " more " << what_;
 }
 
 void RepeatedWarning::Tell(const std::string& text) {
-  if (++count_ <= kTold) LOG(WARNING) << text;
+  if (++count_ <= kMaxLogged) LOG(WARNING) << text;
 }
 
 }  // namespace surfit

@@ -28,7 +28,7 @@ static void OptionFromText(const std::string& text, RobustKernelType* type) {
       return;
     }
   }
-  throw InputError("one of: ", Listed(RobustKernelNames()));
+  throw InputError("one of: ", JoinNames(RobustKernelNames()));
 }
 
 void RobustKernel::Visit(OptionVisitor& v) {

@@ -13,8 +13,48 @@ struct RenamedOption {
 
 // In alphabetical order.
 constexpr std::array kRenamedOptions = {
-    // RENAMED
+    RenamedOption{"FarVerdict", "GlobalRegistrationResult"},
+    RenamedOption{"HeldOptions", "ObservabilityOptions"},
+    RenamedOption{"JudgedView", "EvaluatedView"},
+    RenamedOption{"PrepareOptions", "RectifyOptions"},
+    RenamedOption{"aspect_share", "aspect_relative_sigma"},
+    RenamedOption{"duplicate_share", "duplicate_ratio"},
+    RenamedOption{"focal_share", "focal_relative_sigma"},
+    RenamedOption{"found_again", "found_by_search"},
+    RenamedOption{"frames_apart", "frames_with_two_motions"},
+    RenamedOption{"frames_fused_anew", "frames_reintegrated"},
+    RenamedOption{"frames_hurried", "frames_with_longer_map_period"},
+    RenamedOption{"free_depth_field", "estimate_depth_field"},
+    RenamedOption{"free_depth_offset", "estimate_depth_offset"},
+    RenamedOption{"free_directions", "degenerate_directions"},
+    RenamedOption{"free_intrinsics", "estimate_intrinsics"},
+    RenamedOption{"free_readout", "estimate_readout"},
+    RenamedOption{"free_space_share", "free_space_violation_ratio"},
+    RenamedOption{"given_center_error", "camera_yaml_center_error"},
+    RenamedOption{"given_focal_error", "camera_yaml_focal_error"},
+    RenamedOption{"inlier_share", "inlier_ratio"},
+    RenamedOption{"kept_angle_share", "kept_angle_ratio"},
+    RenamedOption{"kept_kernel_share", "kept_kernel_ratio"},
+    RenamedOption{"lasting_confidence", "min_inactive_confidence"},
+    RenamedOption{"least_sharpness", "min_sharpness"},
+    RenamedOption{"max_alike", "max_similar"},
     RenamedOption{"max_dormant_frames", "max_inactive_frames"},
+    RenamedOption{"max_free_space_share", "max_free_space_violation_ratio"},
+    RenamedOption{"min_inlier_share", "min_inlier_ratio"},
+    RenamedOption{"min_lead", "min_score_margin"},
+    RenamedOption{"min_overlap_share", "min_overlap_ratio"},
+    RenamedOption{"min_piece_m", "min_component_m"},
+    RenamedOption{"model_error_share", "model_error_ratio"},
+    RenamedOption{"odometry_share", "odometry_ratio"},
+    RenamedOption{"overlap_share", "overlap_ratio"},
+    RenamedOption{"pieces_dropped", "components_dropped"},
+    RenamedOption{"poorly_held_photometric_weight", "weakly_constrained_photometric_weight"},
+    RenamedOption{"prepare", "rectify"},
+    RenamedOption{"prior_aspect_share", "prior_aspect_relative_sigma"},
+    RenamedOption{"prior_focal_share", "prior_focal_relative_sigma"},
+    RenamedOption{"radius_share", "radius_ratio"},
+    RenamedOption{"sure_inlier_share", "confident_inlier_ratio"},
+    RenamedOption{"turn_acceleration_rad_per_s2", "angular_acceleration_rad_per_s2"},
 };
 
 const std::vector<Option>& SharedOptions() {
@@ -71,6 +111,13 @@ Option SharedOption(const std::string& flag) {
 
 OptionRule InField(const std::string& field) {
   return [=](Option& o) { o.name = field; };
+}
+
+std::string OldName(const std::string& name) {
+  for (const RenamedOption& renamed : kRenamedOptions) {
+    if (name == renamed.name) return renamed.old_name;
+  }
+  return name;
 }
 
 std::string PresentName(const std::string& name) {

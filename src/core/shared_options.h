@@ -21,6 +21,8 @@ Option SharedOption(const std::string& flag, const Rules&... rules) {
 // The present name of an option, a flag or a Python attribute that has another name in version 0.1.
 // Returns other names unchanged. Version 0.3 drops the old names.
 std::string PresentName(const std::string& name);
+// The name in version 0.1 of an option with this present name. Returns other names unchanged.
+std::string OldName(const std::string& name);
 
 OptionRule InField(const std::string& field);  // name of the field, if it differs from the flag
 

@@ -22,8 +22,8 @@ double RmseAt(double offset_s, const Trajectory& ground_truth, const Trajectory&
 
 // Estimated poses with ground truth at every tested offset. All offsets are compared over these
 // poses.
-Trajectory KnownThroughout(const Trajectory& ground_truth, const Trajectory& estimate,
-                           const MatchOptions& options) {
+Trajectory CommonPoses(const Trajectory& ground_truth, const Trajectory& estimate,
+                       const MatchOptions& options) {
   Trajectory known;
   for (const StampedPose& pose : estimate) {
     bool throughout = true;
@@ -85,7 +85,7 @@ class Search {
 
 }  // namespace
 
-Trajectory WithStampsMoved(Trajectory trajectory, double by_s) {
+Trajectory WithTimeOffset(Trajectory trajectory, double by_s) {
   for (StampedPose& pose : trajectory) pose.stamp_s += by_s;
   return trajectory;
 }
@@ -94,7 +94,7 @@ std::optional<TimeOffset> EvaluateTimeOffset(const Trajectory& ground_truth,
                                              const Trajectory& estimate, double offset_s,
                                              const MatchOptions& options) {
   const auto ate = ComputeAbsoluteTrajectoryError(
-      MatchPoses(ground_truth, WithStampsMoved(estimate, offset_s), options));
+      MatchPoses(ground_truth, WithTimeOffset(estimate, offset_s), options));
   if (!ate) return std::nullopt;
   return TimeOffset{offset_s, *ate};
 }
@@ -102,7 +102,7 @@ std::optional<TimeOffset> EvaluateTimeOffset(const Trajectory& ground_truth,
 std::optional<TimeOffset> EstimateTimeOffset(const Trajectory& ground_truth,
                                              const Trajectory& estimate,
                                              const MatchOptions& options) {
-  const Trajectory known = KnownThroughout(ground_truth, estimate, options);
+  const Trajectory known = CommonPoses(ground_truth, estimate, options);
   if (known.size() < 3) return std::nullopt;
   Search search(ground_truth, known, options);
   search.Try(0);

@@ -18,7 +18,7 @@ namespace {
 constexpr double kKernelWidth = 0.06;      // intensity, from 0 to 1
 constexpr double kPointsPerResidual = 25;  // points with correlated errors
 constexpr double kSigma = 0.01;            // prior of the rendered pose, m and rad
-constexpr double kLeastSlope = 0.008;      // minimum intensity gradient of a used point, 1/px
+constexpr double kMinSlope = 0.008;        // minimum intensity gradient of a used point, 1/px
 constexpr int kStride_px = 2;
 constexpr int kMinPoints = 500;
 constexpr int kPixelGrain = 4096;
@@ -67,7 +67,7 @@ std::vector<Point> PointsOf(const BlendedView& view, const Image<float>& grey,
       if (!is_seen) continue;
       const double slope_u = 0.5 * (grey(u + 1, v) - grey(u - 1, v));
       const double slope_v = 0.5 * (grey(u, v + 1) - grey(u, v - 1));
-      if (!(slope_u * slope_u + slope_v * slope_v > kLeastSlope * kLeastSlope)) continue;
+      if (!(slope_u * slope_u + slope_v * slope_v > kMinSlope * kMinSlope)) continue;
       points.push_back({view.depth_m(u, v) * camera.Ray(u, v), grey(u, v)});
     }
   }
@@ -139,7 +139,7 @@ class ColorRegistration {
     const double row = camera.fy * here.y() / here.z() + camera.cy;
     const double tau = ((row + 0.5) / camera.height - 0.5) * sensor_.readout_s;
     const Eigen::Vector3d x =
-        here - tau * (motion_.turn_rad_per_s.cross(here) + motion_.velocity_m_per_s);
+        here - tau * (motion_.angular_velocity_rad_per_s.cross(here) + motion_.velocity_m_per_s);
     if (!(x.z() > 0)) return {};
     const double rho = 1 / x.z();
     const double u = camera.fx * x.x() * rho + camera.cx, v = camera.fy * x.y() * rho + camera.cy;
@@ -170,14 +170,15 @@ class ColorRegistration {
 
 }  // namespace
 
-Rigid3d PoseAfter(const Rigid3d& world_from_camera, const CameraMotion& motion, double seconds) {
+Rigid3d ExtrapolatePose(const Rigid3d& world_from_camera, const CameraMotion& motion,
+                        double seconds) {
   Vector6d way;
-  way << -seconds * motion.turn_rad_per_s, -seconds * motion.velocity_m_per_s;
+  way << -seconds * motion.angular_velocity_rad_per_s, -seconds * motion.velocity_m_per_s;
   return world_from_camera * LeftIncrement<double>(way, Rigid3d()).Inverse();
 }
 
-BlendedView DrawDiscs(const SurfelMap& map, const DepthSensor& sensor,
-                      const Rigid3d& world_from_view, ModelRenderer* renderer) {
+BlendedView RenderDiscs(const SurfelMap& map, const DepthSensor& sensor,
+                        const Rigid3d& world_from_view, ModelRenderer* renderer) {
   const ModelView view = renderer->Render(map, sensor, world_from_view);
   BlendedView drawn = {ColorsOf(view, map),
                        Image<float>(sensor.camera.width, sensor.camera.height)};

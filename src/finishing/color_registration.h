@@ -11,11 +11,12 @@
 namespace surfit {
 
 // Extrapolates a pose by `seconds` with constant motion.
-Rigid3d PoseAfter(const Rigid3d& world_from_camera, const CameraMotion& motion, double seconds);
+Rigid3d ExtrapolatePose(const Rigid3d& world_from_camera, const CameraMotion& motion,
+                        double seconds);
 
 // Renders colour and depth of the map with ModelRenderer, which is faster than DrawBlended().
-BlendedView DrawDiscs(const SurfelMap& map, const DepthSensor& sensor,
-                      const Rigid3d& world_from_view, ModelRenderer* renderer);
+BlendedView RenderDiscs(const SurfelMap& map, const DepthSensor& sensor,
+                        const Rigid3d& world_from_view, ModelRenderer* renderer);
 
 // Registers a colour image to a rendered view of the map, and returns the camera pose at the
 // capture time of the image. This corrects errors of colour timestamps, of the interpolated motion

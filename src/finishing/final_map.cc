@@ -11,7 +11,7 @@
 #include "mapping/map/smooth_map.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/frame_source.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 #include "surfit/mapping/fusion.h"
 #include "surfit/mapping/model_renderer.h"
 
@@ -20,21 +20,21 @@ namespace {
 
 // Ratio of the surfel spacing to the spacing in tracking. Denser surfels would slow down tracking
 // without better poses.
-constexpr float kSpacingShare = 0.7f;
+constexpr float kSpacingRatio = 0.7f;
 // Every kColorStride-th frame is used for colours, because consecutive frames are almost equal.
 constexpr int kColorStride = 2;
 
 FusionOptions Finer(FusionOptions options) {
-  options.max_spacing_m *= kSpacingShare;
+  options.max_spacing_m *= kSpacingRatio;
   return options;
 }
 
 // Removes surfels that were observed about once and only at depth edges. Fusion removes unconfirmed
-// surfels after `max_dormant_frames`, so those of the last frames remain.
-void DropFlying(const FusionOptions& options, SurfelMap* map) {
+// surfels after `max_inactive_frames`, so those of the last frames remain.
+void RemoveEdgeNoise(const FusionOptions& options, SurfelMap* map) {
   for (const std::int32_t id : map->Ids()) {
     const Surfel surfel = (*map)[id];
-    if (surfel.at_edge && surfel.confidence < options.lasting_confidence) map->Mark(id);
+    if (surfel.at_edge && surfel.confidence < options.min_inactive_confidence) map->Mark(id);
   }
   map->RemoveMarked();
 }
@@ -47,11 +47,11 @@ class SequenceFusion {
   const DepthSensor& sensor() const { return sensor_; }
 
   void Fuse(RgbdFrame frame, const Rigid3d& world_from_camera, Fusion* fusion, SurfelMap* map) {
-    const KnownSequence& known = source_.known;
+    const PosedSequence& known = source_.known;
     const CameraMotion motion = MotionAt(known.trajectory, frame.stamp_s);
     known.found.Correct(&frame);
     Image<Rgb8> color = std::move(frame.color);
-    frame = AtMiddleOfReadout(frame, sensor_, motion);
+    frame = CorrectRollingShutter(frame, sensor_, motion);
     frame.color = std::move(color);
     frame.index += source_.first_frame;
     const FramePyramid pyramid = PreprocessDepth(frame.depth_m, sensor_, known.slam.preprocess);
@@ -67,7 +67,7 @@ class SequenceFusion {
 // Recolours a map from frames of one sequence, at the registered poses of their colour images.
 class Recoloring {
  public:
-  Recoloring(const KnownSequence& known, const SequenceInfo& info, const SurfelMap& map,
+  Recoloring(const PosedSequence& known, const SequenceInfo& info, const SurfelMap& map,
              ColorAverage* average)
       : known_(known), sensor_(known.found.Of(info.sensor())), map_(map), average_(average) {
     coarse_ = sensor_;
@@ -79,11 +79,11 @@ class Recoloring {
     const CameraMotion motion = MotionAt(known_.trajectory, frame.stamp_s);
     known_.found.Correct(&frame);
     const Rigid3d expected =
-        PoseAfter(world_from_camera, motion, frame.color_stamp_s - frame.stamp_s);
-    const BlendedView drawn = DrawDiscs(map_, coarse_, expected, &renderer_);
+        ExtrapolatePose(world_from_camera, motion, frame.color_stamp_s - frame.stamp_s);
+    const BlendedView drawn = RenderDiscs(map_, coarse_, expected, &renderer_);
     const PosedCamera camera(sensor_.camera,
                              RegisterColors(frame.color, drawn, coarse_, motion, expected));
-    const Image<float> measured_m = Coarse(AtMiddleOfReadout(frame, sensor_, motion).depth_m);
+    const Image<float> measured_m = Coarse(CorrectRollingShutter(frame, sensor_, motion).depth_m);
     frame.stamp_s = frame.color_stamp_s;  // `camera` is the pose at this time
     average_->Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), camera,
                   {drawn.depth_m, PosedCamera(coarse_.camera, expected)},
@@ -109,7 +109,7 @@ class Recoloring {
     return coarse_m;
   }
 
-  const KnownSequence& known_;
+  const PosedSequence& known_;
   const DepthSensor sensor_;
   const SurfelMap& map_;
   DepthSensor coarse_;
@@ -159,7 +159,7 @@ class FinalMap {
       if (!FuseSource(of_sequence, &fusion, &sensor)) return std::nullopt;
     }
     const FusionOptions& options = sources_.front().known.slam.fusion;
-    if (fused_ > options.max_dormant_frames) DropFlying(options, &map_);
+    if (fused_ > options.max_inactive_frames) RemoveEdgeNoise(options, &map_);
     SmoothMap(*sensor, &map_);
     ColorAverage average(map_);
     for (const MapSource& of_sequence : sources_) {
@@ -175,7 +175,7 @@ class FinalMap {
   // Opens and closes the sequence, because the frame list of a long recording is large.
   bool FuseSource(const MapSource& of_sequence, Fusion* fusion,
                   std::optional<DepthSensor>* sensor) {
-    const auto frames = OpenAgain(of_sequence.known.sequence, of_sequence.frames);
+    const auto frames = ReopenSequence(of_sequence.known.sequence, of_sequence.frames);
     SequenceFusion sequence(of_sequence, frames->info());
     if (!*sensor) *sensor = sequence.sensor();
     return ForEach(of_sequence, frames.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
@@ -190,7 +190,7 @@ class FinalMap {
   bool Recolor(const MapSource& of_sequence, ColorAverage* average) {
     SequenceOptions some = of_sequence.known.sequence;
     some.stride *= kColorStride;
-    const auto frames = OpenAgain(some, of_sequence.frames);
+    const auto frames = ReopenSequence(some, of_sequence.frames);
     Recoloring recoloring(of_sequence.known, frames->info(), map_, average);
     return ForEach(of_sequence, frames.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
       recoloring.Add(std::move(frame), pose);
@@ -199,8 +199,8 @@ class FinalMap {
 
   template <typename Take>
   bool ForEach(const MapSource& of_sequence, FrameSource* frames, const Take& take) {
-    const KnownSequence& known = of_sequence.known;
-    return ReadKnownFrames(known, frames, interrupted_, [&](std::size_t pose, RgbdFrame frame) {
+    const PosedSequence& known = of_sequence.known;
+    return ReadPosedFrames(known, frames, interrupted_, [&](std::size_t pose, RgbdFrame frame) {
       if (known.left_out.count(frame.index) > 0) return;
       take(std::move(frame), known.trajectory[pose].world_from_camera);
       done_ += 2;
@@ -218,8 +218,9 @@ class FinalMap {
 
 }  // namespace
 
-std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
-                                  const FinalMapProgress& progress) {
+std::optional<SurfelMap> IntegrateFinalMap(const PosedSequence& known,
+                                           const std::atomic<bool>& interrupted,
+                                           const FinalMapProgress& progress) {
   const std::vector<MapSource> all = {{known, {}, 0}};
   return FinalMap(all, nullptr, interrupted, progress).Run();
 }

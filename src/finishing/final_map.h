@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "finishing/known_sequence.h"
+#include "finishing/posed_sequence.h"
 #include "surfit/mapping/surfel_map.h"
 
 namespace surfit {
@@ -23,11 +23,12 @@ using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>
 //   3. recolours the surfels from every second frame, at the registered poses of the colour images
 //      (RegisterColors, ColorAverage)
 // Returns std::nullopt if interrupted. Throws InputError if the sequence cannot be read.
-std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
-                                  const FinalMapProgress& progress);
+std::optional<SurfelMap> IntegrateFinalMap(const PosedSequence& known,
+                                           const std::atomic<bool>& interrupted,
+                                           const FinalMapProgress& progress);
 
 struct MapSource {
-  const KnownSequence& known;
+  const PosedSequence& known;
   std::vector<FrameRange> frames;  // empty: all frames
   int first_frame = 0;             // offset of the frame indices; keeps those of the map ascending
 };
@@ -39,9 +40,9 @@ struct MapPart {
   std::vector<MapSource> sources;
 };
 
-// Fuses a part of a map from all its sequences, like FuseAnew(). The memory depends on the size of
-// the part, the time on the number of frames. `part.sources` must not be empty. Uses the fusion
-// options of the first source.
+// Fuses a part of a map from all its sequences, like IntegrateFinalMap(). The memory depends on the
+// size of the part, the time on the number of frames. `part.sources` must not be empty. Uses the
+// fusion options of the first source.
 std::optional<SurfelMap> FusePart(const MapPart& part, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress);
 

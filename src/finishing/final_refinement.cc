@@ -31,8 +31,8 @@ RefinementOptions FinalOptions(const DepthSensor& sensor) {
 }
 
 int StrideOf(const PinholeCamera& camera, int downsample) {
-  constexpr int kMostDownsample = 16;
-  return std::clamp(camera.width / kColumns, 1, std::max(1, kMostDownsample / downsample));
+  constexpr int kMaxDownsample = 16;
+  return std::clamp(camera.width / kColumns, 1, std::max(1, kMaxDownsample / downsample));
 }
 
 // Keyframes with their indices in the trajectory.
@@ -41,7 +41,7 @@ struct Keyframes {
   std::vector<RefinementKeyframe> keyframes;
 };
 
-std::optional<Keyframes> ReadKeyframes(const KnownSequence& known,
+std::optional<Keyframes> ReadKeyframes(const PosedSequence& known,
                                        const std::atomic<bool>& interrupted, FrameSource* source) {
   const std::vector<std::size_t> chosen =
       ChooseKeyframes(known.trajectory, kTranslation_m, kRotation_rad, kMaxKeyframes);
@@ -49,7 +49,7 @@ std::optional<Keyframes> ReadKeyframes(const KnownSequence& known,
   sensor.readout_s = known.found.Of(sensor).readout_s;
   Keyframes read;
   const bool all =
-      ReadKnownFrames(known, source, interrupted, [&](std::size_t pose, const RgbdFrame& frame) {
+      ReadPosedFrames(known, source, interrupted, [&](std::size_t pose, const RgbdFrame& frame) {
         if (!std::binary_search(chosen.begin(), chosen.end(), pose)) return;
         read.poses.push_back(pose);
         read.keyframes.push_back(
@@ -71,14 +71,14 @@ Trajectory Corrected(const Trajectory& trajectory, const Keyframes& refined) {
 
 }  // namespace
 
-std::optional<RefinedSequence> RefineKnown(
-    const KnownSequence& known, const PinholeCamera& camera, const std::atomic<bool>& interrupted,
+std::optional<RefinedSequence> RefinePosedSequence(
+    const PosedSequence& known, const PinholeCamera& camera, const std::atomic<bool>& interrupted,
     const std::function<void(const RefinementRound&)>& progress) {
   const TraceSlice slice("refine");
   SequenceOptions sequence = known.sequence;
-  const int stride = StrideOf(camera, sequence.prepare.downsample);
-  sequence.prepare.downsample *= stride;
-  const auto source = OpenAgain(sequence);
+  const int stride = StrideOf(camera, sequence.rectify.downsample);
+  sequence.rectify.downsample *= stride;
+  const auto source = ReopenSequence(sequence);
   std::optional<Keyframes> read = ReadKeyframes(known, interrupted, source.get());
   if (!read) return std::nullopt;
   const DepthCalibration given = {source->info().pinhole, {}, source->info().camera.readout_s};

@@ -5,7 +5,7 @@
 #include <functional>
 #include <optional>
 
-#include "finishing/known_sequence.h"
+#include "finishing/posed_sequence.h"
 #include "surfit/optimization/refine.h"
 
 namespace surfit {
@@ -15,7 +15,7 @@ struct RefinedSequence {
   RefinementSummary summary;  // calibration of the frames as read
   // Unchanged if the refinement failed.
   Trajectory trajectory;
-  FoundSensor found;
+  EstimatedSensor found;
 };
 
 // Refines keyframe poses and calibration with Refine(), and moves the other poses with their
@@ -23,8 +23,8 @@ struct RefinedSequence {
 // images of about 320 columns and few surfels, so that it takes no longer than tracking. `camera`
 // is the camera of the frames as read. `progress` is called after each round. Returns std::nullopt
 // if interrupted. Throws InputError if the sequence cannot be read.
-std::optional<RefinedSequence> RefineKnown(
-    const KnownSequence& known, const PinholeCamera& camera, const std::atomic<bool>& interrupted,
+std::optional<RefinedSequence> RefinePosedSequence(
+    const PosedSequence& known, const PinholeCamera& camera, const std::atomic<bool>& interrupted,
     const std::function<void(const RefinementRound&)>& progress);
 
 }  // namespace surfit

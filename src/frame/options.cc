@@ -2,8 +2,8 @@
 #include "surfit/core/options.h"
 
 #include "core/shared_options.h"
-#include "surfit/frame/prepare_frame.h"
 #include "surfit/frame/preprocess.h"
+#include "surfit/frame/rectify_frame.h"
 
 namespace surfit {
 
@@ -24,7 +24,7 @@ void PreprocessOptions::Visit(OptionVisitor& v) {
         AsFlag());
 }
 
-void PrepareOptions::Visit(OptionVisitor& v) {
+void RectifyOptions::Visit(OptionVisitor& v) {
   v.Add(downsample, SharedOption("downsample", Everyday()));
   v.Add(max_depth_m, "max_depth_m", "larger depths are missing", Positive(), Everyday());
 }

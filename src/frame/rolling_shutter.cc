@@ -38,7 +38,8 @@ void MoveRow(const Image<float>& depth_m, const DepthSensor& sensor, const Camer
   const PinholeCamera& camera = sensor.camera;
   const int width = depth_m.width();
   const double tau = ((v + 0.5) / depth_m.height() - 0.5) * sensor.readout_s;
-  const Eigen::Vector3d turn = tau * motion.turn_rad_per_s, way = tau * motion.velocity_m_per_s;
+  const Eigen::Vector3d turn = tau * motion.angular_velocity_rad_per_s,
+                        way = tau * motion.velocity_m_per_s;
   const V y = (v - camera.cy) / camera.fy;
   for (int u = 0; u < width; u += V::kCount) {
     const int count = width - u;
@@ -154,8 +155,8 @@ class OriginFinder {
 
 }  // namespace
 
-RgbdFrame AtMiddleOfReadout(const RgbdFrame& frame, const DepthSensor& sensor,
-                            const CameraMotion& motion) {
+RgbdFrame CorrectRollingShutter(const RgbdFrame& frame, const DepthSensor& sensor,
+                                const CameraMotion& motion) {
   if (sensor.readout_s == 0 || motion.IsZero()) return frame;
   const int width = frame.depth_m.width(), height = frame.depth_m.height();
   const MovedPixels moved = MovePixels(frame.depth_m, sensor, motion);
@@ -200,7 +201,7 @@ Rigid3d ReadoutCorrection(const FrameLevel& surface, double readout_s, const Cam
     b_sum += ((v + 0.5) / height - 0.5) * readout_s * row;
   }
   Eigen::Matrix<double, 6, 1> motion;
-  motion << found.turn_rad_per_s - expected.turn_rad_per_s,
+  motion << found.angular_velocity_rad_per_s - expected.angular_velocity_rad_per_s,
       found.velocity_m_per_s - expected.velocity_m_per_s;
   const Eigen::Matrix<double, 6, 1> change =
       -(a_sum + b_sum / seconds).fullPivLu().solve(b_sum * motion);

@@ -11,7 +11,7 @@
 namespace surfit {
 namespace {
 
-constexpr std::size_t kMostPointsInLeaf = 32;
+constexpr std::size_t kMaxPointsInLeaf = 32;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
@@ -75,7 +75,7 @@ class KdTree::Sorter {
 
 KdTree::KdTree(const std::vector<Eigen::Vector3f>& points) {
   CHECK_LT(points.size(), std::size_t{1} << 31);
-  while (points.size() > kMostPointsInLeaf << depth_) ++depth_;
+  while (points.size() > kMaxPointsInLeaf << depth_) ++depth_;
   std::vector<Sorter::Item> items(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     items[i] = {points[i], static_cast<std::uint32_t>(i)};

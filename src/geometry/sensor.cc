@@ -19,10 +19,10 @@ void DepthNoise::Validate(const std::string& what) const {
 }
 
 void CalibrationPrior::Visit(OptionVisitor& v) {
-  v.Add(focal_share, "focal_share", "standard deviation of fx and fy, relative to the input value",
-        ZeroIs("unknown"));
-  v.Add(aspect_share, "aspect_share", "standard deviation of fx / fy, relative to the input value",
-        ZeroIs("unknown"));
+  v.Add(focal_relative_sigma, "focal_relative_sigma",
+        "standard deviation of fx and fy, relative to the input value", ZeroIs("unknown"));
+  v.Add(aspect_relative_sigma, "aspect_relative_sigma",
+        "standard deviation of fx / fy, relative to the input value", ZeroIs("unknown"));
   v.Add(center_px, "center_px", "standard deviation of cx and cy", ZeroIs("unknown"), InUnit("px"));
   v.Add(inverse_depth_sigma, "inverse_depth_sigma",
         "standard deviation of the correction of inverse depth", ZeroIs("unknown"), InUnit("1/m"));
@@ -40,7 +40,7 @@ void CalibrationPrior::Visit(OptionVisitor& v) {
 }
 
 void CalibrationPrior::Validate(const std::string& what) const {
-  WithPlace(what, [&] { surfit::Validate(*this); });
+  WithContext(what, [&] { surfit::Validate(*this); });
 }
 
 void DepthSensor::Validate() const {

@@ -26,7 +26,7 @@ class KeyframeCorrections {
     if (next >= of_keyframe_.size()) return of_keyframe_[last];
     const PosedFrame& begin = frames_[frame_of_keyframe_[last]];
     const PosedFrame& end = frames_[frame_of_keyframe_[next]];
-    if (end.stretch != frame.stretch) return of_keyframe_[last];
+    if (end.segment != frame.segment) return of_keyframe_[last];
     const double share = static_cast<double>(frame.index - begin.index) / (end.index - begin.index);
     return Between(of_keyframe_[last], of_keyframe_[next], share,
                    frame.world_from_camera.translation);

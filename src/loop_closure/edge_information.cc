@@ -34,8 +34,8 @@ Matrix6d OdometryInformation(const IcpResult& icp, int frames, const Rigid3d& a_
   const Matrix6d of_registrations =
       CovarianceOf(InformationOf(icp) / (noise.shared_points * frames));
   return InverseOf(transform * of_registrations * transform.transpose() +
-                   Variances(noise.odometry_rad + noise.odometry_share * turn_rad,
-                             noise.odometry_m + noise.odometry_share * way_m));
+                   Variances(noise.odometry_rad + noise.odometry_ratio * turn_rad,
+                             noise.odometry_m + noise.odometry_ratio * way_m));
 }
 
 Matrix6d LoopInformation(const Matrix6d& registration_information, const EdgeNoise& noise) {

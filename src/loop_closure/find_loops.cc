@@ -11,7 +11,7 @@ namespace {
 // Earlier keyframe with a near pose.
 struct Neighbour {
   int keyframe;
-  double farness;  // relative to the bounds of the options
+  double relative_distance;  // relative to the bounds of the options
   Rigid3d target_from_source;
 };
 
@@ -21,33 +21,36 @@ std::vector<Neighbour> Neighbours(int source, const std::vector<Keyframe>& keyfr
   for (int target = 0; target < source; ++target) {
     const Rigid3d motion =
         keyframes[target].world_from_camera.Inverse() * keyframes[source].world_from_camera;
-    const double farness = std::max(motion.translation.norm() / options.max_near_m,
-                                    RotationAngle(motion.rotation) / options.max_near_rad);
-    if (farness <= 1) neighbours.push_back({target, farness, motion});
+    const double relative_distance =
+        std::max(motion.translation.norm() / options.max_near_m,
+                 RotationAngle(motion.rotation) / options.max_near_rad);
+    if (relative_distance <= 1) neighbours.push_back({target, relative_distance, motion});
   }
-  std::stable_sort(neighbours.begin(), neighbours.end(),
-                   [](const auto& a, const auto& b) { return a.farness < b.farness; });
+  std::stable_sort(neighbours.begin(), neighbours.end(), [](const auto& a, const auto& b) {
+    return a.relative_distance < b.relative_distance;
+  });
   return neighbours;
 }
 
 }  // namespace
 
-std::vector<LoopProposal> ProposeLoops(int source, const std::vector<Keyframe>& keyframes,
-                                       const PlaceIndex& index, const FindLoopsOptions& options) {
+std::vector<LoopCandidate> ProposeLoopCandidates(int source, const std::vector<Keyframe>& keyframes,
+                                                 const PlaceIndex& index,
+                                                 const FindLoopsOptions& options) {
   const auto is_wanted = [&](int keyframe) {
     return !keyframes[keyframe].view.empty() &&
            keyframes[source].frame_index - keyframes[keyframe].frame_index >= options.min_gap;
   };
-  std::vector<LoopProposal> proposals;
+  std::vector<LoopCandidate> proposals;
   for (const PlaceCandidate& candidate :
-       index.Query(keyframes[source].view, options.max_alike, is_wanted)) {
+       index.Query(keyframes[source].view, options.max_similar, is_wanted)) {
     proposals.push_back({source, candidate.keyframe, candidate.similarity, std::nullopt});
   }
   int near_count = 0;
   for (const Neighbour& neighbour : Neighbours(source, keyframes, options)) {
-    const auto known = std::find_if(proposals.begin(), proposals.end(), [&](const LoopProposal& p) {
-      return p.target == neighbour.keyframe;
-    });
+    const auto known =
+        std::find_if(proposals.begin(), proposals.end(),
+                     [&](const LoopCandidate& p) { return p.target == neighbour.keyframe; });
     if (known != proposals.end()) {
       known->target_from_source_prior = neighbour.target_from_source;
     } else if (near_count < options.max_near && is_wanted(neighbour.keyframe)) {
@@ -58,13 +61,14 @@ std::vector<LoopProposal> ProposeLoops(int source, const std::vector<Keyframe>& 
   return proposals;
 }
 
-std::vector<LoopAttempt> FindLoops(int source, const std::vector<Keyframe>& keyframes,
-                                   const PlaceIndex& index, const FindLoopsOptions& options) {
+std::vector<LoopVerification> FindLoops(int source, const std::vector<Keyframe>& keyframes,
+                                        const PlaceIndex& index, const FindLoopsOptions& options) {
   Validate(options);
-  std::vector<LoopAttempt> attempts;
-  for (const LoopProposal& proposal : ProposeLoops(source, keyframes, index, options)) {
-    const FarVerdict verdict = VerifyLoop(keyframes[source].view, keyframes[proposal.target].view,
-                                          options.verify, proposal.target_from_source_prior);
+  std::vector<LoopVerification> attempts;
+  for (const LoopCandidate& proposal : ProposeLoopCandidates(source, keyframes, index, options)) {
+    const GlobalRegistrationResult verdict =
+        VerifyLoop(keyframes[source].view, keyframes[proposal.target].view, options.verify,
+                   proposal.target_from_source_prior);
     attempts.push_back({proposal, verdict});
   }
   return attempts;
@@ -77,7 +81,7 @@ Relocalization Relocalize(const PlaceView& view, const std::vector<Keyframe>& ke
   const auto has_view = [&](int keyframe) { return !keyframes[keyframe].view.empty(); };
   for (const PlaceCandidate& candidate : index.Query(view, options.max_candidates, has_view)) {
     const Keyframe& keyframe = keyframes[candidate.keyframe];
-    const FarVerdict verdict = VerifyLoop(view, keyframe.view, options.verify);
+    const GlobalRegistrationResult verdict = VerifyLoop(view, keyframe.view, options.verify);
     result.attempts.push_back(
         {{Relocalization::kNone, candidate.keyframe, candidate.similarity, std::nullopt}, verdict});
     if (!verdict.accepted()) continue;

@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kStridePx = 8;  // stride of the pixels for the overlap
 // A point is occluded if it is behind a surface by more than this ratio of the depth.
-constexpr double kHiddenShare =
+constexpr double kHiddenRatio =
     0.1;  // a point is occluded behind a surface by more than this ratio of its depth
 // Minimum motion for the criteria of overlap and frame count, relative to the other two criteria.
 constexpr double kLittleMotion = 0.1;
@@ -20,12 +20,12 @@ bool IsSeen(const Eigen::Vector3d& point, const FrameLevel& surface) {
     return false;
   }
   const float depth_m = surface.vertex.z(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()));
-  return !(depth_m > 0) || point.z() < (1 + kHiddenShare) * depth_m;
+  return !(depth_m > 0) || point.z() < (1 + kHiddenRatio) * depth_m;
 }
 
 }  // namespace
 
-double OverlapShare(const Keyframe& keyframe, const FrameLevel& surface,
+double OverlapRatio(const Keyframe& keyframe, const FrameLevel& surface,
                     const Rigid3d& world_from_camera) {
   const PlaceView& view = keyframe.view;
   const Rigid3d camera_from_keyframe = world_from_camera.Inverse() * keyframe.world_from_camera;
@@ -51,7 +51,7 @@ bool IsKeyframe(const Keyframe& last, int frame_index, const FrameLevel& surface
   if (moved < kLittleMotion) return false;
   if (frame_index - last.frame_index >= options.max_frames) return true;
   return !last.view.empty() &&
-         OverlapShare(last, surface, world_from_camera) < options.min_overlap_share;
+         OverlapRatio(last, surface, world_from_camera) < options.min_overlap_ratio;
 }
 
 }  // namespace surfit

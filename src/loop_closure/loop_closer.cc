@@ -12,7 +12,7 @@
 namespace surfit {
 namespace {
 
-LoopFinder OwnFinder(const FindLoopsOptions& options) {
+LoopFinder DefaultFinder(const FindLoopsOptions& options) {
   return [options](int source, const std::vector<Keyframe>& keyframes, const PlaceIndex& index) {
     return FindLoops(source, keyframes, index, options);
   };
@@ -30,9 +30,9 @@ std::vector<bool> LoopsInGraph(const PoseGraph& graph, const PoseGraphSummary& s
 
 // Computes a view at the first call and then releases its source. Threads do not wait for each
 // other, because the other thread may have a lower priority: both may compute the view.
-class MadeView {
+class LazyView {
  public:
-  MadeView(ColoredView source, const PlaceViewOptions& options)
+  LazyView(ColoredView source, const PlaceViewOptions& options)
       : source_(std::make_shared<ColoredView>(std::move(source))), options_(options) {}
 
   PlaceView Get() {
@@ -58,7 +58,7 @@ class MadeView {
 
 }  // namespace
 
-PoseGraphEdge LoopEdge(const LoopAttempt& attempt, const EdgeNoise& noise) {
+PoseGraphEdge LoopEdge(const LoopVerification& attempt, const EdgeNoise& noise) {
   PoseGraphEdge edge;
   edge.a = static_cast<std::size_t>(attempt.proposal.target);
   edge.b = static_cast<std::size_t>(attempt.proposal.source);
@@ -68,11 +68,11 @@ PoseGraphEdge LoopEdge(const LoopAttempt& attempt, const EdgeNoise& noise) {
   return edge;
 }
 
-LoopCloser::LoopCloser(const LoopOptions& options, LoopFinder finder, bool always_beside)
+LoopCloser::LoopCloser(const LoopOptions& options, LoopFinder finder, bool always_in_background)
     : options_(options),
-      finder_(finder ? std::move(finder) : OwnFinder(options.find)),
+      finder_(finder ? std::move(finder) : DefaultFinder(options.find)),
       index_(options.places),
-      task_(always_beside) {}
+      task_(always_in_background) {}
 
 void LoopCloser::AddSettled(std::vector<Keyframe> keyframes) {
   keyframes_ = std::move(keyframes);
@@ -101,13 +101,13 @@ LoopOutcome LoopCloser::Run(LoopTask task) {
   for (int k = first; k < static_cast<int>(keyframes_.size()); ++k) {
     if (!keyframes_[k].view.empty()) TryLoops(k, &task.graph, &outcome);
   }
-  outcome.given_up_views = LimitKeyframes(options_.max_view_bytes, &keyframes_, &index_).size();
+  outcome.removed_views = LimitKeyframes(options_.max_view_bytes, &keyframes_, &index_).size();
   if (task.graph.edges.size() > edges_before) Optimise(std::move(task.graph), &outcome);
   return outcome;
 }
 
 void LoopCloser::TryLoops(int source, PoseGraph* graph, LoopOutcome* outcome) {
-  for (LoopAttempt& attempt : finder_(source, keyframes_, index_)) {
+  for (LoopVerification& attempt : finder_(source, keyframes_, index_)) {
     attempt.proposal.source = source;
     const bool accepted = attempt.verdict.accepted();
     outcome->attempts.push_back({keyframes_[source].frame_index,
@@ -140,7 +140,7 @@ Relocalization LoopCloser::Find(const ColoredView& view,
 }
 
 ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options) {
-  auto made = std::make_shared<MadeView>(std::move(source), options);
+  auto made = std::make_shared<LazyView>(std::move(source), options);
   return [made] { return made->Get(); };
 }
 

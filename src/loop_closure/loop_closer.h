@@ -3,13 +3,13 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/spare_time.h"
+#include "core/background_task.h"
 #include "surfit/loop_closure/keyframe.h"
 #include "surfit/loop_closure/loop_closure.h"
 #include "surfit/loop_closure/place_index.h"
 #include "surfit/optimization/pose_graph.h"
 #include "surfit/poses/pose_store.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 
 namespace surfit {
 
@@ -17,7 +17,7 @@ namespace surfit {
 ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options);
 
 // Edge of the pose graph for a verified loop.
-PoseGraphEdge LoopEdge(const LoopAttempt& attempt, const EdgeNoise& noise);
+PoseGraphEdge LoopEdge(const LoopVerification& attempt, const EdgeNoise& noise);
 
 // Keyframe for the search for loops.
 struct KeyframeForLoops {
@@ -38,22 +38,22 @@ struct LoopOutcome {
   bool optimised = false;                    // there are new loops, and the solver succeeded
   std::vector<Rigid3d> world_from_keyframe;  // of all keyframes, if optimised
   std::vector<bool> loops_in_graph;          // of all verified loops so far, if optimised
-  std::size_t given_up_views = 0;            // by LimitKeyframes()
+  std::size_t removed_views = 0;             // by LimitKeyframes()
 };
 
 // Finds loops and optimises the pose graph in background tasks. Owns the views of the keyframes and
 // their place index. Poses and edges are snapshots of the pose store.
 class LoopCloser {
  public:
-  // If `always_beside`, tasks run in a SpareTimeTask with any number of threads.
-  LoopCloser(const LoopOptions& options, LoopFinder finder, bool always_beside);
+  // If `always_in_background`, tasks run in a BackgroundTask with any number of threads.
+  LoopCloser(const LoopOptions& options, LoopFinder finder, bool always_in_background);
 
   // Adds keyframes of a saved state, before any task.
   void AddSettled(std::vector<Keyframe> keyframes);
 
   // Starts a task. task().Take() returns its outcome.
   void Start(LoopTask task);
-  SpareTimeTask<LoopOutcome>& task() { return task_; }
+  BackgroundTask<LoopOutcome>& task() { return task_; }
 
   // Searches all keyframes of the tasks so far for a view. Waits for the current task, whose
   // outcome can still be taken.
@@ -71,7 +71,7 @@ class LoopCloser {
   LoopFinder finder_;
   std::vector<Keyframe> keyframes_;
   PlaceIndex index_;
-  SpareTimeTask<LoopOutcome> task_;  // last member: its destructor waits for the task
+  BackgroundTask<LoopOutcome> task_;  // last member: its destructor waits for the task
 };
 
 }  // namespace surfit

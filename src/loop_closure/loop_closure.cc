@@ -12,7 +12,7 @@ void EdgeNoise::Visit(OptionVisitor& v) {
   v.Add(odometry_rad, "odometry_rad",
         "standard deviation of the rotation between consecutive keyframes", Positive());
   v.Add(
-      odometry_share, "odometry_share",
+      odometry_ratio, "odometry_ratio",
       "additional standard deviation, as a ratio of the translation and rotation between keyframes",
       AtLeast(0));
   v.Add(loop_m, "loop_m",

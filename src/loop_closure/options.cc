@@ -11,7 +11,7 @@ void KeyframeOptions::Visit(OptionVisitor& v) {
   v.Group("keyframes");
   v.Add(max_distance_m, "max_distance_m", "distance between keyframes", Positive());
   v.Add(max_angle_rad, "max_angle_rad", "rotation between keyframes", Positive());
-  v.Add(min_overlap_share, "min_overlap_share", "minimum overlap with the last keyframe", Share());
+  v.Add(min_overlap_ratio, "min_overlap_ratio", "minimum overlap with the last keyframe", Share());
   v.Add(max_frames, "max_frames", "maximum number of frames between keyframes of a moving camera",
         AtLeast(1));
 }
@@ -53,7 +53,7 @@ void FindLoopsOptions::Visit(OptionVisitor& v) {
   v.Group("loops");
   v.Add(min_gap, "min_gap", "minimum number of frames between the keyframes of a loop closure",
         AtLeast(1));
-  v.Add(max_alike, "max_alike", "maximum number of loop candidates from place recognition",
+  v.Add(max_similar, "max_similar", "maximum number of loop candidates from place recognition",
         AtLeast(0));
   v.Add(max_near, "max_near", "maximum number of additional loop candidates with near poses",
         AtLeast(0));

@@ -127,7 +127,7 @@ std::vector<int> WithViews(const std::vector<Keyframe>& keyframes) {
 }
 
 // Returns the older keyframe of the pair with the most similar poses, or the only keyframe.
-int LeastMissed(const std::vector<Keyframe>& keyframes, const std::vector<int>& positions) {
+int MostRedundant(const std::vector<Keyframe>& keyframes, const std::vector<int>& positions) {
   int least = positions.front();
   double least_difference = -1;
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -149,7 +149,7 @@ std::vector<int> LimitKeyframes(std::size_t max_bytes, std::vector<Keyframe>* ke
   for (const Keyframe& keyframe : *keyframes) bytes += keyframe.view.Bytes();
   std::vector<int> given_up;
   while (bytes > max_bytes) {
-    const int position = LeastMissed(*keyframes, WithViews(*keyframes));
+    const int position = MostRedundant(*keyframes, WithViews(*keyframes));
     bytes -= (*keyframes)[position].view.Bytes();
     (*keyframes)[position].view = PlaceView();
     index->Remove(position);

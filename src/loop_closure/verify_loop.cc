@@ -30,7 +30,7 @@ class ExpandedView {
     brightness_ = BrightnessOf(std::move(value));
   }
 
-  FarView ForRegistration() const {
+  GlobalView ForRegistration() const {
     return {coarser_, finest_, {coarser_.levels.front(), brightness_}, has_color_};
   }
 
@@ -54,14 +54,15 @@ FeaturePoints PointsOf(const PlaceView& view, const ErrorModel& error_model) {
 
 // Returns initial poses with enough inlier features, by descending number of inliers.
 std::vector<Rigid3d> StartsFromFeatures(const PlaceView& source, const PlaceView& target,
-                                        const VerifyLoopOptions& options, FarVerdict* verdict) {
-  constexpr int kMostPoses = 3, kConsensusTries = 500;
+                                        const VerifyLoopOptions& options,
+                                        GlobalRegistrationResult* verdict) {
+  constexpr int kMaxPoses = 3, kConsensusTries = 500;
   const FeaturePoints from = PointsOf(source, options.icp.error_model);
   const FeaturePoints to = PointsOf(target, options.icp.error_model);
   const std::vector<FeatureMatch> matches = MatchFeatures(from, to);
   verdict->matches = static_cast<int>(matches.size());
   std::vector<Rigid3d> starts;
-  for (const Consensus& consensus : FindConsensus(from, to, matches, kMostPoses, kConsensusTries)) {
+  for (const Consensus& consensus : FindConsensus(from, to, matches, kMaxPoses, kConsensusTries)) {
     const int agreeing = static_cast<int>(consensus.inliers.size());
     verdict->agreeing_features = std::max(verdict->agreeing_features, agreeing);
     if (agreeing >= options.min_agreeing_features) starts.push_back(consensus.target_from_source);
@@ -71,16 +72,16 @@ std::vector<Rigid3d> StartsFromFeatures(const PlaceView& source, const PlaceView
 
 }  // namespace
 
-FarVerdict VerifyLoop(const PlaceView& source, const PlaceView& target,
-                      const VerifyLoopOptions& options,
-                      const std::optional<Rigid3d>& target_from_source_prior) {
+GlobalRegistrationResult VerifyLoop(const PlaceView& source, const PlaceView& target,
+                                    const VerifyLoopOptions& options,
+                                    const std::optional<Rigid3d>& target_from_source_prior) {
   Validate(options);
-  FarVerdict verdict;
+  GlobalRegistrationResult verdict;
   if (source.empty() || target.empty()) return verdict;
   std::vector<Rigid3d> starts = StartsFromFeatures(source, target, options, &verdict);
   if (target_from_source_prior) starts.push_back(*target_from_source_prior);
   if (starts.empty()) {
-    verdict.reason = FarReason::kNoStart;
+    verdict.reason = GlobalRegistrationReason::kNoStart;
     return verdict;
   }
   IcpOptions coarse_icp = options.icp;

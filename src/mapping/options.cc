@@ -20,7 +20,7 @@ void FusionOptions::Visit(OptionVisitor& v) {
   v.Add(max_spacing_m, "max_spacing_m",
         "maximum distance across the surface between a surfel and a point that merge", Positive(),
         AsFlag());
-  v.Add(duplicate_share, "duplicate_share",
+  v.Add(duplicate_ratio, "duplicate_ratio",
         "maximum distance of duplicate surfels, relative to their radii and to max_spacing_m; the "
         "less confident duplicate is removed",
         ZeroIs("none"), AsFlag());
@@ -29,11 +29,12 @@ void FusionOptions::Visit(OptionVisitor& v) {
   v.Add(max_radius_ratio, "max_radius_ratio",
         "points whose radius is larger than a surfel's by this factor do not change its shape",
         Positive());
-  v.Add(lasting_confidence, "lasting_confidence",
-        "surfels with less confidence are removed after max_dormant_frames without observation",
+  v.Add(min_inactive_confidence, "min_inactive_confidence",
+        "surfels with less confidence are removed after max_inactive_frames without observation",
         AtLeast(0), AsFlag());
-  v.Add(max_dormant_frames, "max_dormant_frames",
-        "number of fused frames without observation after which surfels below lasting_confidence "
+  v.Add(max_inactive_frames, "max_inactive_frames",
+        "number of fused frames without observation after which surfels below "
+        "min_inactive_confidence "
         "are removed",
         AtLeast(0), AsFlag());
   v.Add(max_confidence, "max_confidence",
@@ -53,7 +54,7 @@ void FusionOptions::Visit(OptionVisitor& v) {
 void RenderOptions::Visit(OptionVisitor& v) {
   v.Add(stable_confidence, "stable_confidence",
         "surfels with less confidence are drawn only at pixels without other surfels", AtLeast(0));
-  v.Add(radius_share, "radius_share", "radius of drawn discs, relative to the radius of the surfel",
+  v.Add(radius_ratio, "radius_ratio", "radius of drawn discs, relative to the radius of the surfel",
         Positive());
   v.Add(max_half_window_px, "max_half_window_px", "maximum half width of a drawn disc",
         Between(0, 64));

@@ -34,9 +34,9 @@ void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& d
 TriangleMesh ExtractSurface(const DistanceField& field, const SurfelCubes& surfels,
                             const std::function<void(double)>& done);
 
-// Removes connected pieces whose bounding box has a diagonal below min_piece_m. Counts removed
+// Removes connected pieces whose bounding box has a diagonal below min_component_m. Counts removed
 // triangles and pieces in the summary.
-void DropSmallPieces(double min_piece_m, MeshSummary* summary, TriangleMesh* mesh);
+void DropSmallPieces(double min_component_m, MeshSummary* summary, TriangleMesh* mesh);
 
 // Reduces the mesh to max_triangles by edge collapses with the least change (Garland and Heckbert
 // 1997), which keep borders and pieces. If this is not sufficient, clusters of vertices are merged.

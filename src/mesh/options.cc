@@ -17,7 +17,7 @@ void MeshOptions::Visit(OptionVisitor& v) {
   v.Add(watertight, "watertight",
         "fill all holes with artificial triangles; open sheets get a back side", AsFlag(),
         Everyday());
-  v.Add(min_piece_m, "min_piece_m",
+  v.Add(min_component_m, "min_component_m",
         "minimum diameter of disconnected pieces; smaller pieces are removed", ZeroIs("keep all"),
         AsFlag(), Everyday());
   v.Add(normal_noise_rad, "normal_noise_rad",
@@ -40,7 +40,7 @@ void TextureOptions::Visit(OptionVisitor& v) {
   v.Add(max_texture_frames, "max_texture_frames",
         "maximum number of texture frames: the slowest frame in each of this many parts of the run",
         ZeroIs("all"), AsFlag());
-  v.Add(least_sharpness, "least_sharpness",
+  v.Add(min_sharpness, "min_sharpness",
         "minimum sharpness of the frame of a triangle, relative to its sharpest frame", Share(),
         AsFlag());
   v.Add(

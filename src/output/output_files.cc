@@ -1,6 +1,7 @@
 #include "output/output_files.h"
 
 #include "core/files.h"
+#include "core/shared_options.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/io/camera_files.h"
@@ -121,7 +122,7 @@ class Reader final : public OptionVisitor {
 
  private:
   void Visit(const Option& option, const OptionValue& value) override {
-    const Json& json = path_.back()->at(option.name);
+    const Json& json = Member(option.name);
     std::visit(
         [&](auto* field) {
           if constexpr (std::is_same_v<decltype(field), OptionText*>) {
@@ -133,10 +134,16 @@ class Reader final : public OptionVisitor {
         value);
   }
   bool Enter(const Option& part, const std::type_info&, void*) override {
-    path_.push_back(&path_.back()->at(part.name));
+    path_.push_back(&Member(part.name));
     return true;
   }
   void Leave() override { path_.pop_back(); }
+
+  // Files of version 0.1 have old names.
+  const Json& Member(const std::string& name) const {
+    const Json& json = *path_.back();
+    return json.contains(name) ? json.at(name) : json.at(OldName(name));
+  }
 
   std::vector<const Json*> path_;
 };
@@ -186,13 +193,14 @@ RgbdCamera Calibrated(RgbdCamera camera, const DepthCalibration& given,
 
 }  // namespace
 
-DepthCalibration OfMeasuredDepth(const SequenceInfo& info, const InverseDepthField& given_field,
-                                 const DepthCalibration& found) {
+DepthCalibration CalibrationOfRawDepth(const SequenceInfo& info,
+                                       const InverseDepthField& given_field,
+                                       const DepthCalibration& found) {
   return {found.camera, Combined({info.pinhole, given_field}, found), found.readout_s};
 }
 
-void WriteFoundCamera(const SequenceInfo& info, const InverseDepthField& given_field,
-                      const DepthCalibration& found, const std::string& path) {
+void WriteEstimatedCamera(const SequenceInfo& info, const InverseDepthField& given_field,
+                          const DepthCalibration& found, const std::string& path) {
   const DepthCalibration given = {info.pinhole, given_field};
   const InverseDepthField field = Combined(given, found);
   WriteCameraYaml(Calibrated(info.camera, given, found), path,

@@ -51,13 +51,14 @@ Options OptionsFromJson(const nlohmann::ordered_json& json) {
 
 // Converts a calibration to measured depth. `found` was estimated from frames to which
 // `given_field` had already been applied.
-DepthCalibration OfMeasuredDepth(const SequenceInfo& info, const InverseDepthField& given_field,
-                                 const DepthCalibration& found);
+DepthCalibration CalibrationOfRawDepth(const SequenceInfo& info,
+                                       const InverseDepthField& given_field,
+                                       const DepthCalibration& found);
 
 // Writes the camera of the sequence with the estimated calibration as camera.yaml. `found` as in
-// OfMeasuredDepth(). Throws InputError with the path if writing fails.
-void WriteFoundCamera(const SequenceInfo& info, const InverseDepthField& given_field,
-                      const DepthCalibration& found, const std::string& path);
+// CalibrationOfRawDepth(). Throws InputError with the path if writing fails.
+void WriteEstimatedCamera(const SequenceInfo& info, const InverseDepthField& given_field,
+                          const DepthCalibration& found, const std::string& path);
 
 // [tx, ty, tz, qx, qy, qz, qw]
 Json ToJson(const Rigid3d& pose);

@@ -62,7 +62,7 @@ std::string ViewPictureName(int rank) {
 
 std::vector<std::string> ViewFileNames() {
   std::vector<std::string> names = {"views.json", "views.csv"};
-  for (int i = 0; i < kMostViewPictures; ++i) names.push_back(ViewPictureName(i));
+  for (int i = 0; i < kMaxViewPictures; ++i) names.push_back(ViewPictureName(i));
   return names;
 }
 

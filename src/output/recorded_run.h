@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "finishing/known_sequence.h"
+#include "finishing/posed_sequence.h"
 #include "surfit/geometry/trajectory.h"
 
 namespace surfit {
@@ -14,7 +14,7 @@ namespace surfit {
 struct RecordedRun {
   Trajectory trajectory;
   std::map<int, Rigid3d> world_from_camera;  // by frame index
-  FoundSensor found;       // estimated calibration of the frames as the run read them
+  EstimatedSensor found;   // estimated calibration of the frames as the run read them
   std::set<int> held_out;  // indices of held-out frames
 };
 
@@ -27,8 +27,8 @@ void RequireCameraOfFrames(const RecordedRun& run, const std::string& folder,
                            const PinholeCamera& frames);
 
 // Names of the files that EvaluateViews() writes into the folder of a run by default: tables and up
-// to kMostViewPictures pictures. `rank`: 0 for the worst view.
-inline constexpr int kMostViewPictures = 100;
+// to kMaxViewPictures pictures. `rank`: 0 for the worst view.
+inline constexpr int kMaxViewPictures = 100;
 std::string ViewPictureName(int rank);
 std::vector<std::string> ViewFileNames();
 

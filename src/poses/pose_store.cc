@@ -13,7 +13,7 @@ LoopRecord RecordOf(const PoseGraphEdge& edge, const std::vector<KeyframeLink>& 
   record.target_frame = keyframes[edge.a].frame;
   record.attempt.proposal.source = static_cast<int>(edge.b);
   record.attempt.proposal.target = static_cast<int>(edge.a);
-  record.attempt.verdict.reason = FarReason::kAccepted;
+  record.attempt.verdict.reason = GlobalRegistrationReason::kAccepted;
   record.attempt.verdict.target_from_source = edge.a_from_b;
   record.is_kept = true;
   return record;
@@ -105,9 +105,9 @@ std::size_t PoseStore::CountDisconnectedSubmaps() const {
   return static_cast<std::size_t>(std::count(connected.begin(), connected.end(), false));
 }
 
-void PoseStore::AddFrame(int index, double stamp_s, const Rigid3d& world_from_camera, int stretch) {
+void PoseStore::AddFrame(int index, double stamp_s, const Rigid3d& world_from_camera, int segment) {
   frames_.push_back(
-      {index, stamp_s, world_from_camera, static_cast<int>(keyframes_.size()) - 1, stretch});
+      {index, stamp_s, world_from_camera, static_cast<int>(keyframes_.size()) - 1, segment});
 }
 
 void PoseStore::MakeKeyframe(int parent) {

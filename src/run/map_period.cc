@@ -7,21 +7,21 @@ namespace surfit {
 int MapPeriod::For(double queued_ms) {
   // Two frames and one frame at 30 Hz. The frame after a fused frame often waits a little.
   constexpr double kLate_ms = 67, kInTime_ms = 33;
-  constexpr int kMostTimes = 8;  // limit of period / given_; longer periods save little time
+  constexpr int kMaxTimes = 8;  // limit of period / given_; longer periods save little time
   // Number of frames until a change has an effect, and until the queue should be empty again.
   constexpr int kUntilSeen = 4, kUntilDone = 30;
   // One slow frame, for example with a map correction, delays two or three frames. A late frame
   // cancels kOneLate frames in time.
   constexpr int kLateInARow = 3, kOneLate = 5;
-  constexpr int kMostPatience = 16 * kInTime;
+  constexpr int kMaxPatience = 16 * kInTime;
   ++since_change_;
   late_ = queued_ms > kLate_ms ? late_ + 1 : 0;
   in_time_ = queued_ms < kInTime_ms ? in_time_ + 1 : std::max(0, in_time_ - kOneLate);
   const bool helps_not = since_change_ > (queued_ms > queued_ms_ ? kUntilSeen : kUntilDone);
-  if (late_ >= kLateInARow && helps_not && period_ < kMostTimes * given_) {
+  if (late_ >= kLateInARow && helps_not && period_ < kMaxTimes * given_) {
     // Halving the period was too early: wait twice as long before the next attempt.
     if (was_shorter_ && since_change_ < patience_) {
-      patience_ = std::min(2 * patience_, kMostPatience);
+      patience_ = std::min(2 * patience_, kMaxPatience);
     }
     Change(2 * period_);
     queued_ms_ = queued_ms;

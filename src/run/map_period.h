@@ -14,7 +14,9 @@ class MapPeriod {
   int For(double queued_ms);
 
   int longest() const { return longest_; }
-  int frames_hurried() const { return hurried_; }  // frames with more than the minimum period
+  int frames_with_longer_map_period() const {
+    return hurried_;
+  }  // frames with more than the minimum period
 
  private:
   void Change(int period);

@@ -21,7 +21,7 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         "frames to read ahead; with offered_fps or a camera: size of the queue", Between(1, 1000));
   v.Add(offered_fps, "offered_fps",
         "play the sequence at this rate, Hz, like a live camera; frames beyond "
-        "queue_capacity are dropped and counted, and sure_inlier_share is 0",
+        "queue_capacity are dropped and counted, and confident_inlier_ratio is 0",
         ZeroIs("as fast as frames are processed"), AsFlag());
   v.Add(refine, "refine",
         "before the final map, refine poses and calibration jointly, if the run has changed the "

@@ -10,7 +10,7 @@
 #include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/sequence.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 
 namespace surfit {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "finishing/known_sequence.h"
+#include "finishing/posed_sequence.h"
 #include "run/results/failures.h"
 #include "run/results/kept_views.h"
 #include "run/results/run_files.h"
@@ -16,7 +16,7 @@ namespace surfit {
 struct RunOutcome {
   const SequenceInfo& info;
   const RunTrajectory& trajectory;
-  const FoundSensor& found;
+  const EstimatedSensor& found;
   const Backend* backend;  // null without loops and calibration
   const SurfelMap& map;
   const KeptViews& views;

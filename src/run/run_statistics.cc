@@ -10,7 +10,7 @@
 namespace surfit {
 namespace {
 
-constexpr double kMuchMoves = 0.1;  // ratio of moving points
+constexpr double kMuchMotion = 0.1;  // ratio of moving points
 
 double Sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.);
@@ -49,16 +49,16 @@ void RunStatistics::CountProcessed(const RgbdFrame& frame, const FrameReport& re
   const std::int64_t valid_points = CountValid(frame.depth_m);
   summary_.input_points += static_cast<std::int64_t>(frame.depth_m.size());
   summary_.input_points_valid += valid_points;
-  summary_.frames_apart += report.is_apart;
+  summary_.frames_with_two_motions += report.has_two_motions;
   summary_.frames_confirmed += report.confirmed.has_value();
   if (!report.HasPose()) {
     ++summary_.frames_lost;
-    summary_.frames_lost_in_motion += much_moves_;
+    summary_.frames_lost_in_motion += has_much_motion_;
     return;
   }
   ++summary_.frames_tracked;
-  much_moves_ = report.moving_share > kMuchMoves;
-  summary_.frames_with_motion += much_moves_;
+  has_much_motion_ = report.moving_ratio > kMuchMotion;
+  summary_.frames_with_motion += has_much_motion_;
   if (report.is_held_out) summary_.held_out_frames.push_back(report.index);
   if (IsRegistered(report.state) && options_.icp.error_model.UsesIntensities() &&
       report.icp.intensity_count == 0) {
@@ -103,8 +103,8 @@ void RunStatistics::AddTimes(const ReadResult& result, const StageTimes& times, 
     pose_latency_ms_.push_back(AgeMs(result, pose_known_));
   }
   const std::array<double, kStages.size()> stages_ms = {
-      result.decode_ms, times.prepare_ms, times.predict_ms, times.track_ms,
-      times.fuse_ms,    times.correct_ms, write_ms};
+      result.read_ms, times.preprocess_ms, times.predict_ms, times.track_ms,
+      times.fuse_ms,  times.correct_ms,    write_ms};
   for (std::size_t i = 0; i < kStages.size(); ++i) stages_ms_[i].push_back(stages_ms[i]);
 }
 
@@ -115,8 +115,8 @@ SlamRunSummary RunStatistics::Summary(std::size_t map_points) const {
     summary.compression_ratio =
         static_cast<double>(summary.input_points) / static_cast<double>(map_points);
   }
-  summary.match_share_last = match_shares_.empty() ? 0 : match_shares_.back();
-  summary.match_share_median = Quantile(match_shares_, 0.5);
+  summary.match_ratio_last = match_shares_.empty() ? 0 : match_shares_.back();
+  summary.match_ratio_median = Quantile(match_shares_, 0.5);
   summary.frame = Statistics(frame_ms_);
   summary.latency = Statistics(latency_ms_);
   summary.pose_latency = Statistics(pose_latency_ms_);

@@ -25,7 +25,7 @@ class RunStatistics {
   void CountSkipped() { ++summary_.frames_skipped; }
   void CountProcessed(const RgbdFrame& frame, const FrameReport& report);
   // Records when the pose of the current frame became known.
-  void PoseIsKnown() { pose_known_ = Clock::now(); }
+  void RecordPoseTime() { pose_known_ = Clock::now(); }
   // Completes the current frame and returns its frame time, ms.
   double CompleteFrame();
   // Adds the stage times of a processed frame, and the latencies of an offered frame.
@@ -50,8 +50,8 @@ class RunStatistics {
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::array<const char*, 7> kStages = {"decode", "preprocess", "predict", "track",
-                                                         "fuse",   "correct",    "write"};
+  static constexpr std::array<const char*, 7> kStages = {"read", "preprocess", "predict", "track",
+                                                         "fuse", "correct",    "write"};
 
   void CountFused(const FrameReport& report, std::int64_t valid_points);
   double AgeMs(const ReadResult& result, Clock::time_point now) const;
@@ -60,7 +60,7 @@ class RunStatistics {
   const Clock::time_point start_ = Clock::now();
   Clock::time_point last_completion_ = start_, taken_ = start_, pose_known_ = start_;
   SlamRunSummary summary_;
-  bool much_moves_ = false;  // more than 10 % of the last tracked frame's points moved
+  bool has_much_motion_ = false;  // more than 10 % of the last tracked frame's points moved
   std::vector<double> stamps_s_, frame_ms_, latency_ms_, pose_latency_ms_, match_shares_;
   std::array<std::vector<double>, kStages.size()> stages_ms_;
 };

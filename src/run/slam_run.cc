@@ -13,11 +13,10 @@
 #include "core/trace.h"
 #include "finishing/final_map.h"
 #include "finishing/final_refinement.h"
-#include "finishing/known_sequence.h"
+#include "finishing/posed_sequence.h"
 #include "io/files/output_folder.h"
 #include "io/files/places_file.h"
 #include "output/output_files.h"
-#include "run/kept_session.h"
 #include "run/map_period.h"
 #include "run/posed_views.h"
 #include "run/results/failures.h"
@@ -26,6 +25,7 @@
 #include "run/results/result_files.h"
 #include "run/results/run_files.h"
 #include "run/run_results.h"
+#include "run/run_session.h"
 #include "run/run_statistics.h"
 #include "run/start_slam.h"
 #include "surfit/core/error.h"
@@ -76,7 +76,7 @@ std::int64_t PeakRssBytes() {
 class SlamRun {
  public:
   // `session` may be null. Options and session must outlive this object.
-  SlamRun(const SlamRunOptions& options, KeptSession* session, const std::atomic<bool>& interrupted)
+  SlamRun(const SlamRunOptions& options, RunSession* session, const std::atomic<bool>& interrupted)
       : options_(options),
         session_(session),
         statistics_(options.slam),
@@ -148,15 +148,15 @@ class SlamRun {
   FrameReport Process(const ReadResult& result) {
     const RgbdFrame& frame = *result.frame;
     const TraceSlice slice("frame", frame.index);
-    is_whole_ = false;
+    is_frame_complete_ = false;
     const FrameReport report = Track(result);
-    is_whole_ = true;
+    is_frame_complete_ = true;
     Keep(frame, report);
     double write_ms = 0;
     {
       const StageTimer timer("write", frame.index, &write_ms);
       trajectory_->Add(report);
-      frame_table_->Add(report, result.decode_ms, statistics_.CompleteFrame());
+      frame_table_->Add(report, result.read_ms, statistics_.CompleteFrame());
     }
     statistics_.AddTimes(result, report.times, write_ms, options_.OffersFrames());
     return report;
@@ -170,7 +170,7 @@ class SlamRun {
     }
     if (!slam_) {
       slam_ = StartSlam(options_, info_, session_, frame.stamp_s);
-      slam_->OnPose([this](const FrameReport&) { statistics_.PoseIsKnown(); });
+      slam_->OnPose([this](const FrameReport&) { statistics_.RecordPoseTime(); });
     }
     FrameReport report = options_.poses == "track" ? slam_->Process(frame) : FuseAtTruth(frame);
     if (session_) session_->Offer(*slam_, report.stamp_s);
@@ -191,7 +191,8 @@ class SlamRun {
   void Keep(const RgbdFrame& frame, const FrameReport& report) {
     statistics_.CountProcessed(frame, report);
     if (localization_) localization_->Add(report);
-    if (report.is_held_out || report.state == FrameState::kFrozen) left_out_.insert(report.index);
+    if (report.is_held_out || report.state == FrameState::kDuplicate)
+      left_out_.insert(report.index);
     if (!report.moving.empty()) moving_[report.index] = report.moving;
     if (!options_.keep_views) return;
     views_.Offer(frame, report, slam_->map(), slam_->sensor());
@@ -201,7 +202,7 @@ class SlamRun {
   SlamRunSummary Finish(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     source_.reset();  // frees the frame list, which is large for long recordings
     // The pose store may contain a failed frame. RunTrajectory::Replace() drops this frame.
-    if (!is_whole_ || !failures_.Try([&] { FinishSlam(); })) {
+    if (!is_frame_complete_ || !failures_.Try([&] { FinishSlam(); })) {
       failures_.Try([&] { TakeCorrections(); });
     }
     failures_.Try([&] { Improve(interrupted, progress); });
@@ -210,7 +211,7 @@ class SlamRun {
     if (final_map_) summary.refinement = refinement_;
     summary.final_map_s = final_map_s_;
     summary.interrupted = interrupted;
-    summary.frames_hurried = map_period_.frames_hurried();
+    summary.frames_with_longer_map_period = map_period_.frames_with_longer_map_period();
     summary.longest_map_period = map_period_.longest();
     summary.sensor_latency_s = info_.camera.latency_s;
     failures_.Try([&] { trajectory_->Finish(); });
@@ -256,12 +257,12 @@ class SlamRun {
   // Refines the run and fuses the final map. Does nothing for live sequences, after an early end of
   // the run, for continued sessions and for localisation.
   void Improve(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
-    if (!options_.final_map || IsLive(options_.sequence) || !is_whole_ || interrupted ||
+    if (!options_.final_map || IsLive(options_.sequence) || !is_frame_complete_ || interrupted ||
         failures_.any() || options_.continue_session || options_.localize) {
       return;
     }
     std::optional<RefinedSequence> refined;
-    const KnownSequence known = Known(trajectory_->poses(), found_);
+    const PosedSequence known = Known(trajectory_->poses(), found_);
     // If the calibration did not change, tracking with all frames is more accurate than a
     // refinement of keyframes.
     if (options_.refine && known.found.calibration) refined = Refine(known, interrupted, progress);
@@ -277,13 +278,13 @@ class SlamRun {
     }
   }
 
-  std::optional<RefinedSequence> Refine(const KnownSequence& known,
+  std::optional<RefinedSequence> Refine(const PosedSequence& known,
                                         const std::atomic<bool>& interrupted,
                                         const ProgressCall& progress) {
     const auto start = std::chrono::steady_clock::now();
     SlamRunProgress now = Progress();
     std::optional<RefinedSequence> refined =
-        RefineKnown(known, info_.pinhole, interrupted, [&](const RefinementRound&) {
+        RefinePosedSequence(known, info_.pinhole, interrupted, [&](const RefinementRound&) {
           ++now.refinement_rounds;
           now.elapsed_s = statistics_.elapsed_s();
           progress(now);
@@ -295,13 +296,13 @@ class SlamRun {
     return refined;
   }
 
-  void FuseFinalMap(const KnownSequence& known, const std::atomic<bool>& interrupted,
+  void FuseFinalMap(const PosedSequence& known, const std::atomic<bool>& interrupted,
                     const ProgressCall& progress) {
     const TraceSlice slice("final_map");
     const auto start = std::chrono::steady_clock::now();
     SlamRunProgress now = Progress();
-    final_map_ = FuseAnew(known, interrupted, [&](int frames, std::size_t points) {
-      now.frames_fused_anew = frames;
+    final_map_ = IntegrateFinalMap(known, interrupted, [&](int frames, std::size_t points) {
+      now.frames_reintegrated = frames;
       now.map_points = points;
       now.elapsed_s = statistics_.elapsed_s();
       progress(now);
@@ -310,7 +311,7 @@ class SlamRun {
     if (final_map_) final_map_s_ = elapsed.count();
   }
 
-  KnownSequence Known(const Trajectory& trajectory, const FoundSensor& found) const {
+  PosedSequence Known(const Trajectory& trajectory, const EstimatedSensor& found) const {
     return {options_.sequence, options_.slam, trajectory, trajectory_->frames(),
             left_out_,         moving_,       found};
   }
@@ -340,7 +341,7 @@ class SlamRun {
     const Slam& slam = *slam_;
     const Backend& backend = *slam.backend();
     summary->loops = backend.counts();
-    summary->merged_doubles = static_cast<std::int64_t>(slam.merged_doubles());
+    summary->merged_duplicates = static_cast<std::int64_t>(slam.merged_duplicates());
     if (options_.slam.loops.enabled) {
       failures_.Try([&] { WriteLoopsCsv(backend.poses().loops(), Path("loops.csv")); });
     }
@@ -354,22 +355,22 @@ class SlamRun {
     const DepthSensor given = info_.sensor();
     summary->calibration = found_.calibration;
     if (summary->calibration)
-      summary->calibration_doubt = DoubtOfGiven(given, *summary->calibration);
+      summary->calibration_warning = CalibrationWarning(given, *summary->calibration);
     summary->color_latency_s = found_.color_latency_s;
     if (!summary->calibration && summary->color_latency_s == 0) return;
     failures_.Try([&] {
       SequenceInfo info = info_;
       info.camera.color_latency_s += summary->color_latency_s;
       const DepthCalibration as_given = {given.camera, {}, given.readout_s};
-      WriteFoundCamera(info, given_field_, summary->calibration.value_or(as_given),
-                       Path("camera.yaml"));
+      WriteEstimatedCamera(info, given_field_, summary->calibration.value_or(as_given),
+                           Path("camera.yaml"));
     });
   }
 
   std::string Path(const char* name) const { return options_.output + "/" + name; }
 
   const SlamRunOptions& options_;
-  KeptSession* const session_;
+  RunSession* const session_;
   RunStatistics statistics_;
   MapPeriod map_period_;
   std::unique_ptr<TraceRecorder> trace_;  // outlives the source, which decodes on another thread
@@ -380,7 +381,7 @@ class SlamRun {
   std::unique_ptr<RunTrajectory> trajectory_;
   std::unique_ptr<FrameTable> frame_table_;
   std::unique_ptr<Slam> slam_;                      // null before the first frame
-  FoundSensor found_;                               // estimated calibration of the frames as read
+  EstimatedSensor found_;                           // estimated calibration of the frames as read
   std::unique_ptr<LocalizationFile> localization_;  // null without localisation
   KeptViews views_;
   Thumbnails thumbnails_;
@@ -391,7 +392,7 @@ class SlamRun {
   std::optional<FinalRefinement> refinement_;
   std::optional<SurfelMap> final_map_;
   std::optional<double> final_map_s_;
-  bool is_whole_ = true;  // false: an exception has interrupted a frame
+  bool is_frame_complete_ = true;  // false: an exception has interrupted a frame
 };
 
 }  // namespace
@@ -405,11 +406,11 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
   // During a global registration of an uncertain frame, the camera moves on, and the next frame
   // would be uncertain as well. So only lost frames are registered globally.
   if (options.OffersFrames()) {
-    run.slam.sure_inlier_share = 0;
+    run.slam.confident_inlier_ratio = 0;
     run.slam.real_time = true;
   }
-  std::unique_ptr<KeptSession> session;
-  if (!run.session.empty()) session = std::make_unique<KeptSession>(&run);
+  std::unique_ptr<RunSession> session;
+  if (!run.session.empty()) session = std::make_unique<RunSession>(&run);
   SlamRun slam(run, session.get(), interrupted);
   SlamRunSummary summary = slam.Run(interrupted, progress);
   if (finished) finished(slam.result());

@@ -19,7 +19,7 @@ std::string DumpFolder(const std::string& folder, int frame) {
 }  // namespace
 
 std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInfo& info,
-                                KeptSession* session, double first_stamp_s) {
+                                RunSession* session, double first_stamp_s) {
   std::unique_ptr<Slam> slam;
   if (session && session->has_state()) {
     slam = session->MakeSlam(info);

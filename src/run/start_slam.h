@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "run/kept_session.h"
+#include "run/run_session.h"
 #include "surfit/frame/frame_source.h"
 #include "surfit/run/slam_run.h"
 #include "surfit/slam/slam.h"
@@ -14,6 +14,6 @@ namespace surfit {
 // `session` may be null. `options` and `session` must outlive the result. Throws InputError for bad
 // options, or for a session of another sensor.
 std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInfo& info,
-                                KeptSession* session, double first_stamp_s);
+                                RunSession* session, double first_stamp_s);
 
 }  // namespace surfit

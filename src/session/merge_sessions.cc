@@ -19,7 +19,7 @@ void Shift(int shift, int keyframes, int stretches, int submaps, SlamState* stat
   for (PosedFrame& frame : state->frames) {
     frame.index += shift;
     frame.keyframe += keyframes;
-    frame.stretch += stretches;
+    frame.segment += stretches;
   }
   for (KeyframeLink& link : state->keyframes) {
     link.frame += shift;
@@ -96,7 +96,7 @@ class Merger {
     const int shift = state.frames.back().index + gap_ - added.frames.front().index;
     const int submaps = 1 + MostSubmap();
     first_keyframe_.push_back(state.keyframes.size());
-    Shift(shift, static_cast<int>(state.keyframes.size()), 1 + state.frames.back().stretch, submaps,
+    Shift(shift, static_cast<int>(state.keyframes.size()), 1 + state.frames.back().segment, submaps,
           &added);
     const double beside = Backend::kSubmapDistance * submaps;
     const Rigid3d moved(Eigen::Quaterniond::Identity(), {beside, 0, 0});
@@ -213,7 +213,7 @@ MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOp
   summary.frames = slam.backend()->poses().frames().size();
   summary.keyframes = keyframes.size();
   summary.surfels = slam.map().size();
-  summary.merged_doubles = slam.merged_doubles();
+  summary.merged_duplicates = slam.merged_duplicates();
   return summary;
 }
 

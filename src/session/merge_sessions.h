@@ -14,7 +14,7 @@ struct MergeSummary {
   std::size_t loops_between = 0;   // accepted loop closures between sessions
   std::vector<std::string> apart;  // sessions that are not connected to the first session
   std::size_t frames = 0, keyframes = 0, surfels = 0;
-  std::size_t merged_doubles = 0;  // surfels that were merged as duplicates
+  std::size_t merged_duplicates = 0;  // surfels that were merged as duplicates
 };
 
 // Merges sessions of the same sensor into a new session. Each keyframe is compared with the

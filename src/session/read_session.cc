@@ -10,11 +10,11 @@
 namespace surfit {
 namespace {
 
-constexpr std::size_t kMostTileBytes = std::size_t{4} << 30;
+constexpr std::size_t kMaxTileBytes = std::size_t{4} << 30;
 
 class Loader {
  public:
-  Loader(const std::string& folder, const TellDamage& tell)
+  Loader(const std::string& folder, const DamageCallback& tell)
       : folder_(folder), tell_(tell), database_(DatabaseOf(folder), Database::Mode::kRead) {
     RequireSchema(&database_);
   }
@@ -104,7 +104,7 @@ class Loader {
     ForEach("views", [&](RowReader* row) {
       ++count;
       const std::size_t keyframe = KeyOfKeyframe(*row);
-      PlaceView view = TakeKeptView(row);
+      PlaceView view = TakeStoredView(row);
       if (keyframe < state().views.size()) state().views[keyframe] = std::move(view);
     });
     Expect("views", count, facts_.views);
@@ -123,7 +123,7 @@ class Loader {
 
   void ReadEdges() {
     ForEach("edges", [&](RowReader* row) {
-      const KeptEdge kept = TakeEdge(row);
+      const StoredEdge kept = TakeEdge(row);
       const auto keyframes = static_cast<std::size_t>(facts_.keyframes);
       const auto settled = static_cast<std::size_t>(facts_.settled_keyframes);
       const auto& [a, b] = std::make_pair(kept.edge.a, kept.edge.b);
@@ -143,7 +143,7 @@ class Loader {
       const TileRow tile = TakeTile(row);
       ++count;
       const std::string path = TilesOf(folder_) + "/" + TileName(tile.key, tile.save);
-      const std::string bytes = ReadFile(path, kMostTileBytes);
+      const std::string bytes = ReadFile(path, kMaxTileBytes);
       ThrowIf(static_cast<std::int64_t>(bytes.size()) != tile.bytes ||
                   Crc(bytes.data(), bytes.size()) != static_cast<std::uint32_t>(tile.crc),
               path, " is damaged: its checksum is wrong");
@@ -191,7 +191,7 @@ class Loader {
   }
 
   const std::string& folder_;
-  const TellDamage& tell_;
+  const DamageCallback& tell_;
   Database database_;
   SessionRow facts_;
   Session session_;
@@ -221,7 +221,7 @@ void RequireSession(const std::string& folder) {
 
 }  // namespace
 
-Session LoadSession(const std::string& folder, const TellDamage& tell) {
+Session LoadSession(const std::string& folder, const DamageCallback& tell) {
   RequireSession(folder);
   return Loader(folder, tell).Load();
 }
@@ -230,7 +230,7 @@ Session ReadSession(const std::string& folder) { return LoadSession(folder, Thro
 
 std::vector<SessionRun> ReadSessionRuns(const std::string& folder) {
   RequireSession(folder);
-  const TellDamage tell = Throw;
+  const DamageCallback tell = Throw;
   Loader loader(folder, tell);
   loader.ReadFacts();
   return loader.ReadRuns();

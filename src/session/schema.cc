@@ -67,7 +67,7 @@ void PassColumns(SessionRun& run, Io* io) {
 
 template <typename Io>
 void PassColumns(PosedFrame& frame, Io* io) {
-  io->Pass(frame.index, frame.stamp_s, frame.world_from_camera, frame.keyframe, frame.stretch);
+  io->Pass(frame.index, frame.stamp_s, frame.world_from_camera, frame.keyframe, frame.segment);
 }
 
 template <typename Io>
@@ -77,7 +77,7 @@ void PassColumns(KeyframeLink& keyframe, Io* io) {
 
 // `information`: packed information matrix of the edge.
 template <typename Io>
-void PassColumns(KeptEdge& kept, Blob& information, Io* io) {
+void PassColumns(StoredEdge& kept, Blob& information, Io* io) {
   io->Pass(kept.edge.a, kept.edge.b, kept.edge.a_from_b, information, kept.edge.loop,
            kept.in_graph);
 }
@@ -178,7 +178,7 @@ Row RowOf(std::int64_t key, const PlaceView& view) {
   return {key, Blob{packer.bytes()}};
 }
 
-PlaceView TakeKeptView(RowReader* row) {
+PlaceView TakeStoredView(RowReader* row) {
   row->TakeInt();
   Unpacker unpacker(row->Take<Blob>().bytes, row->from());
   PlaceView view = TakeView(PlacesPart::kAll, &unpacker);
@@ -215,19 +215,19 @@ RgbdFrame TakeCalibrationFrame(RowReader* row) {
   return frame;
 }
 
-Row RowOf(std::int64_t key, const KeptEdge& kept) {
+Row RowOf(std::int64_t key, const StoredEdge& kept) {
   Packer packer;
   for (const double number : kept.edge.information.reshaped()) packer.Put(number);
   Blob information{packer.bytes()};
-  KeptEdge edge = kept;
+  StoredEdge edge = kept;
   RowWriter writer;
   writer.Pass(key);
   PassColumns(edge, information, &writer);
   return writer.row();
 }
 
-KeptEdge TakeEdge(RowReader* row) {
-  KeptEdge kept;
+StoredEdge TakeEdge(RowReader* row) {
+  StoredEdge kept;
   Blob information;
   row->TakeInt();
   PassColumns(kept, information, row);

@@ -62,7 +62,7 @@ struct SessionRow {
   std::int64_t saves = 0;
 };
 
-struct KeptEdge {
+struct StoredEdge {
   PoseGraphEdge edge;
   bool in_graph = false;
 };
@@ -86,7 +86,7 @@ Row RowOf(const PosedFrame& frame);
 Row RowOf(std::int64_t key, const KeyframeLink& keyframe);
 Row RowOf(std::int64_t key, const PlaceView& view);
 Row RowOf(std::int64_t key, const RgbdFrame& calibration_frame);
-Row RowOf(std::int64_t key, const KeptEdge& edge);
+Row RowOf(std::int64_t key, const StoredEdge& edge);
 Row RowOf(const TileRow& tile);
 
 // Reads the values of a row in order. Throws InputError with `from` for a wrong type or an invalid
@@ -134,9 +134,9 @@ SessionRow TakeSession(RowReader* row);
 SessionRun TakeRun(RowReader* row);
 PosedFrame TakeFrame(RowReader* row);
 KeyframeLink TakeKeyframe(RowReader* row);
-PlaceView TakeKeptView(RowReader* row);
+PlaceView TakeStoredView(RowReader* row);
 RgbdFrame TakeCalibrationFrame(RowReader* row);
-KeptEdge TakeEdge(RowReader* row);
+StoredEdge TakeEdge(RowReader* row);
 TileRow TakeTile(RowReader* row);
 
 }  // namespace surfit

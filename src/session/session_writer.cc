@@ -27,17 +27,17 @@ constexpr double kPeriod_s = 0.5;  // recording time between saves
 constexpr int kPeriodFrames = 15;  // maximum number of frames between saves
 
 bool AreSame(const PosedFrame& a, const PosedFrame& b) {
-  return a.index == b.index && a.keyframe == b.keyframe && a.stretch == b.stretch &&
+  return a.index == b.index && a.keyframe == b.keyframe && a.segment == b.segment &&
          a.stamp_s == b.stamp_s && a.world_from_camera == b.world_from_camera;
 }
 
 // An edge changes only with the calibration, which changes a_from_b.
-bool AreSame(const KeptEdge& a, const KeptEdge& b) {
+bool AreSame(const StoredEdge& a, const StoredEdge& b) {
   return a.in_graph == b.in_graph && a.edge.a_from_b == b.edge.a_from_b;
 }
 
-std::vector<KeptEdge> EdgesOf(const Backend& backend) {
-  std::vector<KeptEdge> edges;
+std::vector<StoredEdge> EdgesOf(const Backend& backend) {
+  std::vector<StoredEdge> edges;
   const std::vector<bool> in_graph = backend.poses().loops_in_graph();
   std::size_t loop = 0;
   for (const PoseGraphEdge& edge : backend.poses().edges()) {
@@ -59,7 +59,7 @@ std::vector<Row> Changed(const std::vector<Kept>& now, const std::vector<Kept>& 
 }
 
 void WriteNewFile(const std::string& path, const std::string& bytes) {
-  const int file = MakeNewFile(path);
+  const int file = CreateFileExclusively(path);
   if (file < 0) ThrowCannotWrite(path);
   const bool is_written = WriteAll(file, bytes.data(), bytes.size());
   if (!is_written) {
@@ -201,7 +201,7 @@ SessionWriter::Update SessionWriter::Difference(const SessionContent& content) {
                           [](std::int64_t, const PosedFrame& frame) { return RowOf(frame); });
   frames_ = content.frames;
   update.edges = Changed(content.edges, edges_,
-                         [](std::int64_t key, const KeptEdge& edge) { return RowOf(key, edge); });
+                         [](std::int64_t key, const StoredEdge& edge) { return RowOf(key, edge); });
   edges_ = content.edges;
   const std::vector<KeyframeLink>& links = content.keyframes;
   for (; keyframes_ < links.size(); ++keyframes_) {

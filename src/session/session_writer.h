@@ -21,7 +21,7 @@ namespace surfit {
 struct SessionContent {
   const std::vector<PosedFrame>& frames;
   const std::vector<KeyframeLink>& keyframes;
-  std::vector<KeptEdge> edges;
+  std::vector<StoredEdge> edges;
   std::size_t settled_keyframes = 0;
   bool is_calibrating = false;                  // Backend::is_calibrating()
   std::optional<DepthCalibration> calibration;  // none: as given
@@ -91,7 +91,7 @@ class SessionWriter {
 
   // State of the last save of this process.
   std::vector<PosedFrame> frames_;
-  std::vector<KeptEdge> edges_;
+  std::vector<StoredEdge> edges_;
   std::size_t keyframes_ = 0;
   ChangedTiles changed_tiles_;
   bool has_saved_ = false;

@@ -17,9 +17,9 @@ constexpr int kRows = 4;
 
 // Independent random streams of one seed: one for the structure, one for the furniture of each pair
 // of rooms, and one for the pictures of each room.
-constexpr int kMostRooms = 2000;
+constexpr int kMaxRooms = 2000;
 enum Stream : std::uint64_t { kStructure = 1, kFurniture = 1000, kPictures = 2000 };
-static_assert(kFurniture + kMostRooms / 2 <= kPictures, "streams must not overlap");
+static_assert(kFurniture + kMaxRooms / 2 <= kPictures, "streams must not overlap");
 
 bool HasDoorwayInTheSouth(Row row) { return row == Row::kInnerSouth || row == Row::kOuterNorth; }
 
@@ -47,7 +47,7 @@ struct Site {
   RoomPlan Cell(double west, double south, int floor, double width_m, double depth_m) const {
     RoomPlan cell{scene, nullptr, width_m, depth_m};
     cell.corner_in_world = {west, south, floor * BuildingPlan::kStorey_m};
-    cell.keeps_light = true;
+    cell.lights_only_itself = true;
     return cell;
   }
 };
@@ -74,7 +74,7 @@ void AddRoom(const Site& site, int index) {
   room.corner_in_world = place.world_from_room.translation;
   room.turn_rad = HasDoorwayInTheSouth(place.row) ? 0 : M_PI;
   room.pictures = &pictures;
-  room.keeps_light = true;
+  room.lights_only_itself = true;
   room.OpenAt(place.doorway);
   AddCell(room, &AddFurnishedRoom);
 }
@@ -136,7 +136,7 @@ void BuildingOptions::Visit(OptionVisitor& v) {
   v.Add(floors, "floors", "number of floors of the scene building", Between(1, 100), AsFlag(),
         Everyday());
   v.Add(rooms, "rooms", "total number of rooms of the scene building, a multiple of floors",
-        Between(1, kMostRooms), AsFlag(), Everyday());
+        Between(1, kMaxRooms), AsFlag(), Everyday());
   v.Check([this] {
     if (rooms % floors == 0) return;
     throw InputError("rooms is ", rooms, ", must be a multiple of floors (", floors, ")");

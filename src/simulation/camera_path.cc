@@ -66,11 +66,11 @@ struct Operator {
 
 // Cost of a path; 0 if it meets all requirements. In buildings, a minimum ratio of planar views is
 // not required.
-double Shortfall(const Scene& scene, const PathQuality& quality) {
-  constexpr double kMostPlanar = 0.45;
+double PathCost(const Scene& scene, const PathQuality& quality) {
+  constexpr double kMaxPlanar = 0.45;
   const double least_planar = scene.cells.empty() ? 0.28 : 0;
-  return 3 * std::max(0.0, least_planar - quality.planar_share) +
-         std::max(0.0, quality.planar_share - kMostPlanar) + 2 * quality.bare_share;
+  return 3 * std::max(0.0, least_planar - quality.planar_ratio) +
+         std::max(0.0, quality.planar_ratio - kMaxPlanar) + 2 * quality.degenerate_ratio;
 }
 
 // Tries random gazes and takes the first without cost, or else the best.
@@ -85,7 +85,7 @@ void FilmPiece(const Scene& scene, int begin, int end, double frames_per_second,
     candidate.gaze.Reseed(random->Index(1 << 30));
     Trajectory piece;
     candidate.Film(begin, end, frames_per_second, &piece);
-    const double shortfall = Shortfall(scene, JudgePath(scene, piece));
+    const double shortfall = PathCost(scene, EvaluatePath(scene, piece));
     if (shortfall >= least_shortfall) continue;
     least_shortfall = shortfall;
     best = std::move(piece);
@@ -123,7 +123,7 @@ Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
   double least_shortfall = std::numeric_limits<double>::infinity();
   for (int i = 1; i <= walks && least_shortfall > kGoodEnough; ++i) {
     Trajectory path = FilmPath(scene, frames, options, Random(seed, i));  // stream 0: scene
-    const double shortfall = Shortfall(scene, JudgePath(scene, path));
+    const double shortfall = PathCost(scene, EvaluatePath(scene, path));
     if (shortfall >= least_shortfall) continue;
     least_shortfall = shortfall;
     best = std::move(path);

@@ -28,7 +28,7 @@ void AddLamps(const RoomPlan& corridor) {
   }
 }
 
-Stretch RandomStretch(const RoomPlan& corridor) {
+WallItem RandomStretch(const RoomPlan& corridor) {
   Random* random = corridor.random;
   const double width = random->Uniform(0.8, 1.3);
   switch (random->Index(8)) {
@@ -45,17 +45,17 @@ Stretch RandomStretch(const RoomPlan& corridor) {
     case 5:
       return {0.5, [=](const Item& at) { AddChair(at.At({0, 0.3, 0}), random); }};
     default:
-      return PosterStretch(corridor);
+      return PosterItem(corridor);
   }
 }
 
 // Fills 75 % of the wall, so that registration is constrained everywhere.
-void FurnishStretch(const RoomPlan& corridor, int wall, double from_m, double to_m) {
+void FurnishWallPart(const RoomPlan& corridor, int wall, double from_m, double to_m) {
   constexpr double kShareOfWall = 0.75;
   double free = kShareOfWall * (to_m - from_m);
-  std::vector<Stretch> stretches;
+  std::vector<WallItem> stretches;
   while (free > 0) {
-    Stretch next = RandomStretch(corridor);
+    WallItem next = RandomStretch(corridor);
     free -= next.width_m;
     if (free > 0) stretches.push_back(std::move(next));
   }
@@ -73,10 +73,10 @@ void AddFurnishedCorridor(const RoomPlan& corridor) {
     if (length < std::max(corridor.width_m, corridor.depth_m)) continue;  // end walls
     double from = kCorner_m;
     for (const Doorway& doorway : corridor.DoorwaysIn(wall)) {
-      FurnishStretch(corridor, wall, from, doorway.at_m - kBesideDoorway_m);
+      FurnishWallPart(corridor, wall, from, doorway.at_m - kBesideDoorway_m);
       from = doorway.at_m + kBesideDoorway_m;
     }
-    FurnishStretch(corridor, wall, from, length - kCorner_m);
+    FurnishWallPart(corridor, wall, from, length - kCorner_m);
   }
 }
 

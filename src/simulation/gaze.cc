@@ -11,7 +11,7 @@
 
 namespace surfit {
 
-ViewQuality JudgeView(const Scene& scene, const Rigid3d& world_from_camera) {
+ViewQuality EvaluateView(const Scene& scene, const Rigid3d& world_from_camera) {
   PinholeCamera camera;  // 640 x 480 reduced by 32
   camera.width = 20;
   camera.height = 15;
@@ -33,17 +33,17 @@ ViewQuality JudgeView(const Scene& scene, const Rigid3d& world_from_camera) {
           static_cast<double>(largest[0] + largest[1]) / std::max(1, seen)};
 }
 
-PathQuality JudgePath(const Scene& scene, const Trajectory& path) {
+PathQuality EvaluatePath(const Scene& scene, const Trajectory& path) {
   constexpr std::size_t kFramesApart = 10;
   PathQuality quality;
   int views = 0, planar = 0, bare = 0;
   for (std::size_t i = 0; i < path.size(); i += kFramesApart, ++views) {
-    const ViewQuality view = JudgeView(scene, path[i].world_from_camera);
+    const ViewQuality view = EvaluateView(scene, path[i].world_from_camera);
     if (view.IsPlanar()) ++planar;
-    if (view.IsBare()) ++bare;
+    if (view.IsDegenerate()) ++bare;
   }
-  quality.planar_share = static_cast<double>(planar) / views;
-  quality.bare_share = static_cast<double>(bare) / views;
+  quality.planar_ratio = static_cast<double>(planar) / views;
+  quality.degenerate_ratio = static_cast<double>(bare) / views;
   return quality;
 }
 
@@ -82,9 +82,9 @@ Eigen::Quaterniond Gaze::Orientation() const { return LevelOrientation(direction
 
 void Gaze::Advance(const Vector3d& position, double turn_rad) {
   constexpr double kReached_rad = 9 * kRadPerDeg;
-  constexpr int kMostFrames = 90;
+  constexpr int kMaxFrames = 90;
   const Vector3d to_target = scene_->targets[target_] - position;
-  if (Angle(direction_, to_target) < kReached_rad || ++frames_on_target_ > kMostFrames ||
+  if (Angle(direction_, to_target) < kReached_rad || ++frames_on_target_ > kMaxFrames ||
       !InSight(to_target)) {
     ChooseTarget(position);
   }
@@ -125,29 +125,29 @@ std::vector<int> Gaze::TargetsFrom(const Vector3d& position) const {
 // Prefers targets in front of the camera, and views of the wanted kind (planar or not planar).
 void Gaze::ChooseTarget(const Vector3d& position) {
   const double planar_choices = scene_->cells.empty() ? 0.8 : 0;
-  constexpr int kAttempts = 40, kMostViews = 12;
+  constexpr int kAttempts = 40, kMaxViews = 12;
   const bool want_planar = random_.Uniform() < planar_choices;
   const int last = target_;
   const std::vector<int> targets = TargetsFrom(position);
   int views = 0;
-  for (int i = 0; i < kAttempts && views < kMostViews; ++i) {
+  for (int i = 0; i < kAttempts && views < kMaxViews; ++i) {
     const int candidate = targets[random_.Index(static_cast<int>(targets.size()))];
     const Vector3d to_target = scene_->targets[candidate] - position;
     if (candidate == last || (i < kAttempts / 2 && !MayTurnTo(to_target))) continue;
     target_ = candidate;
     ++views;
     const ViewQuality view =
-        JudgeView(*scene_, Rigid3d(LevelOrientation(to_target.normalized()), position));
-    if (!view.IsBare() && view.IsPlanar() == want_planar) break;
+        EvaluateView(*scene_, Rigid3d(LevelOrientation(to_target.normalized()), position));
+    if (!view.IsDegenerate() && view.IsPlanar() == want_planar) break;
   }
   frames_on_target_ = 0;
 }
 
 void Gaze::Steer(const Vector3d& to_target) {
-  constexpr double kMostTurn_rad = 7 * kRadPerDeg;
+  constexpr double kMaxTurn_rad = 7 * kRadPerDeg;
   const double wanted =
       std::atan2(direction_.cross(heading_).dot(to_target), heading_.dot(to_target));
-  const double turn = std::clamp(wanted, -kMostTurn_rad, kMostTurn_rad);
+  const double turn = std::clamp(wanted, -kMaxTurn_rad, kMaxTurn_rad);
   heading_ = (Eigen::AngleAxisd(turn, direction_) * heading_).normalized();
 }
 

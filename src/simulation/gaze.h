@@ -14,23 +14,23 @@ namespace surfit {
 // Geometric content of a view of a depth camera with 640 x 480 pixels and a focal length of 525 px.
 // Pixels at depths of 0.4 to 4.5 m are visible.
 struct ViewQuality {
-  double seen_share = 0;        // ratio of visible pixels to all pixels
-  double two_planes_share = 0;  // ratio of visible pixels on the two largest flat faces
+  double visible_ratio = 0;     // ratio of visible pixels to all pixels
+  double two_planes_ratio = 0;  // ratio of visible pixels on the two largest flat faces
 
-  bool IsPlanar() const { return two_planes_share >= 0.8; }
+  bool IsPlanar() const { return two_planes_ratio >= 0.8; }
   // True if registration would be degenerate.
-  bool IsBare() const { return two_planes_share > 0.95 || seen_share < 0.5; }
+  bool IsDegenerate() const { return two_planes_ratio > 0.95 || visible_ratio < 0.5; }
 };
 
-ViewQuality JudgeView(const Scene& scene, const Rigid3d& world_from_camera);
+ViewQuality EvaluateView(const Scene& scene, const Rigid3d& world_from_camera);
 
 // View quality of a camera path, from every 10th frame.
 struct PathQuality {
-  double planar_share = 0;  // ratio of planar views
-  double bare_share = 0;    // ratio of degenerate views
+  double planar_ratio = 0;      // ratio of planar views
+  double degenerate_ratio = 0;  // ratio of degenerate views
 };
 
-PathQuality JudgePath(const Scene& scene, const Trajectory& path);
+PathQuality EvaluatePath(const Scene& scene, const Trajectory& path);
 
 // Viewing direction that moves from target to target without stopping. It moves on the unit sphere
 // at a given speed and gradually steers its heading towards the target. In scenes without cells, 80

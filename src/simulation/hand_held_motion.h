@@ -16,9 +16,9 @@ namespace surfit {
 
 // Smooth random function with values in [-1, 1]: a sum of three sines with random frequency and
 // phase.
-class Wander {
+class SmoothNoise {
  public:
-  Wander(double lowest_frequency, double highest_frequency, Random* random) {
+  SmoothNoise(double lowest_frequency, double highest_frequency, Random* random) {
     for (Wave& wave : waves_) {
       wave.frequency = random->Uniform(lowest_frequency, highest_frequency);
       wave.phase = random->Uniform(0, 2 * M_PI);
@@ -42,16 +42,16 @@ class Wander {
   double sum_ = 0;
 };
 
-class Wander3 {
+class SmoothNoise3 {
  public:
-  Wander3(double lowest_frequency, double highest_frequency, Random* random)
+  SmoothNoise3(double lowest_frequency, double highest_frequency, Random* random)
       : x_(lowest_frequency, highest_frequency, random),
         y_(lowest_frequency, highest_frequency, random),
         z_(lowest_frequency, highest_frequency, random) {}
   Eigen::Vector3d At(double x) const { return {x_.At(x), y_.At(x), z_.At(x)}; }
 
  private:
-  Wander x_, y_, z_;
+  SmoothNoise x_, y_, z_;
 };
 
 // Slow variation of speed, and tremor of a hand, per frame. The total speed is within [low, high]:
@@ -76,8 +76,8 @@ class Hand {
   static constexpr double kFastest_hz = 4;
 
   double middle_, swing_, fps_, amplitude_;
-  Wander speed_;
-  Wander3 tremble_;
+  SmoothNoise speed_;
+  SmoothNoise3 tremble_;
 };
 
 // Closed Catmull-Rom spline.
@@ -139,7 +139,7 @@ class Walk {
   std::optional<Loop> loop_;
   Eigen::Vector3d center_,
       half_;  // centre and half size of the camera space; half size of deviations
-  Wander3 curve_;
+  SmoothNoise3 curve_;
   double place_ = 0;
 };
 

@@ -10,7 +10,7 @@ namespace surfit {
 namespace {
 
 constexpr double kMeanGrey = 0.18;
-constexpr double kLeastLight = 1e-3;  // lower bound of the mean light
+constexpr double kMinLight = 1e-3;  // lower bound of the mean light
 
 // First-order low-pass filter, updated once per frame. Always returns 0 if the lag is 0.
 class Lagged {
@@ -53,12 +53,11 @@ std::vector<Eigen::Vector3f> ColorGains(const std::vector<Eigen::Vector3d>& mean
   std::vector<Lagged> balance(3, Lagged(options.auto_white_balance_lag_s, frame_s));
   std::vector<Eigen::Vector3f> gains;
   for (const Eigen::Vector3d& mean : mean_light) {
-    const double brightness = std::max(mean.mean(), kLeastLight);
+    const double brightness = std::max(mean.mean(), kMinLight);
     const double exposed = exposure.Next(std::log(kMeanGrey / brightness));
     Eigen::Vector3f gain;
     for (int c = 0; c < 3; ++c) {
-      const double balanced =
-          balance[c].Next(std::log(brightness / std::max(mean[c], kLeastLight)));
+      const double balanced = balance[c].Next(std::log(brightness / std::max(mean[c], kMinLight)));
       const double fixed = options.channel_gains.empty() ? 1 : options.channel_gains[c];
       gain[c] = static_cast<float>(fixed * std::exp(exposed + balanced));
     }
@@ -83,7 +82,7 @@ std::vector<Eigen::Vector3d> MovingCamera::MeanLight() const {
   std::vector<Eigen::Vector3d> means;
   for (int i = 0; i < static_cast<int>(path_.poses().size()); ++i) {
     means.push_back(
-        MeanOf(RenderLight(scene_, small, [&](int) { return path_.At(ColorMoment(i)); })));
+        MeanOf(RenderLight(scene_, small, [&](int) { return path_.At(ColorCaptureTime(i)); })));
   }
   return means;
 }
@@ -97,12 +96,12 @@ Rigid3d MovingCamera::DepthPose(int i, int v) const {
   return PoseAt(path_.poses()[i].stamp_s, camera_.readout_s, v);
 }
 
-double MovingCamera::ColorMoment(int i) const {
+double MovingCamera::ColorCaptureTime(int i) const {
   return path_.poses()[i].stamp_s - camera_.color_latency_s;
 }
 
 Rigid3d MovingCamera::ColorPose(int i, int v) const {
-  return PoseAt(ColorMoment(i), options_.color_readout_s, v);
+  return PoseAt(ColorCaptureTime(i), options_.color_readout_s, v);
 }
 
 LightImage MovingCamera::Light(int i) const {
@@ -111,7 +110,7 @@ LightImage MovingCamera::Light(int i) const {
   for (int k = 0; k < samples; ++k) {
     const double later_s = ((k + 0.5) / samples - 0.5) * options_.exposure_s;
     LightImage light = RenderLight(scene_, camera_.depth, [&](int v) {
-      return PoseAt(ColorMoment(i) + later_s, options_.color_readout_s, v);
+      return PoseAt(ColorCaptureTime(i) + later_s, options_.color_readout_s, v);
     });
     if (k == 0) {
       sum = std::move(light);
@@ -129,7 +128,7 @@ Rendering MovingCamera::Frame(int i) const {
     return Render(scene_, camera_.depth, path_.poses()[i].world_from_camera);
   }
   Rendering frame = RenderRows(scene_, camera_.depth, [&](int v) { return DepthPose(i, v); });
-  frame.color = Developed(Light(i), gains_[i]);
+  frame.color = ToSrgbImage(Light(i), gains_[i]);
   return frame;
 }
 

@@ -194,7 +194,7 @@ LightImage RenderLight(const Scene& scene, const PinholeCamera& camera,
   return std::move(images.light);
 }
 
-Image<Rgb8> Developed(const LightImage& light, const Vector3f& gains) {
+Image<Rgb8> ToSrgbImage(const LightImage& light, const Vector3f& gains) {
   Image<Rgb8> color(light.width(), light.height());
   std::transform(light.begin(), light.end(), color.begin(),
                  [&](const Vector3f& l) { return ToSrgb(Vector3f(gains.cwiseProduct(l))); });

@@ -28,7 +28,7 @@ void AddCeilingLamp(const RoomPlan& room) {
       {room.Frame().InWorld(above - Vector3d(0, 0, 0.45)), 1.15f, true, room.Lit()});
 }
 
-void LineWall(const RoomPlan& room, int wall, std::vector<Stretch> stretches) {
+void LineWall(const RoomPlan& room, int wall, std::vector<WallItem> stretches) {
   constexpr double kCorner_m = 0.8;
   Line(room, wall, kCorner_m, room.WallLength(wall) - kCorner_m, std::move(stretches));
 }
@@ -42,7 +42,7 @@ void AddReadingWall(const RoomPlan& room, int wall) {
              [=](const Item& at) {
                AddClock(at.At({0, 0, 1.5}), random);
              }},
-            PosterStretch(room)});
+            PosterItem(room)});
 }
 
 void AddSofaWall(const RoomPlan& room, int wall) {
@@ -52,7 +52,7 @@ void AddSofaWall(const RoomPlan& room, int wall) {
     AddSofa(at, width, random);
     AddPoster(at.At({random->Uniform(-0.3, 0.3), 0, 1.2}), 0.8, 0.6, room.Pictures());
   };
-  LineWall(room, wall, {{width, sofa_and_poster}, PosterStretch(room)});
+  LineWall(room, wall, {{width, sofa_and_poster}, PosterItem(room)});
 }
 
 void AddCabinetWall(const RoomPlan& room, int wall) {
@@ -147,12 +147,12 @@ void AddKeepsake(const RoomPlan& room) {
 }  // namespace
 
 void Line(const RoomPlan& room, int wall, double from_m, double to_m,
-          std::vector<Stretch> stretches) {
+          std::vector<WallItem> stretches) {
   Shuffle(&stretches, room.random);
   double free = to_m - from_m;
-  for (const Stretch& stretch : stretches) free -= stretch.width_m;
+  for (const WallItem& stretch : stretches) free -= stretch.width_m;
   double x = from_m;
-  for (const Stretch& stretch : stretches) {
+  for (const WallItem& stretch : stretches) {
     const double gap = std::max(0.0, room.random->Uniform(0, free));
     free -= gap;
     constexpr double kPlainWall_m = 0.5;
@@ -165,7 +165,7 @@ void Line(const RoomPlan& room, int wall, double from_m, double to_m,
   }
 }
 
-Stretch PosterStretch(const RoomPlan& room) {
+WallItem PosterItem(const RoomPlan& room) {
   const double width = room.random->Uniform(0.4, 0.7), height = room.random->Uniform(0.5, 0.9);
   return {width, [=](const Item& at) {
             AddPoster(at.At({0, 0, 1.1}), width, height, room.Pictures());

@@ -20,7 +20,7 @@ struct Doorway {
   double bottom_m = 0;  // z of the lower edge in the wall frame
 };
 
-struct Stretch {
+struct WallItem {
   double width_m;
   std::function<void(const Item&)> add;
 };
@@ -39,7 +39,7 @@ struct RoomPlan {
   // Random numbers of pictures and rugs; null: `random`. Rooms with equal `random` have the same
   // furniture.
   Random* pictures = nullptr;
-  bool keeps_light = false;  // lamps do not light other rooms
+  bool lights_only_itself = false;  // lamps do not light other rooms
 
   Random* Pictures() const { return pictures != nullptr ? pictures : random; }
   Item Frame() const { return Item(scene, WorldFromRoom()); }
@@ -69,9 +69,9 @@ void AddFurnishedRoom(const RoomPlan& room);
 // Adds the stretches along a wall from `from_m` to `to_m`, in random order with random gaps. Wide
 // gaps become targets of the camera.
 void Line(const RoomPlan& room, int wall, double from_m, double to_m,
-          std::vector<Stretch> stretches);
+          std::vector<WallItem> stretches);
 
-Stretch PosterStretch(const RoomPlan& room);
+WallItem PosterItem(const RoomPlan& room);
 
 // Adds shell, lamps, and items along the walls; the middle stays free.
 void AddFurnishedCorridor(const RoomPlan& corridor);

@@ -54,7 +54,7 @@ Eigen::AlignedBox3d RoomPlan::SpaceInWorld() const {
 }
 
 Eigen::AlignedBox3d RoomPlan::Lit() const {
-  if (!keeps_light) return {};
+  if (!lights_only_itself) return {};
   const Eigen::AlignedBox3d space = SpaceInWorld();
   return {space.min().array() - kThick_m, space.max().array() + kThick_m};
 }

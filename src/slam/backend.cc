@@ -38,7 +38,7 @@ Backend::Backend(const DepthSensor& sensor, const PreprocessOptions& preprocess,
 
 Backend::~Backend() = default;
 
-void Backend::GoOnFrom(SlamState* state, StateUse use) {
+void Backend::ContinueFrom(SlamState* state, StateUse use) {
   const bool goes_on = use == StateUse::kContinue;
   if (!goes_on) state->settled_keyframes = state->keyframes.size();
   const std::size_t settled = state->settled_keyframes;
@@ -50,8 +50,8 @@ void Backend::GoOnFrom(SlamState* state, StateUse use) {
   if (goes_on && !waiting_.empty()) StartLoopTask();
   if (calibrator_) {
     if (!goes_on) state->calibration_frames.clear();
-    calibrator_->GoOnFrom(state->calibration, state->color_latency_s,
-                          std::move(state->calibration_frames));
+    calibrator_->ContinueFrom(state->calibration, state->color_latency_s,
+                              std::move(state->calibration_frames));
   }
 }
 
@@ -74,7 +74,7 @@ void Backend::TakeViews(std::vector<PlaceView> views, std::size_t settled) {
 // Each kind of task counts its own frames. A calibration is applied without a running loop task.
 std::vector<WorldCorrection> Backend::BeginFrame() {
   const auto is_due = [&](auto* task) {
-    return real_time_ ? task->IsThereAfterStep() : task->IsDueAfterStep();
+    return real_time_ ? task->IsReadyAfterStep() : task->IsDueAfterStep();
   };
   const bool are_loops_due = closer_ && is_due(&closer_->task());
   const bool is_calibration_due = calibrator_ && is_due(&calibrator_->task());
@@ -84,7 +84,7 @@ std::vector<WorldCorrection> Backend::BeginFrame() {
     TakeLoops(&corrections);
     StartLoopTaskIfFree();
   }
-  if (is_calibration_due && !(real_time_ && closer_ && closer_->task().IsUnderWay())) {
+  if (is_calibration_due && !(real_time_ && closer_ && closer_->task().IsPending())) {
     counts_.waits += calibrator_->task().IsAtWork();
     if (!real_time_) FinishLoops(&corrections);
     TakeCalibration(&corrections);
@@ -95,25 +95,25 @@ std::vector<WorldCorrection> Backend::BeginFrame() {
 
 // In real time no loop task starts before a finished calibration is applied.
 void Backend::StartLoopTaskIfFree() {
-  if (!closer_ || waiting_.empty() || closer_->task().IsUnderWay()) return;
-  if (real_time_ && calibrator_ && calibrator_->task().IsThere()) return;
+  if (!closer_ || waiting_.empty() || closer_->task().IsPending()) return;
+  if (real_time_ && calibrator_ && calibrator_->task().IsReady()) return;
   StartLoopTask();
 }
 
 void Backend::AddFrame(const RgbdFrame& frame, const Rigid3d& world_from_camera,
                        const IcpResult& icp, const FramePyramid& pyramid) {
-  const bool begins_stretch = begins_submap_ || anchor_;
-  const int last_stretch = poses_.frames().empty() ? -1 : poses_.frames().back().stretch;
+  const bool begins_segment = begins_submap_ || anchor_;
+  const int last_segment = poses_.frames().empty() ? -1 : poses_.frames().back().segment;
   const bool is_keyframe =
-      begins_stretch || BecomesKeyframe(frame.index, world_from_camera, pyramid);
+      begins_segment || BecomesKeyframe(frame.index, world_from_camera, pyramid);
   poses_.AddFrame(frame.index, frame.stamp_s, world_from_camera,
-                  last_stretch + (begins_stretch ? 1 : 0));
+                  last_segment + (begins_segment ? 1 : 0));
   if (is_keyframe) AddKeyframe(frame, icp, pyramid);
 }
 
-void Backend::AddFrozenFrame(int index, double stamp_s) {
+void Backend::AddDuplicateFrame(int index, double stamp_s) {
   const PosedFrame& last = poses_.frames().back();
-  poses_.AddFrame(index, stamp_s, last.world_from_camera, last.stretch);
+  poses_.AddFrame(index, stamp_s, last.world_from_camera, last.segment);
 }
 
 bool Backend::BecomesKeyframe(int frame_index, const Rigid3d& world_from_camera,
@@ -196,20 +196,20 @@ void Backend::StartCalibration() {
 
 void Backend::EndCalibration() {
   if (!calibrator_) return;
-  if (calibrator_->task().IsUnderWay()) calibrations_.pop_back();
+  if (calibrator_->task().IsPending()) calibrations_.pop_back();
   calibrator_->End();
 }
 
 std::vector<WorldCorrection> Backend::Finish() {
   std::vector<WorldCorrection> corrections;
   FinishLoops(&corrections);
-  if (calibrator_ && calibrator_->task().IsUnderWay()) TakeCalibration(&corrections);
+  if (calibrator_ && calibrator_->task().IsPending()) TakeCalibration(&corrections);
   return corrections;
 }
 
 void Backend::FinishLoops(std::vector<WorldCorrection>* corrections) {
-  while (closer_ && (closer_->task().IsUnderWay() || !waiting_.empty())) {
-    if (!closer_->task().IsUnderWay()) StartLoopTask();
+  while (closer_ && (closer_->task().IsPending() || !waiting_.empty())) {
+    if (!closer_->task().IsPending()) StartLoopTask();
     TakeLoops(corrections);
   }
 }
@@ -240,7 +240,7 @@ void Backend::TakeCalibration(std::vector<WorldCorrection>* corrections) {
 void Backend::TakeLoops(std::vector<WorldCorrection>* corrections) {
   LoopOutcome outcome = closer_->task().Take();
   in_task_ = 0;
-  counts_.given_up_views += outcome.given_up_views;
+  counts_.removed_views += outcome.removed_views;
   const std::size_t loops_before = poses_.loops().size();
   for (LoopRecord& attempt : outcome.attempts) {
     std::optional<PoseGraphEdge> edge;
@@ -315,12 +315,12 @@ BackendCounts Backend::counts() const {
   const std::vector<LoopRecord>& loops = poses_.loops();
   BackendCounts counts = counts_;
   counts.keyframes = poses_.keyframes().size();
-  counts.loops_proposed = loops.size();
+  counts.loop_candidates = loops.size();
   counts.loops_accepted = std::count_if(loops.begin(), loops.end(),
                                         [](const LoopRecord& loop) { return loop.in_graph; });
-  counts.loops_refused = counts.loops_proposed - counts.loops_accepted;
+  counts.loops_rejected = counts.loop_candidates - counts.loops_accepted;
   counts.submaps = static_cast<std::size_t>(poses_.submap_count());
-  counts.submaps_apart = poses_.CountDisconnectedSubmaps();
+  counts.disconnected_submaps = poses_.CountDisconnectedSubmaps();
   return counts;
 }
 

@@ -39,9 +39,9 @@ Mapper::Mapper(const DepthSensor& sensor, const SlamOptions& options, StateUse u
       fusion_(options.fusion),
       period_(options.map_period) {}
 
-void Mapper::GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames) {
+void Mapper::ContinueFrom(SurfelMap map, const std::vector<int>& fused_frames) {
   map_ = std::move(map);
-  fusion_.GoOnAfter(fused_frames);
+  fusion_.ContinueAfter(fused_frames);
   if (!fused_frames.empty()) merged_until_ = fused_frames.back();
 }
 
@@ -88,13 +88,13 @@ bool Mapper::Update(const Rigid3d& world_from_predicted, bool must, bool with_in
   return true;
 }
 
-bool Mapper::IsTurnToFuse(const PreparedFrame& frame, const Rigid3d& world_from_camera) const {
+bool Mapper::IsTurnToFuse(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) const {
   return unfused_count_ + 1 >= period_ ||
          ImageShift(world_from_fused_.Inverse() * world_from_camera,
                     frame.view.pyramid.levels.back()) > options_.max_view_shift;
 }
 
-FusionReport Mapper::Fuse(const PreparedFrame& frame, const Rigid3d& world_from_camera,
+FusionReport Mapper::Fuse(const PreprocessedFrame& frame, const Rigid3d& world_from_camera,
                           const CameraMotion& motion) {
   unfused_count_ = 0;
   is_view_new_ = false;
@@ -117,11 +117,11 @@ void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
   }
   // A calibration moves neighbouring surfels equally, so it creates no duplicates.
   if ((correction.moves && !correction.recalibration) || active_frames > 0) {
-    DoublesOptions doubles;
+    DuplicateOptions doubles;
     doubles.frames_apart = std::max(active_frames, options_.loops.frames_apart);
     if (!correction.moves)
       doubles.newer_since = merged_until_;  // surfels before this frame have not changed
-    merged_doubles_ += MergeDoubles(options_.fusion, doubles, &map_);
+    merged_duplicates_ += MergeDuplicates(options_.fusion, doubles, &map_);
     merged_until_ = frame_index;
   }
   for (const int joined : correction.joined) ActivateAround(joined, frame_index);
@@ -131,7 +131,7 @@ void Mapper::ActivateAround(int frame_index, int now) {
   const int active_frames = options_.fusion.active_frames;
   if (active_frames == 0 || !may_change_) return;
   is_view_new_ = false;
-  WakeSurfels(frame_index - active_frames, frame_index + active_frames, now, &map_);
+  ReactivateSurfels(frame_index - active_frames, frame_index + active_frames, now, &map_);
 }
 
 }  // namespace surfit

@@ -19,13 +19,13 @@ class Mapper : public ModelViews {
   Mapper(const DepthSensor& sensor, const SlamOptions& options, StateUse use);
 
   // Continues with a map after these fused frames.
-  void GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames);
+  void ContinueFrom(SurfelMap map, const std::vector<int>& fused_frames);
   // Keeps the pointer to the estimated calibration. Null: the input sensor.
   void UseCalibration(const DepthCalibration* calibration) { calibration_ = calibration; }
 
   const SurfelMap& map() const { return map_; }
   // Number of duplicate surfels that corrections have merged.
-  std::size_t merged_doubles() const { return merged_doubles_; }
+  std::size_t merged_duplicates() const { return merged_duplicates_; }
   // Number of map changes other than fusion.
   int corrections() const { return corrections_; }
 
@@ -45,10 +45,10 @@ class Mapper : public ModelViews {
 
   // Fuses every `frames`-th frame with a pose, instead of every SlamOptions::map_period-th.
   void SetPeriod(int frames) { period_ = frames; }
-  bool is_hurried() const { return period_ > options_.map_period; }
+  bool has_longer_period() const { return period_ > options_.map_period; }
   // True after the period, or after a large shift of the image since the last fused frame.
-  bool IsTurnToFuse(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
-  FusionReport Fuse(const PreparedFrame& frame, const Rigid3d& world_from_camera,
+  bool IsTurnToFuse(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) const;
+  FusionReport Fuse(const PreprocessedFrame& frame, const Rigid3d& world_from_camera,
                     const CameraMotion& motion);
   void Skip() { ++unfused_count_; }
 
@@ -72,7 +72,7 @@ class Mapper : public ModelViews {
   int period_;
   int unfused_count_ = 0;     // frames with a pose since the last fused frame
   Rigid3d world_from_fused_;  // pose of the last fused frame
-  std::size_t merged_doubles_ = 0;
+  std::size_t merged_duplicates_ = 0;
   int corrections_ = 0;
   int merged_until_ = 0;  // frame before which all duplicate surfels are merged
 };

@@ -2,7 +2,7 @@
 #include "surfit/core/options.h"
 
 #include "surfit/core/error.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 #include "surfit/slam/slam.h"
 
 namespace surfit {
@@ -10,7 +10,7 @@ namespace surfit {
 void SlamOptions::Visit(OptionVisitor& v) {
   v.AddPart(preprocess, "preprocess", "preprocessing of depth images");
   v.AddPart(icp, "icp", "registration of frames to the map",
-            WithoutFlags({"max_free_space_share"}));
+            WithoutFlags({"max_free_space_violation_ratio"}));
   v.AddPart(fusion, "fusion", "fusion of frames into the map");
   v.AddPart(render, "render", "rendering of the map for tracking", NoFlags());
   v.Group("tracking");
@@ -27,7 +27,7 @@ void SlamOptions::Visit(OptionVisitor& v) {
         "smallest eigenvalue of a sufficiently constrained frame; after other frames, map_period "
         "is ignored and all rows are registered",
         ZeroIs("never"), AsFlag());
-  v.Add(poorly_held_photometric_weight, "poorly_held_photometric_weight",
+  v.Add(weakly_constrained_photometric_weight, "weakly_constrained_photometric_weight",
         "photometric weight of weakly constrained frames and of the next frame, if "
         "photometric_weight is 0",
         ZeroIs("geometric residuals only"), AsFlag());
@@ -38,11 +38,11 @@ void SlamOptions::Visit(OptionVisitor& v) {
         "standard deviation of the acceleration in the motion prior, which constrains directions "
         "that the data do not; requires motion_model=constant_velocity",
         ZeroIs("no motion prior"), AsFlag());
-  v.Add(turn_acceleration_rad_per_s2, "turn_acceleration_rad_per_s2",
+  v.Add(angular_acceleration_rad_per_s2, "angular_acceleration_rad_per_s2",
         "standard deviation of the angular acceleration in the motion prior", Positive(), AsFlag());
-  v.Add(min_inlier_share, "min_inlier_share",
+  v.Add(min_inlier_ratio, "min_inlier_ratio",
         "minimum inlier ratio of a tracked frame; frames below are lost", Share(), AsFlag());
-  v.Add(sure_inlier_share, "sure_inlier_share",
+  v.Add(confident_inlier_ratio, "confident_inlier_ratio",
         "inlier ratio below which global registration (initialize) verifies a frame; 0: only lost "
         "frames",
         Share(), AsFlag());

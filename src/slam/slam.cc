@@ -45,10 +45,10 @@ FrameReport ReportOf(const RgbdFrame& frame, const Tracked& tracked) {
   report.stamp_s = frame.stamp_s;
   report.state = tracked.state;
   report.world_from_camera = tracked.world_from_camera;
-  report.found_again = tracked.found_again;
+  report.found_by_search = tracked.found_by_search;
   report.has_own_view = tracked.has_own_view;
-  report.moving_share = tracked.moving_share;
-  report.is_apart = tracked.is_apart;
+  report.moving_ratio = tracked.moving_ratio;
+  report.has_two_motions = tracked.has_two_motions;
   report.moving = tracked.moving;
   report.icp = tracked.icp;
   return report;
@@ -89,7 +89,7 @@ Slam::Slam(const DepthSensor& sensor, const SlamOptions& options,
     : sensor_(sensor),
       options_(Validated(options)),
       use_(use),
-      preparation_(std::make_unique<FramePreparation>(options_.preprocess)),
+      preprocessor_(std::make_unique<FramePreprocessor>(options_.preprocess)),
       mapper_(std::make_unique<Mapper>(sensor, options_, use)),
       tracker_(std::make_unique<Tracker>(options_, world_from_first_camera, mapper_.get())) {
   sensor.Validate();
@@ -110,8 +110,8 @@ Slam::Slam(const DepthSensor& sensor, const SlamOptions& options, SlamState stat
   tracker_->StartInGivenMap(state.frames.back().stamp_s);
   std::vector<int> fused;
   if (use == StateUse::kContinue) fused = FusedFrames(state.frames, options_.map_period);
-  mapper_->GoOnFrom(std::move(state.map), fused);
-  backend_->GoOnFrom(&state, use);
+  mapper_->ContinueFrom(std::move(state.map), fused);
+  backend_->ContinueFrom(&state, use);
 }
 
 Slam::~Slam() = default;
@@ -128,7 +128,7 @@ void Slam::MakeBackend(LoopFinder finder) {
 
 // Stages of a frame, with the classes that do the work:
 //   correct    apply finished loop closures and calibrations   Backend, Mapper
-//   prepare    depth image to surfaces                         FramePreparation
+//   prepare    depth image to surfaces                         FramePreprocessor
 //   predict    predicted pose, model view at this pose         Tracker, Mapper
 //   track      register, search, validate                      Tracker
 //   keyframe   store the pose, choose keyframes                Backend, PoseStore
@@ -137,8 +137,8 @@ void Slam::MakeBackend(LoopFinder finder) {
 FrameReport Slam::Process(const RgbdFrame& frame) {
   StageTimes times;
   Correct(frame, &times);
-  if (tracker_->Repeats(frame)) return ReportDuplicate(frame, times);
-  PreparedFrame prepared = Prepare(frame, tracker_->ExpectedMotion(), &times);
+  if (tracker_->IsDuplicate(frame)) return ReportDuplicate(frame, times);
+  PreprocessedFrame prepared = Preprocess(frame, tracker_->ExpectedMotion(), &times);
   const bool is_first = !tracker_->state().HasStarted();
   Tracked tracked = is_first ? tracker_->TrackFirst(prepared)
                              : Track(prepared, Predict(prepared, &times), &times);
@@ -151,10 +151,10 @@ FrameReport Slam::Process(const RgbdFrame& frame) {
 FrameReport Slam::ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera) {
   StageTimes times;
   Correct(frame, &times);
-  tracker_->Repeats(frame);
+  tracker_->IsDuplicate(frame);
   if (backend_) backend_->EndCalibration();
-  PreparedFrame prepared =
-      Prepare(frame, tracker_->MotionTo(frame.stamp_s, world_from_camera), &times);
+  PreprocessedFrame prepared =
+      Preprocess(frame, tracker_->MotionTo(frame.stamp_s, world_from_camera), &times);
   Tracked tracked = tracker_->TrackGiven(prepared, world_from_camera);
   FrameReport report = Integrate(std::move(prepared), std::move(tracked), &times);
   report.times = times;
@@ -177,16 +177,17 @@ void Slam::Apply(const WorldCorrection& correction, int frame_index) {
   mapper_->Correct(correction, frame_index);
 }
 
-PreparedFrame Slam::Prepare(const RgbdFrame& frame, const CameraMotion& motion, StageTimes* times) {
-  const StageTimer timer("preprocess", frame.index, &times->prepare_ms);
+PreprocessedFrame Slam::Preprocess(const RgbdFrame& frame, const CameraMotion& motion,
+                                   StageTimes* times) {
+  const StageTimer timer("preprocess", frame.index, &times->preprocess_ms);
   SensorCorrection correction;
   if (backend_ && backend_->is_recalibrated()) correction.calibration = backend_->calibration();
   if (backend_) correction.color_latency_s = backend_->color_latency_s();
-  return preparation_->Prepare(frame, motion, mapper_->sensor(), correction,
-                               tracker_->NeedsIntensities());
+  return preprocessor_->Preprocess(frame, motion, mapper_->sensor(), correction,
+                                   tracker_->NeedsIntensities());
 }
 
-Prediction Slam::Predict(const PreparedFrame& frame, StageTimes* times) {
+Prediction Slam::Predict(const PreprocessedFrame& frame, StageTimes* times) {
   const StageTimer timer("predict", frame.images.index, &times->predict_ms);
   return tracker_->Predict(frame);
 }
@@ -197,7 +198,8 @@ void Slam::PredictAhead(const RgbdFrame& frame, StageTimes* times) {
   tracker_->PredictAhead(!frame.color.empty());
 }
 
-Tracked Slam::Track(const PreparedFrame& frame, const Prediction& prediction, StageTimes* times) {
+Tracked Slam::Track(const PreprocessedFrame& frame, const Prediction& prediction,
+                    StageTimes* times) {
   const StageTimer timer("track", frame.images.index, &times->track_ms);
   Tracked tracked = tracker_->Track(frame, prediction);
   if (tracked.keyframe >= 0) backend_->AfterRelocalization(tracked.keyframe);
@@ -206,7 +208,7 @@ Tracked Slam::Track(const PreparedFrame& frame, const Prediction& prediction, St
 
 FrameReport Slam::ReportDuplicate(const RgbdFrame& frame, const StageTimes& times) {
   const Tracked tracked = tracker_->Repeat();
-  if (keeper() && tracked.is_held()) keeper()->AddFrozenFrame(frame.index, frame.stamp_s);
+  if (keeper() && tracked.has_pose()) keeper()->AddDuplicateFrame(frame.index, frame.stamp_s);
   FrameReport report = ReportOf(frame, tracked);
   if (on_pose_) on_pose_(report);
   report.times = times;
@@ -214,15 +216,15 @@ FrameReport Slam::ReportDuplicate(const RgbdFrame& frame, const StageTimes& time
 }
 
 // Adds a tracked frame to the trajectory and to the map.
-FrameReport Slam::Integrate(PreparedFrame frame, Tracked tracked, StageTimes* times) {
+FrameReport Slam::Integrate(PreprocessedFrame frame, Tracked tracked, StageTimes* times) {
   FrameReport report = ReportOf(frame.measured, tracked);
   if (on_pose_) on_pose_(report);
-  if (!tracked.is_held()) {
+  if (!tracked.has_pose()) {
     tracker_->Update(std::move(frame), std::move(tracked));
     return report;
   }
   report.confirmed = AddConfirmed(tracked);
-  PreparedFrame rest = preparation_->AtRest(std::move(frame), tracked.moving);
+  PreprocessedFrame rest = preprocessor_->WithoutMovingObjects(std::move(frame), tracked.moving);
   if (keeper()) {
     keeper()->AddFrame(rest.measured, tracked.world_from_camera, tracked.icp, rest.view.pyramid);
   }
@@ -255,11 +257,11 @@ bool Slam::IsHeldOut(const Tracked& tracked) const {
 }
 
 // Fuses every map_period-th frame, and frames that may show an unmapped place.
-void Slam::Fuse(const PreparedFrame& frame, const Tracked& tracked, FrameReport* report,
+void Slam::Fuse(const PreprocessedFrame& frame, const Tracked& tracked, FrameReport* report,
                 StageTimes* times) {
   const bool must = tracked.state == FrameState::kFirst || tracked.state == FrameState::kGiven ||
-                    tracked.found_again || tracked.quality.is_by_newest ||
-                    (tracker_->state().NeedsAllPoints() && !mapper_->is_hurried());
+                    tracked.found_by_search || tracked.quality.is_by_newest ||
+                    (tracker_->state().NeedsAllPoints() && !mapper_->has_longer_period());
   if (report->is_held_out || use_ == StateUse::kLocalize ||
       (!must && !mapper_->IsTurnToFuse(frame, tracked.world_from_camera))) {
     mapper_->Skip();
@@ -298,7 +300,7 @@ void Slam::Finish() {
 
 const SurfelMap& Slam::map() const { return mapper_->map(); }
 
-std::size_t Slam::merged_doubles() const { return mapper_->merged_doubles(); }
+std::size_t Slam::merged_duplicates() const { return mapper_->merged_duplicates(); }
 
 int Slam::corrections_of_map() const { return mapper_->corrections(); }
 

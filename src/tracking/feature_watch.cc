@@ -9,26 +9,26 @@
 namespace surfit {
 namespace {
 
-constexpr int kMostColumns = 400, kMostCorners = 250;
+constexpr int kMaxColumns = 400, kMaxCorners = 250;
 // Tolerances of a feature that agrees with the poses: in addition to its own error, the camera
 // motion between depth and colour and during the readout.
 constexpr double kPlaceSigma_px = 0.5;  // of a tracked corner
 constexpr double kTogether_m = 0.03, kSigmas = 3, kBetweenImages_s = 0.03;
 // Minimum number of features of a second motion, because wrong matches agree by chance. The number
 // is smaller if they are a large part of all features.
-constexpr int kLeastApart = 12, kLeastOfMost = 7;
-constexpr double kLeastShare = 0.25, kMost = 0.5;
+constexpr int kMinApart = 12, kMinOfMost = 7;
+constexpr double kLeastRatio = 0.25, kMost = 0.5;
 constexpr int kTries = 400;
 
 // Time between checks: at first, at most, and as a ratio of the elapsed time. Maximum time between
 // compared frames.
-constexpr double kBetween_s = 0.5, kMostBetween_s = 8, kShareOfTime = 0.25, kComparable_s = 1;
+constexpr double kBetween_s = 0.5, kMaxBetween_s = 8, kShareOfTime = 0.25, kComparable_s = 1;
 constexpr double kSlack_s = 0.005;
 
 // Motion of a point of the camera frame between the images, m.
 double Way(const CameraMotion& motion, const Eigen::Vector3d& point) {
   return kBetweenImages_s *
-         (motion.velocity_m_per_s.norm() + motion.turn_rad_per_s.norm() * point.norm());
+         (motion.velocity_m_per_s.norm() + motion.angular_velocity_rad_per_s.norm() * point.norm());
 }
 
 // Mean of each block of pixels.
@@ -46,12 +46,12 @@ Image<Rgb8> Reduced(const Image<Rgb8>& color, int step) {
 const FrameLevel& SmallLevel(const FramePyramid& pyramid) {
   const std::vector<FrameLevel>& levels = pyramid.levels;
   const auto small = std::find_if(levels.begin(), levels.end(), [](const FrameLevel& level) {
-    return level.camera.width <= kMostColumns;
+    return level.camera.width <= kMaxColumns;
   });
   return small != levels.end() ? *small : levels.back();
 }
 
-FrameLevel AtRest(const FrameLevel& level, const CellMask& moving) {
+FrameLevel WithoutMovingObjects(const FrameLevel& level, const CellMask& moving) {
   return std::move(Without(FramePyramid{{level}}, moving).levels.front());
 }
 
@@ -79,10 +79,10 @@ bool AddPoint(const FrameLevel& surface, const Eigen::Vector2f& at, const ErrorM
 
 }  // namespace
 
-bool FeatureMotion::IsApart() const {
-  const int all = as_posed + apart;
-  return (apart >= kLeastApart && apart >= kLeastShare * all) ||
-         (apart >= kLeastOfMost && apart >= kMost * all);
+bool FeatureMotion::HasTwoMotions() const {
+  const int all = consistent_count + apart;
+  return (apart >= kMinApart && apart >= kLeastRatio * all) ||
+         (apart >= kMinOfMost && apart >= kMost * all);
 }
 
 FeatureMotion CompareMotions(const FeaturePoints& source, const MovingPose& source_frame,
@@ -98,7 +98,7 @@ FeatureMotion CompareMotions(const FeaturePoints& source, const MovingPose& sour
                            kSigmas * std::hypot(source.sigmas_m[i], target.sigmas_m[i]) +
                            Way(source_frame.motion, from) + Way(target_frame.motion, to);
     if ((target_from_source * from - to).norm() < bound_m) {
-      ++motion.as_posed;
+      ++motion.consistent_count;
       depths_as_posed.push_back(to.z());
     } else {
       others.push_back({i, i});
@@ -110,7 +110,7 @@ FeatureMotion CompareMotions(const FeaturePoints& source, const MovingPose& sour
     depths_apart.push_back(target.points[others[i].target].z());
   }
   motion.apart = static_cast<int>(depths_apart.size());
-  motion.is_apart_behind =
+  motion.is_second_behind =
       !depths_as_posed.empty() && MedianOf(depths_apart) > MedianOf(depths_as_posed);
   return motion;
 }
@@ -155,7 +155,7 @@ void FeatureWatch::Begin(const ColoredView& view, const FrameLevel& surface) {
   if (view.color.empty()) return;
   GreyPyramid grey = GreyOf(view);
   std::vector<Eigen::Vector2f> corners;
-  for (const Eigen::Vector2f& corner : FindCorners(grey, surface.vertex.z, kMostCorners)) {
+  for (const Eigen::Vector2f& corner : FindCorners(grey, surface.vertex.z, kMaxCorners)) {
     if (AddPoint(surface, corner, error_model_, &points_)) corners.push_back(corner);
   }
   tracks_ = CornerTracks(std::move(grey), std::move(corners));
@@ -164,14 +164,13 @@ void FeatureWatch::Begin(const ColoredView& view, const FrameLevel& surface) {
 FeatureMotion FeatureWatch::Check(const ColoredView& view, const CellMask& moving,
                                   const MovingPose& frame, double stamp_s) {
   if (!last_) begin_s_ = stamp_s;
-  const FrameLevel surface = AtRest(SmallLevel(view.pyramid), moving);
+  const FrameLevel surface = WithoutMovingObjects(SmallLevel(view.pyramid), moving);
   const bool is_comparable = last_ && stamp_s <= last_s_ + kComparable_s;
   FeatureMotion motion;
   if (is_comparable) motion = Compare(surface, frame);
-  was_apart_ = motion.IsRefuted();
+  was_apart_ = motion.IsRejected();
   if (was_apart_) return motion;
-  const double later_s =
-      std::clamp((stamp_s - begin_s_) * kShareOfTime, kBetween_s, kMostBetween_s);
+  const double later_s = std::clamp((stamp_s - begin_s_) * kShareOfTime, kBetween_s, kMaxBetween_s);
   due_s_ = stamp_s + (is_comparable ? later_s : kBetween_s) - kSlack_s;
   last_ = frame;
   last_s_ = stamp_s;

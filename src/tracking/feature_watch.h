@@ -6,22 +6,24 @@
 #include "registration/global/feature_points.h"
 #include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/rigid3.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 #include "tracking/moving_regions.h"
 
 namespace surfit {
 
 // Motion of the corners that two frames share, compared with their poses.
 struct FeatureMotion {
-  int as_posed = 0;              // corners that agree with the poses
-  int apart = 0;                 // corners that agree on one other motion
-  bool is_apart_behind = false;  // the corners of the other motion are farther away
+  int consistent_count = 0;       // corners that agree with the poses
+  int apart = 0;                  // corners that agree on one other motion
+  bool is_second_behind = false;  // the corners of the other motion are farther away
 
   // Returns whether the corners show two motions: the poses may be relative to a moving object.
-  bool IsApart() const;
+  bool HasTwoMotions() const;
   // Returns whether most corners contradict the poses. Occluders are in front of the scene.
   // Therefore corners of the other motion count twice if they are in the background.
-  bool IsRefuted() const { return IsApart() && (is_apart_behind ? 2 : 1) * apart > as_posed; }
+  bool IsRejected() const {
+    return HasTwoMotions() && (is_second_behind ? 2 : 1) * apart > consistent_count;
+  }
 };
 
 struct MovingPose {

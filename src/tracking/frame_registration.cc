@@ -13,18 +13,18 @@ namespace {
 // Bound on the deviation from the prior, in standard deviations, of weakly constrained frames.
 // Repetitive texture pulls their registration to a wrong minimum. With 2 m/s^2 the bound is an
 // acceleration of 1 g.
-constexpr double kMostSigmas = 5;
+constexpr double kMaxSigmas = 5;
 
 }  // namespace
 
-bool HasEnoughDepth(const PreparedFrame& frame, const IcpOptions& icp_options) {
+bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_options) {
   const Image<float>& normal_z = frame.surface().normal.z;
   const auto points =
       std::count_if(normal_z.begin(), normal_z.end(), [](float z) { return z < 0; });
   return points >= icp_options.min_inliers;
 }
 
-Tracked FrameRegistration::Register(const PreparedFrame& frame, const ReferenceView& reference,
+Tracked FrameRegistration::Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                                     const Rigid3d& world_from_initial,
                                     const IcpOptions& icp_options,
                                     const std::optional<Matrix6d>& motion_prior) const {
@@ -32,15 +32,15 @@ Tracked FrameRegistration::Register(const PreparedFrame& frame, const ReferenceV
   Target target = {reference, icp_options, std::nullopt};
   if (motion_prior) target.prior = In(initial, {Rigid3d(), *motion_prior});
   Tracked tracked = Validate(frame, target, MostLikelyPose(frame.view.pyramid, target, initial));
-  if (tracked.is_held()) return tracked;
+  if (tracked.has_pose()) return tracked;
   // An object that hides most of the view pulls the registration to a wrong minimum.
   Estimate unmoved;
   unmoved.icp.target_from_source = initial;
   const Tracked hidden = Validate(frame, target, unmoved);
-  if (!hidden.is_held()) return tracked;
+  if (!hidden.has_pose()) return tracked;
   const Tracked again =
       Validate(frame, target, {hidden.icp, hidden.quality.is_weakly_constrained, std::nullopt});
-  return again.is_held() ? again : tracked;
+  return again.has_pose() ? again : tracked;
 }
 
 FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
@@ -49,7 +49,7 @@ FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
   if (!target.prior || !estimate.icp.Succeeded()) return estimate;
   const ExpectedPose likely = MostLikely(
       *target.prior, estimate.icp.target_from_source, estimate.icp.trusted_information,
-      estimate.is_weakly_constrained ? kMostSigmas : std::numeric_limits<double>::infinity());
+      estimate.is_weakly_constrained ? kMaxSigmas : std::numeric_limits<double>::infinity());
   estimate.icp.target_from_source = likely.target_from_source;
   estimate.covariance = likely.covariance;
   return estimate;
@@ -62,17 +62,18 @@ FrameRegistration::Estimate FrameRegistration::FromData(
   estimate.icp = surfit::Register(frame, model, reference_from_initial, target.icp);
   estimate.is_weakly_constrained = !estimate.icp.iterations.empty() &&
                                    estimate.icp.eigenvalues[0] < options_.min_turn_eigenvalue;
-  const bool can_help =
-      options_.poorly_held_photometric_weight > 0 && !target.icp.error_model.UsesIntensities() &&
-      !frame.levels.front().intensity.empty() && !model.levels.front().intensity.empty();
+  const bool can_help = options_.weakly_constrained_photometric_weight > 0 &&
+                        !target.icp.error_model.UsesIntensities() &&
+                        !frame.levels.front().intensity.empty() &&
+                        !model.levels.front().intensity.empty();
   if (!estimate.is_weakly_constrained || !can_help) return estimate;
   IcpOptions with_intensities = target.icp;
-  with_intensities.error_model.photometric_weight = options_.poorly_held_photometric_weight;
+  with_intensities.error_model.photometric_weight = options_.weakly_constrained_photometric_weight;
   estimate.icp = surfit::Register(frame, model, reference_from_initial, with_intensities);
   return estimate;
 }
 
-Tracked FrameRegistration::Validate(const PreparedFrame& frame, const Target& target,
+Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target& target,
                                     const Estimate& estimate) const {
   const ReferenceView& reference = target.reference;
   const FramePyramid& model = reference.view.pyramid;
@@ -98,13 +99,13 @@ Tracked FrameRegistration::Validate(const PreparedFrame& frame, const Target& ta
   tracked.quality.is_weakly_constrained = best.is_weakly_constrained;
   tracked.world_from_camera = reference.world_from_view * tracked.icp.target_from_source;
   const int moving = views.CountInFront(tracked.moving);
-  tracked.moving_share = views.points > 0 ? static_cast<double>(moving) / views.points : 0;
-  tracked.behind_share =
+  tracked.moving_ratio = views.points > 0 ? static_cast<double>(moving) / views.points : 0;
+  tracked.behind_ratio =
       views.compared > 0 ? static_cast<double>(views.behind) / views.compared : 0;
   tracked.verdict = ValidateRegistration(tracked.icp, views, moving, options_);
   if (tracked.verdict == Verdict::kRejected) return tracked;
   tracked.state =
-      tracked.icp.free_directions.empty() ? FrameState::kTracked : FrameState::kDegenerate;
+      tracked.icp.degenerate_directions.empty() ? FrameState::kTracked : FrameState::kDegenerate;
   return tracked;
 }
 

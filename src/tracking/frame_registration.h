@@ -4,16 +4,16 @@
 
 #include "surfit/registration/icp.h"
 #include "surfit/tracking/tracking.h"
+#include "tracking/frame_preprocessor.h"
 #include "tracking/model_views.h"
 #include "tracking/motion_prior.h"
 #include "tracking/moving_regions.h"
-#include "tracking/prepared_frame.h"
 #include "tracking/tracked.h"
 
 namespace surfit {
 
 // Returns whether the frame has enough points for a registration.
-bool HasEnoughDepth(const PreparedFrame& frame, const IcpOptions& icp_options);
+bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_options);
 
 // Registers frames to reference views, without state of its own.
 class FrameRegistration {
@@ -25,7 +25,7 @@ class FrameRegistration {
   // Registers a frame and validates the pose. `motion_prior` is the covariance of the left
   // increment at the initial pose. If the registration is rejected, the frame is registered again
   // without the points that move at the initial pose.
-  Tracked Register(const PreparedFrame& frame, const ReferenceView& reference,
+  Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_initial, const IcpOptions& icp_options,
                    const std::optional<Matrix6d>& motion_prior = std::nullopt) const;
 
@@ -49,7 +49,7 @@ class FrameRegistration {
   Estimate MostLikelyPose(const FramePyramid& frame, const Target& target,
                           const Rigid3d& reference_from_initial) const;
   // Validates an estimate. A frame with moving objects is first registered again without them.
-  Tracked Validate(const PreparedFrame& frame, const Target& target,
+  Tracked Validate(const PreprocessedFrame& frame, const Target& target,
                    const Estimate& estimate) const;
 
   const TrackingOptions& options_;

@@ -2,7 +2,7 @@
 
 #include "surfit/core/image.h"
 #include "surfit/geometry/rigid3.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 
 namespace surfit {
 

@@ -10,14 +10,14 @@ constexpr double kMaxMotion_s = 0.1;
 
 MotionModel::MotionModel(const TrackingOptions& options)
     : options_(options),
-      prior_(options.acceleration_m_per_s2, options.turn_acceleration_rad_per_s2) {}
+      prior_(options.acceleration_m_per_s2, options.angular_acceleration_rad_per_s2) {}
 
 std::optional<Rigid3d> MotionModel::PredictPose(const TrackingState& state,
                                                 const Rigid3d& world_from_last) const {
   if (!state.is_localised) return world_from_last;
   if (options_.motion_model == "so3") return std::nullopt;
   if (options_.motion_model == "constant_pose") return world_from_last;
-  if (state.lost_frames > 0 && !MovesOn(state)) return world_from_last;
+  if (state.lost_frames > 0 && !HasPredictableMotion(state)) return world_from_last;
   Rigid3d expected = world_from_last;
   for (int i = 0; i <= state.lost_frames; ++i) expected = expected * last_from_next_;
   return expected;
@@ -29,12 +29,12 @@ CameraMotion MotionModel::PredictMotion(const TrackingState& state) const {
 
 std::optional<Matrix6d> MotionModel::PriorCovariance(const TrackingState& state,
                                                      double seconds) const {
-  if (!MovesOn(state) || !(seconds > 0)) return std::nullopt;
+  if (!HasPredictableMotion(state) || !(seconds > 0)) return std::nullopt;
   return prior_.Covariance(seconds);
 }
 
-bool MotionModel::MovesOn(const TrackingState& state) const {
-  return options_.acceleration_m_per_s2 > 0 && state.MovesOn();
+bool MotionModel::HasPredictableMotion(const TrackingState& state) const {
+  return options_.acceleration_m_per_s2 > 0 && state.HasPredictableMotion();
 }
 
 CameraMotion MotionModel::Velocity(const TrackingState& state, const Rigid3d& last_from_frame,
@@ -60,7 +60,7 @@ void MotionModel::Update(const TrackingState& state, const MeasuredMotion& motio
 }
 
 void MotionModel::Lose(const TrackingState& state) {
-  if (!MovesOn(state)) prior_.Forget();
+  if (!HasPredictableMotion(state)) prior_.Forget();
 }
 
 }  // namespace surfit

@@ -33,7 +33,7 @@ class MotionModel {
   // Covariance of the next motion. Returns std::nullopt without a motion prior.
   std::optional<Matrix6d> PriorCovariance(const TrackingState& state, double seconds) const;
   // Returns whether a motion prior bridges the lost frames, if any.
-  bool MovesOn(const TrackingState& state) const;
+  bool HasPredictableMotion(const TrackingState& state) const;
 
   // Velocity of a motion from the last frame. Zero after lost frames and after more than 0.1 s.
   static CameraMotion Velocity(const TrackingState& state, const Rigid3d& last_from_frame,

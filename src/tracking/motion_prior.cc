@@ -40,8 +40,8 @@ ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
           both.vectors * left.asDiagonal() * both.vectors.transpose()};
 }
 
-MotionPrior::MotionPrior(double acceleration_m_per_s2, double turn_acceleration_rad_per_s2)
-    : of_acceleration_(Variances(turn_acceleration_rad_per_s2, acceleration_m_per_s2)) {}
+MotionPrior::MotionPrior(double acceleration_m_per_s2, double angular_acceleration_rad_per_s2)
+    : of_acceleration_(Variances(angular_acceleration_rad_per_s2, acceleration_m_per_s2)) {}
 
 void MotionPrior::Keep(const Matrix6d& covariance, double seconds) {
   of_velocity_ = covariance / (seconds * seconds);

@@ -30,7 +30,7 @@ ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
 // accelerations.
 class MotionPrior {
  public:
-  MotionPrior(double acceleration_m_per_s2, double turn_acceleration_rad_per_s2);
+  MotionPrior(double acceleration_m_per_s2, double angular_acceleration_rad_per_s2);
 
   // Resets the velocity to unknown.
   void Forget() { of_velocity_.reset(); }

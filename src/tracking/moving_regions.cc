@@ -10,25 +10,25 @@ namespace {
 // Views are stored five times per second, for ten seconds. An object that stays longer becomes a
 // part of the scene.
 constexpr double kBetweenSights_s = 0.2;
-constexpr std::size_t kMostSights = 50;
+constexpr std::size_t kMaxSights = 50;
 // Minimum size of a region as a ratio of all cells. Smaller regions are noise at edges.
-constexpr double kLeastMovingShare = 0.01;
+constexpr double kLeastMovingRatio = 0.01;
 // Minimum ratio of a region that an earlier view saw as free space, or that was moving in the last
 // frame.
-constexpr double kLeastSeenThrough = 0.5, kLeastMoved = 0.3;
+constexpr double kMinSeenThrough = 0.5, kMinMoved = 0.3;
 // Margin behind a surfel for a free-space violation, as in Fusion.
 constexpr double kMargin_m = 0.05, kMarginSigmas = 4;
 
 // Returns whether a cell and most of its neighbours are in front of the model. Depth edges cause
 // lines of cells.
 bool IsCore(const Image<Side>& sides, int u, int v) {
-  constexpr int kLeastNeighbours = 6;
+  constexpr int kMinNeighbours = 6;
   if (u < 1 || v < 1 || u + 1 >= sides.width() || v + 1 >= sides.height()) return false;
   int count = 0;
   for (int dv = -1; dv <= 1; ++dv) {
     for (int du = -1; du <= 1; ++du) count += sides(u + du, v + dv) == Side::kInFront;
   }
-  return sides(u, v) == Side::kInFront && count > kLeastNeighbours;
+  return sides(u, v) == Side::kInFront && count > kMinNeighbours;
 }
 
 // Kinds of cells of a region. Cells of kind kBeside are not passed on to the next frame.
@@ -81,7 +81,7 @@ bool IsMasked(const CellMask& mask, double scale, int u, int v) {
 }
 
 // Number of points of a region in an earlier view.
-struct SightCount {
+struct FreeSpaceCount {
   int seen = 0;     // visible and not occluded
   int through = 0;  // observed as free space
 };
@@ -110,8 +110,8 @@ struct MovingRegions::Sight {
 
   double Margin(double depth) const { return kMargin_m + kMarginSigmas * noise.SigmaZ(depth); }
 
-  SightCount Count(const std::vector<Eigen::Vector3d>& points_in_world) const {
-    SightCount count;
+  FreeSpaceCount Count(const std::vector<Eigen::Vector3d>& points_in_world) const {
+    FreeSpaceCount count;
     const Rigid3d camera_from_world = world_from_camera.Inverse();
     for (const Eigen::Vector3d& point_in_world : points_in_world) {
       const Eigen::Vector3d point = camera_from_world * point_in_world;
@@ -145,7 +145,7 @@ CellMask MovingRegions::Find(const FrameLevel& frame, const ViewComparison& comp
     if (left[i] != kCore) continue;
     std::vector<int> cells = Grow(i, frame, &left);
     if (!Moves(cells, frame, kinds, moved, world_from_camera)) continue;
-    DropWhatRests(frame, sides, world_from_camera, &cells);
+    RemoveStaticCells(frame, sides, world_from_camera, &cells);
     if (moving.empty()) moving = CellMask(sides.width(), sides.height(), kNone);
     Mark(cells, kinds, &moving);
   }
@@ -157,7 +157,7 @@ bool MovingRegions::Moves(const std::vector<int>& cells, const FrameLevel& frame
                           const Rigid3d& world_from_camera) const {
   const ViewGrid grid(frame.camera);
   const auto size = static_cast<double>(cells.size());
-  if (size < kLeastMovingShare * grid.width * grid.height) return false;
+  if (size < kLeastMovingRatio * grid.width * grid.height) return false;
   std::vector<Eigen::Vector3d> points_in_world;
   int moved_count = 0, core_count = 0;
   for (const int cell : cells) {
@@ -166,11 +166,11 @@ bool MovingRegions::Moves(const std::vector<int>& cells, const FrameLevel& frame
     moved_count += !moved.empty() && moved[cell] != kNone;
     core_count += kinds[cell] == kCore;
   }
-  if (moved_count >= kLeastMoved * core_count) return true;
+  if (moved_count >= kMinMoved * core_count) return true;
   return std::any_of(sights_.begin(), sights_.end(), [&](const Sight& sight) {
-    const SightCount count = sight.Count(points_in_world);
-    return count.through >= kLeastMovingShare * grid.width * grid.height &&
-           count.through >= kLeastSeenThrough * count.seen;
+    const FreeSpaceCount count = sight.Count(points_in_world);
+    return count.through >= kLeastMovingRatio * grid.width * grid.height &&
+           count.through >= kMinSeenThrough * count.seen;
   });
 }
 
@@ -200,9 +200,10 @@ CellMask MovingRegions::MovedBefore(const FrameLevel& frame, const Image<Side>& 
 
 // Without a model surface, a cell may belong to the moving object or lie beside it. It is static if
 // the second to last stored view, some tenths of a second old, shows the same surface there.
-void MovingRegions::DropWhatRests(const FrameLevel& frame, const Image<Side>& sides,
-                                  const Rigid3d& world_from_camera, std::vector<int>* cells) const {
-  constexpr double kSame_m = 0.015, kSameSigmas = 3, kResting = 0.8, kLeastSeen = 0.2;
+void MovingRegions::RemoveStaticCells(const FrameLevel& frame, const Image<Side>& sides,
+                                      const Rigid3d& world_from_camera,
+                                      std::vector<int>* cells) const {
+  constexpr double kSame_m = 0.015, kSameSigmas = 3, kResting = 0.8, kMinSeen = 0.2;
   if (sights_.size() < 2) return;
   const Sight& sight = *(sights_.rbegin() + 1);
   const ViewGrid grid(frame.camera);
@@ -219,7 +220,7 @@ void MovingRegions::DropWhatRests(const FrameLevel& frame, const Image<Side>& si
     ++seen;
     resting += std::abs(sight.depth_m[there] - point.z()) < margin_m;
   }
-  if (seen < kLeastSeen * unknown || resting < kResting * seen) return;
+  if (seen < kMinSeen * unknown || resting < kResting * seen) return;
   const auto is_unknown = [&](int cell) { return sides[cell] == Side::kUnknown; };
   cells->erase(std::remove_if(cells->begin(), cells->end(), is_unknown), cells->end());
 }
@@ -243,7 +244,7 @@ void MovingRegions::Remember(const FrameLevel& frame, const CellMask& moving,
     last_->moving = moving;
   }
   if (!is_due) return;
-  if (sights_.size() == kMostSights) sights_.pop_front();
+  if (sights_.size() == kMaxSights) sights_.pop_front();
   sights_.push_back(std::move(sight));
 }
 

@@ -36,8 +36,8 @@ class MovingRegions {
   // Cells that show the moving objects of the last frame; empty if there were none.
   CellMask MovedBefore(const FrameLevel& frame, const Image<Side>& sides,
                        const Rigid3d& world_from_camera, double stamp_s) const;
-  void DropWhatRests(const FrameLevel& frame, const Image<Side>& sides,
-                     const Rigid3d& world_from_camera, std::vector<int>* cells) const;
+  void RemoveStaticCells(const FrameLevel& frame, const Image<Side>& sides,
+                         const Rigid3d& world_from_camera, std::vector<int>* cells) const;
   bool Moves(const std::vector<int>& cells, const FrameLevel& frame, const CellMask& kinds,
              const CellMask& moved, const Rigid3d& world_from_camera) const;
 

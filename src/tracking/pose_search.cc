@@ -31,8 +31,8 @@ FitCriteria ShapesAlone() {
 Tracked Better(const SearchStart& start, Tracked tracked, std::optional<Tracked> found) {
   const bool is_unexpected =
       found && start.expected && !AreOnePlace(*start.expected, found->world_from_camera);
-  if (found && !(tracked.is_held() && is_unexpected)) {
-    if (!tracked.is_held() || !AgreeClosely(tracked.world_from_camera, found->world_from_camera))
+  if (found && !(tracked.has_pose() && is_unexpected)) {
+    if (!tracked.has_pose() || !AgreeClosely(tracked.world_from_camera, found->world_from_camera))
       return *std::move(found);
     tracked.verdict = Verdict::kAccepted;
     tracked.has_second = true;
@@ -46,7 +46,7 @@ Tracked Better(const SearchStart& start, Tracked tracked, std::optional<Tracked>
 // pose.
 bool NeedsConfirmation(const SearchStart& start, const Tracked& tracked) {
   if (!start.state.is_localised) return true;
-  if (start.state.lost_frames == 0 && !tracked.found_again) return false;
+  if (start.state.lost_frames == 0 && !tracked.found_by_search) return false;
   if (!tracked.has_second) return true;
   const Rigid3d motion = start.last.world_from_view.Inverse() * tracked.world_from_camera;
   return start.state.lost_frames >= kSearchStride || !IsPossibleMotion(motion, start.seconds);
@@ -54,16 +54,16 @@ bool NeedsConfirmation(const SearchStart& start, const Tracked& tracked) {
 
 }  // namespace
 
-Tracked PoseSearch::Search(const PreparedFrame& frame, const SearchStart& start,
+Tracked PoseSearch::Search(const PreprocessedFrame& frame, const SearchStart& start,
                            Tracked tracked) const {
   const bool follows =
       start.state.is_localised || (start.seconds > 0 && start.seconds < kFollows_s);
   if (!follows) tracked.state = FrameState::kLost;
   tracked = Better(start, std::move(tracked), FromLastFrame(frame, start));
-  if (!tracked.is_held()) {
+  if (!tracked.has_pose()) {
     if (std::optional<Tracked> found = ByKeyframes(frame, start)) tracked = *std::move(found);
   }
-  if (tracked.is_held() && NeedsConfirmation(start, tracked)) {
+  if (tracked.has_pose() && NeedsConfirmation(start, tracked)) {
     ColoredView rest = {Without(frame.view.pyramid, tracked.moving), frame.view.color};
     tracked.tentative = {Without(frame.measured, tracked.moving),
                          {std::move(rest), tracked.world_from_camera, {}},
@@ -75,7 +75,7 @@ Tracked PoseSearch::Search(const PreparedFrame& frame, const SearchStart& start,
   return tracked;
 }
 
-std::optional<Tracked> PoseSearch::FromLastFrame(const PreparedFrame& frame,
+std::optional<Tracked> PoseSearch::FromLastFrame(const PreprocessedFrame& frame,
                                                  const SearchStart& start) const {
   const TrackingState& state = start.state;
   if (options_.initialize == "identity" || !state.is_localised) return std::nullopt;
@@ -89,14 +89,15 @@ std::optional<Tracked> PoseSearch::FromLastFrame(const PreparedFrame& frame,
   // A plane fits itself everywhere: colours are necessary.
   const bool is_plain = state.last.is_weakly_constrained && options_.acceleration_m_per_s2 > 0;
   if (verifies && !is_plain) initialization.fit = ShapesAlone();
-  IcpOptions icp_options = FarIcpOptions();
+  IcpOptions icp_options = GlobalIcpOptions();
   icp_options.min_source_rows = options_.icp.min_source_rows;
-  const FarVerdict found = RegisterFar(frame.view, start.last.view, initialization, icp_options);
+  const GlobalRegistrationResult found =
+      RegisterGlobally(frame.view, start.last.view, initialization, icp_options);
   if (!found.accepted()) return std::nullopt;
   return Confirm(frame, start, start.last.world_from_view * found.target_from_source);
 }
 
-std::optional<Tracked> PoseSearch::ByKeyframes(const PreparedFrame& frame,
+std::optional<Tracked> PoseSearch::ByKeyframes(const PreprocessedFrame& frame,
                                                const SearchStart& start) const {
   if (!relocalizer_ || start.state.lost_frames % kRelocalizeStride != 0) return std::nullopt;
   if (!HasEnoughDepth(frame, options_.icp)) return std::nullopt;
@@ -110,7 +111,7 @@ std::optional<Tracked> PoseSearch::ByKeyframes(const PreparedFrame& frame,
   return tracked;
 }
 
-std::optional<Tracked> PoseSearch::Confirm(const PreparedFrame& frame, const SearchStart& start,
+std::optional<Tracked> PoseSearch::Confirm(const PreprocessedFrame& frame, const SearchStart& start,
                                            const Rigid3d& world_from_found) const {
   const auto register_to = [&](const ReferenceView& reference) {
     return registration_.Register(frame, reference, world_from_found, options_.icp);
@@ -118,12 +119,12 @@ std::optional<Tracked> PoseSearch::Confirm(const PreparedFrame& frame, const Sea
   Tracked tracked = options_.IsFrameToFrame()
                         ? register_to(start.last)
                         : register_to(views_->ViewAt(world_from_found, frame.HasIntensities()));
-  if (!tracked.is_held()) return std::nullopt;
+  if (!tracked.has_pose()) return std::nullopt;
   if (tracked.verdict == Verdict::kUncertain) {
     if (!AreOnePlace(tracked.world_from_camera, world_from_found)) return std::nullopt;
     tracked.verdict = Verdict::kAccepted;
   }
-  tracked.found_again = tracked.has_second = true;
+  tracked.found_by_search = tracked.has_second = true;
   return tracked;
 }
 

@@ -3,11 +3,11 @@
 #include <optional>
 
 #include "surfit/geometry/rigid3.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 #include "surfit/tracking/tracking.h"
+#include "tracking/frame_preprocessor.h"
 #include "tracking/frame_registration.h"
 #include "tracking/model_views.h"
-#include "tracking/prepared_frame.h"
 #include "tracking/tracked.h"
 #include "tracking/tracking_state.h"
 
@@ -53,15 +53,17 @@ class PoseSearch {
 
   // Searches a frame that is lost or uncertain after registration. An uncertain result becomes a
   // tentative pose, and the frame is lost.
-  Tracked Search(const PreparedFrame& frame, const SearchStart& start, Tracked tracked) const;
+  Tracked Search(const PreprocessedFrame& frame, const SearchStart& start, Tracked tracked) const;
 
  private:
   // Global registration to the last frame with a pose. Returns std::nullopt if the pose is not
   // found, or if this frame is not searched.
-  std::optional<Tracked> FromLastFrame(const PreparedFrame& frame, const SearchStart& start) const;
+  std::optional<Tracked> FromLastFrame(const PreprocessedFrame& frame,
+                                       const SearchStart& start) const;
   // Relocalisation by keyframes. Returns std::nullopt in the same cases.
-  std::optional<Tracked> ByKeyframes(const PreparedFrame& frame, const SearchStart& start) const;
-  std::optional<Tracked> Confirm(const PreparedFrame& frame, const SearchStart& start,
+  std::optional<Tracked> ByKeyframes(const PreprocessedFrame& frame,
+                                     const SearchStart& start) const;
+  std::optional<Tracked> Confirm(const PreprocessedFrame& frame, const SearchStart& start,
                                  const Rigid3d& world_from_found) const;
 
   const TrackingOptions& options_;

@@ -7,21 +7,21 @@ namespace surfit {
 namespace {
 
 // Bounds on the ratio of contradicting points, of the points that model and frame both show. In 99
-// of 100 frames with a right pose it is below kSureShare. With an error of more than 10 cm it is
-// above kMostShare, unless wrong frames have been fused before.
-constexpr double kSureShare = 0.12, kMostShare = 0.25;
+// of 100 frames with a right pose it is below kSureRatio. With an error of more than 10 cm it is
+// above kMostRatio, unless wrong frames have been fused before.
+constexpr double kSureRatio = 0.12, kMostRatio = 0.25;
 // Bound on the ratio of the points that do not move.
 constexpr double kSureRest = 0.08;
 // Bounds on the correlation of brightness.
-constexpr double kSureAlike = 0.5, kLeastAlike = 0.3;
+constexpr double kSureAlike = 0.5, kMinAlike = 0.3;
 
 // Bound on the ratio of cells behind the model. A frame that passes the side of a doorway has less
 // than 0.2 %. At a wrong pose the ratio in front of the map is similar, and the sum is above 12 %.
-constexpr double kMostBehindNewest = 0.02;
+constexpr double kMaxBehindNewest = 0.02;
 
 bool IsRegistered(const IcpResult& icp, const TrackingOptions& options) {
   const bool is_degenerate = icp.termination == Termination::kSingularSystem;
-  return (icp.Succeeded() || is_degenerate) && icp.inlier_share >= options.min_inlier_share &&
+  return (icp.Succeeded() || is_degenerate) && icp.inlier_ratio >= options.min_inlier_ratio &&
          icp.rmse_m <= options.max_rmse_m;
 }
 
@@ -39,15 +39,15 @@ Verdict ValidateRegistration(const IcpResult& icp, const ViewComparison& views, 
   const double all = static_cast<double>(views.in_front + views.behind) / views.compared;
   const double rest =
       static_cast<double>(views.in_front - moving + views.behind) / (views.compared - moving);
-  const bool agrees = all <= kSureShare || (moving > 0 && rest <= kSureRest);
-  if (views.alike < kLeastAlike) return Verdict::kRejected;
+  const bool agrees = all <= kSureRatio || (moving > 0 && rest <= kSureRest);
+  if (views.alike < kMinAlike) return Verdict::kRejected;
   if (agrees && views.alike >= kSureAlike) return Verdict::kAccepted;
-  const bool may_agree = all <= kMostShare && (all <= kSureShare || views.alike >= kSureAlike);
+  const bool may_agree = all <= kMostRatio && (all <= kSureRatio || views.alike >= kSureAlike);
   return agrees || may_agree ? Verdict::kUncertain : Verdict::kRejected;
 }
 
 bool MayShowNewSurfaces(const Tracked& tracked) {
-  return tracked.verdict != Verdict::kAccepted && tracked.behind_share <= kMostBehindNewest;
+  return tracked.verdict != Verdict::kAccepted && tracked.behind_ratio <= kMaxBehindNewest;
 }
 
 bool IsPossibleMotion(const Rigid3d& motion, double seconds) {
@@ -64,18 +64,18 @@ bool AgreeClosely(const Rigid3d& a, const Rigid3d& b) {
   return AreWithin(criteria.max_disagreement_m, criteria.max_disagreement_rad, a, b);
 }
 
-Tracked ValidateByFeatures(const PreparedFrame& frame, Tracked tracked,
+Tracked ValidateByFeatures(const PreprocessedFrame& frame, Tracked tracked,
                            const CameraMotion& since_last, FeatureWatch* features) {
   const double stamp_s = frame.images.stamp_s;
   features->Follow(frame.view,
-                   tracked.is_held() ? std::optional(tracked.world_from_camera) : std::nullopt,
+                   tracked.has_pose() ? std::optional(tracked.world_from_camera) : std::nullopt,
                    stamp_s);
-  if (!tracked.is_held()) return tracked;
-  if (!features->IsDue(stamp_s) && !tracked.found_again) return tracked;
+  if (!tracked.has_pose()) return tracked;
+  if (!features->IsDue(stamp_s) && !tracked.found_by_search) return tracked;
   const FeatureMotion motion =
       features->Check(frame.view, tracked.moving, {tracked.world_from_camera, since_last}, stamp_s);
-  tracked.is_apart = motion.IsApart();
-  if (motion.IsRefuted()) tracked.state = FrameState::kLost;
+  tracked.has_two_motions = motion.HasTwoMotions();
+  if (motion.IsRejected()) tracked.state = FrameState::kLost;
   return tracked;
 }
 

@@ -5,7 +5,7 @@
 #include "surfit/registration/icp.h"
 #include "surfit/tracking/tracking.h"
 #include "tracking/feature_watch.h"
-#include "tracking/prepared_frame.h"
+#include "tracking/frame_preprocessor.h"
 #include "tracking/tracked.h"
 #include "tracking/view_comparison.h"
 
@@ -32,7 +32,7 @@ bool AgreeClosely(const Rigid3d& a, const Rigid3d& b);
 
 // Validates a pose by image features, if a check is due: the frame is lost if most features
 // contradict the pose. `since_last` is the camera motion since the last frame.
-Tracked ValidateByFeatures(const PreparedFrame& frame, Tracked tracked,
+Tracked ValidateByFeatures(const PreprocessedFrame& frame, Tracked tracked,
                            const CameraMotion& since_last, FeatureWatch* features);
 
 }  // namespace surfit

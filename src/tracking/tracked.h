@@ -33,20 +33,20 @@ struct Tracked {
   IcpResult icp;              // last registration
   Verdict verdict = Verdict::kAccepted;
   FrameQuality quality;
-  bool found_again = false;   // found by search
-  bool has_second = false;    // two registrations agree on the pose
-  int keyframe = -1;          // keyframe of the relocalisation; -1: none
-  bool has_own_view = false;  // the reference was rendered for this frame
-  CellMask moving;            // not registered, not fused
-  double moving_share = 0;    // of the points
-  double behind_share = 0;    // of the compared cells: far behind the model
-  bool is_apart = false;      // the feature check found two motions
+  bool found_by_search = false;  // found by search
+  bool has_second = false;       // two registrations agree on the pose
+  int keyframe = -1;             // keyframe of the relocalisation; -1: none
+  bool has_own_view = false;     // the reference was rendered for this frame
+  CellMask moving;               // not registered, not fused
+  double moving_ratio = 0;       // of the points
+  double behind_ratio = 0;       // of the compared cells: far behind the model
+  bool has_two_motions = false;  // the feature check found two motions
   // Covariance of the motion to this frame, in the camera frame. Only with a motion prior.
   std::optional<Matrix6d> motion_covariance;
   std::optional<TentativePose> tentative;  // of this lost frame
   std::optional<TentativePose> confirmed;  // of the frame before: confirmed by this frame
 
-  bool is_held() const { return state != FrameState::kLost; }
+  bool has_pose() const { return state != FrameState::kLost; }
 };
 
 }  // namespace surfit

@@ -37,7 +37,7 @@ void Tracker::StartInGivenMap(double last_stamp_s) {
 
 bool Tracker::NeedsIntensities() const {
   return options_.icp.error_model.UsesIntensities() ||
-         (options_.poorly_held_photometric_weight > 0 && state_.NeedsAllPoints());
+         (options_.weakly_constrained_photometric_weight > 0 && state_.NeedsAllPoints());
 }
 
 CameraMotion Tracker::MotionTo(double stamp_s, const Rigid3d& world_from_camera) const {
@@ -46,10 +46,10 @@ CameraMotion Tracker::MotionTo(double stamp_s, const Rigid3d& world_from_camera)
 }
 
 CameraMotion Tracker::MotionTo(double stamp_s, const Tracked& tracked) const {
-  return tracked.found_again ? CameraMotion() : MotionTo(stamp_s, tracked.world_from_camera);
+  return tracked.found_by_search ? CameraMotion() : MotionTo(stamp_s, tracked.world_from_camera);
 }
 
-bool Tracker::Repeats(const RgbdFrame& frame) {
+bool Tracker::IsDuplicate(const RgbdFrame& frame) {
   const bool repeats = state_.HasStarted() && frame.depth_m == last_depth_m_;
   last_depth_m_ = frame.depth_m;
   return repeats;
@@ -57,12 +57,12 @@ bool Tracker::Repeats(const RgbdFrame& frame) {
 
 Tracked Tracker::Repeat() const {
   Tracked tracked;
-  tracked.state = state_.lost_frames > 0 ? FrameState::kLost : FrameState::kFrozen;
+  tracked.state = state_.lost_frames > 0 ? FrameState::kLost : FrameState::kDuplicate;
   tracked.world_from_camera = last_.world_from_view;
   return tracked;
 }
 
-Tracked Tracker::TrackGiven(const PreparedFrame& frame, const Rigid3d& world_from_camera) {
+Tracked Tracker::TrackGiven(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) {
   Tracked tracked;
   tracked.state = FrameState::kGiven;
   tracked.world_from_camera = world_from_camera;
@@ -70,7 +70,7 @@ Tracked Tracker::TrackGiven(const PreparedFrame& frame, const Rigid3d& world_fro
   return tracked;
 }
 
-Prediction Tracker::Predict(const PreparedFrame& frame) {
+Prediction Tracker::Predict(const PreprocessedFrame& frame) {
   Prediction prediction;
   if (const std::optional<Rigid3d> predicted = PredictedPose()) {
     prediction.world_from_camera = *predicted;
@@ -85,11 +85,11 @@ Prediction Tracker::Predict(const PreparedFrame& frame) {
   return prediction;
 }
 
-Tracked Tracker::Track(const PreparedFrame& frame, const Prediction& prediction) {
+Tracked Tracker::Track(const PreprocessedFrame& frame, const Prediction& prediction) {
   return CheckFeatures(frame, RegisterOrSearch(frame, prediction));
 }
 
-Tracked Tracker::TrackFirst(const PreparedFrame& frame) {
+Tracked Tracker::TrackFirst(const PreprocessedFrame& frame) {
   Tracked tracked;
   tracked.state = HasEnoughDepth(frame, options_.icp) ? FrameState::kFirst : FrameState::kLost;
   tracked.world_from_camera = last_.world_from_view;
@@ -97,23 +97,23 @@ Tracked Tracker::TrackFirst(const PreparedFrame& frame) {
 }
 
 // Checks the features, and remembers the frame for the detection of moving objects.
-Tracked Tracker::CheckFeatures(const PreparedFrame& frame, Tracked tracked) {
+Tracked Tracker::CheckFeatures(const PreprocessedFrame& frame, Tracked tracked) {
   if (options_.VerifiesBySearch()) {
     CameraMotion since_last;
-    if (tracked.is_held() && state_.is_localised) {
+    if (tracked.has_pose() && state_.is_localised) {
       since_last =
           MotionOver(last_.world_from_view.Inverse() * tracked.world_from_camera, SecondsTo(frame));
     }
     tracked = ValidateByFeatures(frame, std::move(tracked), since_last, &features_);
   }
-  if (tracked.is_held()) {
+  if (tracked.has_pose()) {
     regions_.Remember(frame.surface(), tracked.moving, tracked.world_from_camera,
                       frame.images.stamp_s);
   }
   return tracked;
 }
 
-Tracked Tracker::RegisterOrSearch(const PreparedFrame& frame, const Prediction& prediction) {
+Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Prediction& prediction) {
   const ReferenceView& reference = *prediction.reference;
   Tracked tracked = Register(frame, reference, prediction.world_from_camera);
   if (state_.HasLastPose() && !options_.IsFrameToFrame() && MayShowNewSurfaces(tracked)) {
@@ -126,7 +126,7 @@ Tracked Tracker::RegisterOrSearch(const PreparedFrame& frame, const Prediction& 
                              std::move(tracked));
   }
   tracked.has_own_view = prediction.has_own_view;
-  if (tracked.is_held()) {
+  if (tracked.has_pose()) {
     tracked.world_from_camera = WithMeasuredMotion(frame, tracked);
     return tracked;
   }
@@ -138,7 +138,7 @@ Tracked Tracker::RegisterOrSearch(const PreparedFrame& frame, const Prediction& 
   return InNewSubmap(frame, tracked).value_or(tracked);
 }
 
-Tracked Tracker::Register(const PreparedFrame& frame, const ReferenceView& reference,
+Tracked Tracker::Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                           const Rigid3d& world_from_predicted) const {
   IcpOptions icp_options = options_.icp;
   if (state_.last.is_weakly_constrained) icp_options.min_source_rows = 0;
@@ -148,10 +148,10 @@ Tracked Tracker::Register(const PreparedFrame& frame, const ReferenceView& refer
 
 // A frame that is not accepted may show surfaces that the frames before have begun to map. Then the
 // registration to all surfels yields the same pose.
-Tracked Tracker::AgainstNewest(const PreparedFrame& frame, Tracked tracked) const {
+Tracked Tracker::AgainstNewest(const PreprocessedFrame& frame, Tracked tracked) const {
   const Rigid3d& pose = tracked.world_from_camera;
   Tracked by_newest = Register(frame, views_->NewestViewAt(pose, frame.HasIntensities()), pose);
-  const bool is_accepted = by_newest.is_held() && by_newest.verdict == Verdict::kAccepted;
+  const bool is_accepted = by_newest.has_pose() && by_newest.verdict == Verdict::kAccepted;
   if (!is_accepted || !AreOnePlace(pose, by_newest.world_from_camera)) return tracked;
   by_newest.has_second = by_newest.quality.is_by_newest = true;
   return by_newest;
@@ -159,48 +159,49 @@ Tracked Tracker::AgainstNewest(const PreparedFrame& frame, Tracked tracked) cons
 
 // Registers the frame from its pose to the tentative frame. Returns the frame with the confirmed
 // pose, or std::nullopt if the pose is not confirmed or there is none.
-std::optional<Tracked> Tracker::CompareWithTentative(const PreparedFrame& frame,
+std::optional<Tracked> Tracker::CompareWithTentative(const PreprocessedFrame& frame,
                                                      const Tracked& tracked) {
   if (!state_.IsTentative()) return std::nullopt;
   state_ = Next(state_, TrackingEvent::kTentativeCompared);
   TentativePose tentative = *std::move(tentative_);
   tentative_.reset();
-  if (!tracked.is_held() || tracked.verdict != Verdict::kAccepted) return std::nullopt;
-  PreparedFrame rest = frame;
+  if (!tracked.has_pose() || tracked.verdict != Verdict::kAccepted) return std::nullopt;
+  PreprocessedFrame rest = frame;
   rest.view.pyramid = Without(std::move(rest.view.pyramid), tracked.moving);
   const Tracked from_there =
       registration_.Register(rest, tentative.view, tracked.world_from_camera, options_.icp);
-  if (!from_there.is_held() ||
+  if (!from_there.has_pose() ||
       !AreOnePlace(from_there.world_from_camera, tracked.world_from_camera)) {
     return std::nullopt;
   }
   Tracked confirmed = tracked;
-  confirmed.found_again = true;
+  confirmed.found_by_search = true;
   confirmed.keyframe = tentative.keyframe;
   if (confirmed.keyframe >= 0) confirmed.state = FrameState::kRelocalized;
   confirmed.confirmed = std::move(tentative);
   return confirmed;
 }
 
-bool Tracker::IsUncertain(const PreparedFrame& frame, const Prediction& prediction,
+bool Tracker::IsUncertain(const PreprocessedFrame& frame, const Prediction& prediction,
                           const Tracked& tracked) const {
-  if (!tracked.is_held() || tracked.verdict == Verdict::kUncertain || state_.NeedsSearch())
+  if (!tracked.has_pose() || tracked.verdict == Verdict::kUncertain || state_.NeedsSearch())
     return true;
   return options_.VerifiesBySearch() &&
-         (state_.NeedsVerification() || tracked.icp.inlier_share < options_.sure_inlier_share ||
+         (state_.NeedsVerification() ||
+          tracked.icp.inlier_ratio < options_.confident_inlier_ratio ||
           IsFar(frame, prediction.world_from_camera) || IsFar(frame, tracked.world_from_camera));
 }
 
 // Farther from the last frame than tracking follows reliably.
-bool Tracker::IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const {
+bool Tracker::IsFar(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) const {
   const Rigid3d motion = last_.world_from_view.Inverse() * world_from_camera;
   return ImageShift(motion, frame.view.pyramid.levels.back()) > options_.max_view_shift;
 }
 
 // Replaces the predicted motion during the readout by the measured motion.
-Rigid3d Tracker::WithMeasuredMotion(const PreparedFrame& frame, const Tracked& tracked) const {
+Rigid3d Tracker::WithMeasuredMotion(const PreprocessedFrame& frame, const Tracked& tracked) const {
   const CameraMotion motion = MotionTo(frame.images.stamp_s, tracked);
-  const bool is_free = !tracked.icp.free_directions.empty();
+  const bool is_free = !tracked.icp.degenerate_directions.empty();
   if (frame.readout_s == 0 || motion.IsZero() || is_free) return tracked.world_from_camera;
   const std::vector<FrameLevel>& levels = frame.view.pyramid.levels;
   return tracked.world_from_camera *
@@ -209,7 +210,8 @@ Rigid3d Tracker::WithMeasuredMotion(const PreparedFrame& frame, const Tracked& t
 }
 
 // After a long loss without a tentative pose.
-std::optional<Tracked> Tracker::InNewSubmap(const PreparedFrame& frame, const Tracked& tracked) {
+std::optional<Tracked> Tracker::InNewSubmap(const PreprocessedFrame& frame,
+                                            const Tracked& tracked) {
   if (!relocalizer_ || tracked.tentative || !HasEnoughDepth(frame, options_.icp))
     return std::nullopt;
   const std::optional<Rigid3d> begin =
@@ -222,25 +224,25 @@ std::optional<Tracked> Tracker::InNewSubmap(const PreparedFrame& frame, const Tr
   return first;
 }
 
-void Tracker::Update(PreparedFrame frame, Tracked tracked) {
+void Tracker::Update(PreprocessedFrame frame, Tracked tracked) {
   tentative_ = std::move(tracked.tentative);
-  if (!tracked.is_held()) {
+  if (!tracked.has_pose()) {
     state_ = Next(state_, tentative_ ? TrackingEvent::kTentativePose : TrackingEvent::kNoPose);
     motion_model_.Lose(state_);
     return;
   }
   const std::optional<Rigid3d> expected = ExpectedPose();
-  motion_model_.Update(
-      state_, {last_.world_from_view.Inverse() * tracked.world_from_camera, SecondsTo(frame),
-               tracked.found_again, expected && AreOnePlace(*expected, tracked.world_from_camera),
-               tracked.motion_covariance});
+  motion_model_.Update(state_, {last_.world_from_view.Inverse() * tracked.world_from_camera,
+                                SecondsTo(frame), tracked.found_by_search,
+                                expected && AreOnePlace(*expected, tracked.world_from_camera),
+                                tracked.motion_covariance});
   last_stamp_s_ = frame.images.stamp_s;
   if (options_.IsFrameToFrame() || options_.initialize != "identity" ||
       options_.motion_model == "so3") {
     last_.view = std::move(frame.view);
   }
   last_.world_from_view = tracked.world_from_camera;
-  state_ = Next(state_, tracked.found_again ? TrackingEvent::kFound : TrackingEvent::kPose,
+  state_ = Next(state_, tracked.found_by_search ? TrackingEvent::kFound : TrackingEvent::kPose,
                 tracked.quality);
 }
 
@@ -265,7 +267,7 @@ std::optional<Rigid3d> Tracker::PredictedPose() const {
 
 // Returns std::nullopt without a motion prior.
 std::optional<Rigid3d> Tracker::ExpectedPose() const {
-  return motion_model_.MovesOn(state_) ? PredictedPose() : std::nullopt;
+  return motion_model_.HasPredictableMotion(state_) ? PredictedPose() : std::nullopt;
 }
 
 void Tracker::Move(const Rigid3d& new_from_old_world) {

@@ -8,12 +8,12 @@
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/tracking/tracking.h"
 #include "tracking/feature_watch.h"
+#include "tracking/frame_preprocessor.h"
 #include "tracking/frame_registration.h"
 #include "tracking/model_views.h"
 #include "tracking/motion_model.h"
 #include "tracking/moving_regions.h"
 #include "tracking/pose_search.h"
-#include "tracking/prepared_frame.h"
 #include "tracking/tracked.h"
 #include "tracking/tracking_state.h"
 
@@ -54,16 +54,16 @@ class Tracker {
   CameraMotion MotionTo(double stamp_s, const Tracked& tracked) const;
 
   // Returns whether the frame is a duplicate: its depth equals the depth of the frame before.
-  bool Repeats(const RgbdFrame& frame);
+  bool IsDuplicate(const RgbdFrame& frame);
   // Outcomes of a duplicate frame, of the first frame and of a frame with a given pose.
   Tracked Repeat() const;
-  Tracked TrackFirst(const PreparedFrame& frame);
-  Tracked TrackGiven(const PreparedFrame& frame, const Rigid3d& world_from_camera);
+  Tracked TrackFirst(const PreprocessedFrame& frame);
+  Tracked TrackGiven(const PreprocessedFrame& frame, const Rigid3d& world_from_camera);
 
-  Prediction Predict(const PreparedFrame& frame);
-  Tracked Track(const PreparedFrame& frame, const Prediction& prediction);
+  Prediction Predict(const PreprocessedFrame& frame);
+  Tracked Track(const PreprocessedFrame& frame, const Prediction& prediction);
   // Ends a frame, except a duplicate. `frame` has no moving objects.
-  void Update(PreparedFrame frame, Tracked tracked);
+  void Update(PreprocessedFrame frame, Tracked tracked);
   // Renders the view of the next frame before it arrives.
   void PredictAhead(bool has_color);
 
@@ -71,22 +71,23 @@ class Tracker {
   void Move(const Rigid3d& new_from_old_world);
 
  private:
-  Tracked CheckFeatures(const PreparedFrame& frame, Tracked tracked);
-  Tracked RegisterOrSearch(const PreparedFrame& frame, const Prediction& prediction);
-  Tracked Register(const PreparedFrame& frame, const ReferenceView& reference,
+  Tracked CheckFeatures(const PreprocessedFrame& frame, Tracked tracked);
+  Tracked RegisterOrSearch(const PreprocessedFrame& frame, const Prediction& prediction);
+  Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_predicted) const;
-  Tracked AgainstNewest(const PreparedFrame& frame, Tracked tracked) const;
-  std::optional<Tracked> CompareWithTentative(const PreparedFrame& frame, const Tracked& tracked);
-  bool IsUncertain(const PreparedFrame& frame, const Prediction& prediction,
+  Tracked AgainstNewest(const PreprocessedFrame& frame, Tracked tracked) const;
+  std::optional<Tracked> CompareWithTentative(const PreprocessedFrame& frame,
+                                              const Tracked& tracked);
+  bool IsUncertain(const PreprocessedFrame& frame, const Prediction& prediction,
                    const Tracked& tracked) const;
-  bool IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
-  Rigid3d WithMeasuredMotion(const PreparedFrame& frame, const Tracked& tracked) const;
-  std::optional<Tracked> InNewSubmap(const PreparedFrame& frame, const Tracked& tracked);
+  bool IsFar(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) const;
+  Rigid3d WithMeasuredMotion(const PreprocessedFrame& frame, const Tracked& tracked) const;
+  std::optional<Tracked> InNewSubmap(const PreprocessedFrame& frame, const Tracked& tracked);
 
   std::optional<Rigid3d> PredictedPose() const;
   std::optional<Rigid3d> ExpectedPose() const;
   bool UpdateView(const Rigid3d& world_from_predicted, bool has_intensities);
-  double SecondsTo(const PreparedFrame& frame) const {
+  double SecondsTo(const PreprocessedFrame& frame) const {
     return frame.images.stamp_s - last_stamp_s_;
   }
 

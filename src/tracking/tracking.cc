@@ -10,8 +10,8 @@ std::string ToString(FrameState state) {
       return "tracked";
     case FrameState::kDegenerate:
       return "degenerate";
-    case FrameState::kFrozen:
-      return "frozen";
+    case FrameState::kDuplicate:
+      return "duplicate";
     case FrameState::kGiven:
       return "given";
     case FrameState::kLost:

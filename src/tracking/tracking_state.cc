@@ -8,7 +8,7 @@ constexpr int kSteadyFrames = 3;
 
 }  // namespace
 
-bool TrackingState::MovesOn() const {
+bool TrackingState::HasPredictableMotion() const {
   return HasStarted() && is_localised && !IsTentative() && lost_frames < kSteadyFrames;
 }
 

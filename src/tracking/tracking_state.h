@@ -63,7 +63,7 @@ struct TrackingState {
   // The next frame is searched if TrackingOptions::VerifiesBySearch().
   bool NeedsVerification() const { return phase == TrackingPhase::kRelocalised; }
   // The camera continues its motion despite few lost frames.
-  bool MovesOn() const;
+  bool HasPredictableMotion() const;
 };
 
 // State after an event. `quality` belongs to a frame with a pose.

@@ -8,20 +8,20 @@ namespace surfit {
 namespace {
 
 // Projects points of one view into the other view.
-class Landings {
+class ViewProjection {
  public:
-  Landings(const FrameLevel& to, const ErrorModel& error_model, const Rigid3d& to_from_view)
+  ViewProjection(const FrameLevel& to, const ErrorModel& error_model, const Rigid3d& to_from_view)
       : to_(to),
         error_model_(error_model),
         rotation_(to_from_view.rotation.toRotationMatrix().cast<float>()),
         translation_(to_from_view.translation.cast<float>()) {}
 
-  struct Landing {
+  struct ProjectedPixel {
     Side side = Side::kUnknown;
     int pixel = 0;
   };
 
-  Landing Of(const Eigen::Vector3f& vertex, const DepthNoise& noise) const {
+  ProjectedPixel Of(const Eigen::Vector3f& vertex, const DepthNoise& noise) const {
     if (!(vertex.z() > 0)) return {};
     const Eigen::Vector3f point = rotation_ * vertex + translation_;
     const int pixel = PixelOf(point);
@@ -55,19 +55,19 @@ class Landings {
 
 // Returns 1 for images without texture, which correlate at any pose or by noise only.
 double Alike(const CorrelationSums& sums) {
-  constexpr double kLeastCells = 200, kLeastVariance = 0.03 * 0.03;
+  constexpr double kMinCells = 200, kMinVariance = 0.03 * 0.03;
   const auto variance = [&](double sum, double squares) {
     return squares / sums.count - sum * sum / (sums.count * sums.count);
   };
-  const bool tells = sums.count >= kLeastCells && variance(sums.a, sums.aa) >= kLeastVariance &&
-                     variance(sums.b, sums.bb) >= kLeastVariance;
+  const bool tells = sums.count >= kMinCells && variance(sums.a, sums.aa) >= kMinVariance &&
+                     variance(sums.b, sums.bb) >= kMinVariance;
   return tells ? sums.Correlation(0) : 1;
 }
 
 // Uses the model cells, because other model pixels have no brightness.
 CorrelationSums CompareBrightness(const FrameLevel& frame, const Image<Rgb8>& color,
                                   const FrameLevel& model, const Image<float>& model_grey,
-                                  const Landings& in_frame) {
+                                  const ViewProjection& in_frame) {
   CorrelationSums sums;
   const ViewGrid grid(model.camera);
   for (int v = 0; v < grid.height; ++v) {
@@ -95,7 +95,7 @@ ViewComparison CompareViews(const FrameLevel& frame, const Image<Rgb8>& color,
                             const FrameLevel& model, const Image<float>& model_grey,
                             const ErrorModel& error_model, const Rigid3d& model_from_frame) {
   const ViewGrid grid(frame.camera);
-  const Landings in_model(model, error_model, model_from_frame);
+  const ViewProjection in_model(model, error_model, model_from_frame);
   ViewComparison comparison;
   comparison.sides = Image<Side>(grid.width, grid.height, Side::kUnknown);
   for (int v = 0; v < grid.height; ++v) {
@@ -110,7 +110,7 @@ ViewComparison CompareViews(const FrameLevel& frame, const Image<Rgb8>& color,
     }
   }
   if (!color.empty() && !model_grey.empty()) {
-    const Landings in_frame(frame, error_model, model_from_frame.Inverse());
+    const ViewProjection in_frame(frame, error_model, model_from_frame.Inverse());
     comparison.alike = Alike(CompareBrightness(frame, color, model, model_grey, in_frame));
   }
   return comparison;

@@ -123,10 +123,10 @@ TEST_F(BatchTest, RepeatsMissingAndOnRequestFailedRuns) {
   Receipt("done", 0, "");
   Receipt("failed", 1, "error: x");
   Receipt("gone", 0, "");
-  ForgetRuns(batch_.path(), false);
+  DeleteStaleRunReceipts(batch_.path(), false);
   EXPECT_TRUE(HasReceipt("done") && HasReceipt("failed"));
   EXPECT_FALSE(HasReceipt("gone"));
-  ForgetRuns(batch_.path(), true);
+  DeleteStaleRunReceipts(batch_.path(), true);
   EXPECT_TRUE(HasReceipt("done"));
   EXPECT_FALSE(HasReceipt("failed"));
 }

@@ -109,16 +109,16 @@ double Measure(const SlamRunOptions& options) {
   const SlamRunSummary summary = RunSlam(options, std::atomic<bool>(false), [](const auto&) {});
   const ThreadLimit threads(options.threads);
   const std::size_t bytes = BytesOfFrame(summary);
-  const double decode_ms = DecodeMilliseconds(options.sequence.path);
+  const double read_ms = DecodeMilliseconds(options.sequence.path);
   const double copy_ms = CopyMilliseconds(bytes);
-  const double multiple = summary.frame.mean_ms / (decode_ms + copy_ms);
+  const double multiple = summary.frame.mean_ms / (read_ms + copy_ms);
   std::printf("%d frames, %zu surfels, %d lost\n", summary.frames_total, summary.map_points,
               summary.frames_lost);
   for (const StageStatistics& s : summary.stages) {
     Print(s.name, s.times);
   }
   Print("frame", summary.frame);
-  std::printf("decoding %.2f ms + %.1f MB through memory %.2f ms; frame / these: %.2f\n", decode_ms,
+  std::printf("decoding %.2f ms + %.1f MB through memory %.2f ms; frame / these: %.2f\n", read_ms,
               1e-6 * static_cast<double>(bytes), copy_ms, multiple);
   return multiple;
 }

@@ -88,16 +88,16 @@ class LoopRun {
   }
 
   void TryLoops(int source) {
-    std::vector<LoopProposal> proposals;
+    std::vector<LoopCandidate> proposals;
     {
       const CpuTimer timer(&result_.query_ms);
-      proposals = ProposeLoops(source, result_.keyframes, index_, options_.loops);
+      proposals = ProposeLoopCandidates(source, result_.keyframes, index_, options_.loops);
     }
     const CpuTimer timer(&result_.verify_ms);
-    for (const LoopProposal& proposal : proposals) {
+    for (const LoopCandidate& proposal : proposals) {
       const Keyframe& from = result_.keyframes[source];
       const Keyframe& to = result_.keyframes[proposal.target];
-      const FarVerdict verdict =
+      const GlobalRegistrationResult verdict =
           VerifyLoop(from.view, to.view, options_.loops.verify, proposal.target_from_source_prior);
       result_.loops.push_back(
           {from.frame_index, to.frame_index, {proposal, verdict}, {}, {}, false, false});
@@ -115,11 +115,11 @@ class LoopRun {
   }
 
   void EvaluateLoop(FoundLoop* loop) {
-    const LoopProposal& proposal = loop->attempt.proposal;
+    const LoopCandidate& proposal = loop->attempt.proposal;
     const auto& source = truth_of_keyframes_[proposal.source];
     const auto& target = truth_of_keyframes_[proposal.target];
     if (!source || !target) return;
-    const FarVerdict& verdict = loop->attempt.verdict;
+    const GlobalRegistrationResult& verdict = loop->attempt.verdict;
     const Rigid3d truth = target->Inverse() * *source;
     const Rigid3d off = truth * verdict.target_from_source.Inverse();
     loop->error_rad = RotationAngle(off.rotation);
@@ -139,7 +139,7 @@ class LoopRun {
     const PlaceView& target = result_.keyframes[loop.attempt.proposal.target].view;
     source.features.clear();
     const VerifyLoopOptions& verify = options_.loops.verify;
-    const FarVerdict from_truth = VerifyLoop(source, target, verify, truth);
+    const GlobalRegistrationResult from_truth = VerifyLoop(source, target, verify, truth);
     const Rigid3d& pose = loop.attempt.verdict.target_from_source;
     const Rigid3d off = pose.Inverse() * from_truth.target_from_source;
     if (from_truth.accepted() && (off.translation.norm() > verify.fit.max_disagreement_m ||

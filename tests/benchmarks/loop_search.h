@@ -35,7 +35,7 @@ struct LoopSearchOptions {
 // A loop candidate with its verification. The errors are empty without ground truth.
 struct FoundLoop {
   int source_frame = 0, target_frame = 0;  // indices in the sequence
-  LoopAttempt attempt;
+  LoopVerification attempt;
   std::optional<double> error_m, error_rad;
   bool wrong = false;     // accepted with a large error
   bool disputed = false;  // wrong, but the surfaces fit better than at the true pose

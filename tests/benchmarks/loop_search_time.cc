@@ -10,9 +10,9 @@ namespace surfit::testing {
 namespace {
 
 void Print(const LoopSearchResult& result) {
-  std::map<FarReason, int> counts;
+  std::map<GlobalRegistrationReason, int> counts;
   for (const FoundLoop& loop : result.loops) ++counts[loop.attempt.verdict.reason];
-  for (const FarReason reason : FarReasons()) {
+  for (const GlobalRegistrationReason reason : GlobalRegistrationReasons()) {
     std::printf("%-24s %5d loops\n", ToString(reason).c_str(), counts[reason]);
   }
   std::printf(

@@ -40,7 +40,7 @@ struct MappedRoom {
   // spacing of 5 mm.
   void GrowElsewhere(std::size_t count, SurfelMap* grown) const {
     Surfel far = map[map.Ids().front()];
-    far.confidence = FusionOptions().lasting_confidence;
+    far.confidence = FusionOptions().min_inactive_confidence;
     const Eigen::Vector3f from = world_from_next.translation.cast<float>();
     const Eigen::Vector3f backwards = -world_from_next.rotation.matrix().col(2).cast<float>();
     constexpr int kColumns = 4000;

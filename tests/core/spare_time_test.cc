@@ -1,5 +1,3 @@
-#include "core/spare_time.h"
-
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 
@@ -11,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/background_task.h"
 #include "surfit/core/error.h"
 #include "testing/busy_machine.h"
 #include "testing/matchers.h"
@@ -29,9 +28,9 @@ std::set<std::thread::id> ThreadsOfLoop() {
   return ids;
 }
 
-TEST(SpareTime, RunsLoopBlocksSequentiallyOnOneOtherThread) {
+TEST(LowPriorityScope, RunsLoopBlocksSequentiallyOnOneOtherThread) {
   ThreadLimit limit(4);
-  SpareTime spare_time;
+  LowPriorityScope spare_time;
   std::thread([&] {
     std::set<std::thread::id> ids;
     spare_time.Run([&] { ids = ThreadsOfLoop(); });
@@ -40,9 +39,9 @@ TEST(SpareTime, RunsLoopBlocksSequentiallyOnOneOtherThread) {
   }).join();
 }
 
-TEST(SpareTime, RunsNestedLoops) {
+TEST(LowPriorityScope, RunsNestedLoops) {
   ThreadLimit limit(2);
-  SpareTime spare_time;
+  LowPriorityScope spare_time;
   std::atomic<int> count = 0;
   spare_time.Run([&] {
     ParallelFor(0, 8, 1, [&](int, int) { ParallelFor(0, 8, 1, [&](int, int) { ++count; }); });
@@ -51,11 +50,11 @@ TEST(SpareTime, RunsNestedLoops) {
 }
 
 #ifdef __linux__
-TEST(SpareTime, LowersPriorityInsideLoopsOnly) {
+TEST(LowPriorityScope, LowersPriorityInsideLoopsOnly) {
   ThreadLimit limit(2);
   const int before = getpriority(PRIO_PROCESS, 0);
   std::thread([&] {
-    SpareTime spare_time;
+    LowPriorityScope spare_time;
     int of_task = -1, after = -1;
     std::set<int> of_loop;
     spare_time.Run([&] {
@@ -69,10 +68,10 @@ TEST(SpareTime, LowersPriorityInsideLoopsOnly) {
   }).join();
 }
 
-TEST(SpareTime, AwaitRestoresPriorityOfLoops) {
+TEST(LowPriorityScope, AwaitRestoresPriorityOfLoops) {
   ThreadLimit limit(2);
   const int before = getpriority(PRIO_PROCESS, 0);
-  SpareTime spare_time;
+  LowPriorityScope spare_time;
   std::promise<void> in_loop;
   std::vector<int> of_loop(64), of_next_loop(64);
   auto task = std::async(std::launch::async, [&] {
@@ -96,7 +95,7 @@ TEST(SpareTime, AwaitRestoresPriorityOfLoops) {
 
 // A thread of the lowest priority gets 1/70 of the time of a normal thread. A caller that waited
 // for it would wait 70 times longer than for a normal thread.
-TEST(SpareTimeTask, TakeDoesNotWaitAtLowestPriorityOnBusyMachine) {
+TEST(BackgroundTask, TakeDoesNotWaitAtLowestPriorityOnBusyMachine) {
   ThreadLimit limit(2);
   const auto work = [] {
     for (int loop = 0; loop < 20; ++loop) ParallelFor(0, 20, 1, [](int, int) { Compute(0.5); });
@@ -110,17 +109,17 @@ TEST(SpareTimeTask, TakeDoesNotWaitAtLowestPriorityOnBusyMachine) {
   const BusyMachine busy;
   const double own_s = seconds([&] { std::async(std::launch::async, work).get(); });
   const double waited_s = seconds([&] {
-    SpareTimeTask<int> task;
+    BackgroundTask<int> task;
     task.Start(1, work);
     task.Take();
   });
   EXPECT_LT(waited_s, 5 * own_s + 1);
 }
 
-TEST(SpareTime, RethrowsExceptionOfTask) {
+TEST(LowPriorityScope, RethrowsExceptionOfTask) {
   ThreadLimit limit(2);
-  EXPECT_THROW(SpareTime().Run([] { throw InputError("bad"); }), InputError);
-  EXPECT_THROW(SpareTime().Run([] {
+  EXPECT_THROW(LowPriorityScope().Run([] { throw InputError("bad"); }), InputError);
+  EXPECT_THROW(LowPriorityScope().Run([] {
     ParallelFor(0, 8, 1, [](int i, int) {
       if (i == 3) throw InputError("bad");
     });
@@ -128,11 +127,11 @@ TEST(SpareTime, RethrowsExceptionOfTask) {
                InputError);
 }
 
-TEST(SpareTimeTask, DestructorWaitsForTask) {
+TEST(BackgroundTask, DestructorWaitsForTask) {
   ThreadLimit limit(2);
   std::atomic<bool> done = false;
   {
-    SpareTimeTask<int> task;
+    BackgroundTask<int> task;
     task.Start(1, [&] {
       ParallelFor(0, 8, 1,
                   [](int, int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
@@ -143,24 +142,24 @@ TEST(SpareTimeTask, DestructorWaitsForTask) {
   EXPECT_TRUE(done);
 }
 
-TEST(SpareTimeTask, IsDueAfterItsStepsAtAnyNumberOfThreads) {
+TEST(BackgroundTask, IsDueAfterItsStepsAtAnyNumberOfThreads) {
   for (const int threads : {1, 2}) {
     ThreadLimit limit(threads);
-    SpareTimeTask<int> task;
+    BackgroundTask<int> task;
     EXPECT_FALSE(task.IsDueAfterStep());
     task.Start(2, [] { return 7; });
-    EXPECT_TRUE(task.IsUnderWay());
+    EXPECT_TRUE(task.IsPending());
     EXPECT_FALSE(task.IsDueAfterStep());
     EXPECT_TRUE(task.IsDueAfterStep());
     EXPECT_EQ(task.Take(), 7);
-    EXPECT_FALSE(task.IsUnderWay() || task.IsDueAfterStep());
+    EXPECT_FALSE(task.IsPending() || task.IsDueAfterStep());
   }
 }
 
-TEST(SpareTimeTask, RunsInBackgroundWithTwoThreads) {
+TEST(BackgroundTask, RunsInBackgroundWithTwoThreads) {
   ThreadLimit limit(2);
   std::promise<void> go_on;
-  SpareTimeTask<std::thread::id> task;
+  BackgroundTask<std::thread::id> task;
   task.Start(1, [&] {
     go_on.get_future().wait();
     return std::this_thread::get_id();
@@ -172,17 +171,17 @@ TEST(SpareTimeTask, RunsInBackgroundWithTwoThreads) {
   EXPECT_NE(task.Take(), std::this_thread::get_id());
 }
 
-TEST(SpareTimeTask, RunsInTakeWithOneThread) {
+TEST(BackgroundTask, RunsInTakeWithOneThread) {
   ThreadLimit limit(1);
-  SpareTimeTask<std::thread::id> task;
+  BackgroundTask<std::thread::id> task;
   task.Start(1, [] { return std::this_thread::get_id(); });
   EXPECT_FALSE(task.IsAtWork());
   EXPECT_EQ(task.Take(), std::this_thread::get_id());
 }
 
-TEST(SpareTimeTask, RunsInBackgroundWithOneThreadIfAlwaysBeside) {
+TEST(BackgroundTask, RunsInBackgroundWithOneThreadIfAlwaysBeside) {
   ThreadLimit limit(1);
-  SpareTimeTask<std::thread::id> task(/*always_beside=*/true);
+  BackgroundTask<std::thread::id> task(/*always_in_background=*/true);
   task.Start(1, [] {
     ParallelFor(0, 8, 1, [](int, int) { Compute(0.5); });
     return std::this_thread::get_id();
@@ -190,35 +189,35 @@ TEST(SpareTimeTask, RunsInBackgroundWithOneThreadIfAlwaysBeside) {
   EXPECT_NE(task.Take(), std::this_thread::get_id());
 }
 
-TEST(SpareTimeTask, LateResultIsThereAfterTaskEnds) {
+TEST(BackgroundTask, LateResultIsThereAfterTaskEnds) {
   for (const int threads : {1, 2}) {
     ThreadLimit limit(threads);
     std::promise<void> go_on;
-    SpareTimeTask<int> task(/*always_beside=*/true);
-    EXPECT_FALSE(task.IsThere() || task.IsThereAfterStep());
+    BackgroundTask<int> task(/*always_in_background=*/true);
+    EXPECT_FALSE(task.IsReady() || task.IsReadyAfterStep());
     task.Start(2, [&] {
       go_on.get_future().wait();
       ParallelFor(0, 8, 1, [](int, int) { Compute(0.5); });
       return 7;
     });
-    for (int i = 0; i < 5; ++i) EXPECT_FALSE(task.IsThere() || task.IsThereAfterStep());
+    for (int i = 0; i < 5; ++i) EXPECT_FALSE(task.IsReady() || task.IsReadyAfterStep());
     go_on.set_value();
     task.Wait();
-    EXPECT_TRUE(task.IsThere() && task.IsThereAfterStep());
+    EXPECT_TRUE(task.IsReady() && task.IsReadyAfterStep());
     EXPECT_EQ(task.Take(), 7);
   }
 }
 
-TEST(SpareTimeTask, ResultIsNotThereBeforeItsSteps) {
-  SpareTimeTask<int> task(/*always_beside=*/true);
+TEST(BackgroundTask, ResultIsNotThereBeforeItsSteps) {
+  BackgroundTask<int> task(/*always_in_background=*/true);
   task.Start(2, [] { return 7; });
   task.Wait();
-  EXPECT_FALSE(task.IsThereAfterStep());
-  EXPECT_TRUE(task.IsThereAfterStep());
+  EXPECT_FALSE(task.IsReadyAfterStep());
+  EXPECT_TRUE(task.IsReadyAfterStep());
 }
 
-TEST(SpareTimeTask, RethrowsExceptionOfTask) {
-  SpareTimeTask<int> task;
+TEST(BackgroundTask, RethrowsExceptionOfTask) {
+  BackgroundTask<int> task;
   task.Start(1, []() -> int { throw InputError("bad"); });
   EXPECT_THROW(task.Take(), InputError);
 }

@@ -80,12 +80,12 @@ TEST(Psnr, UsesPixelsOfMaskOnly) {
 
 TEST(Psnr, IsLimitedForEqualImages) {
   const Image<Rgb8> image = Pattern(20, 20, 5, 3);
-  EXPECT_EQ(Psnr(image, image, AllOf(image)), kMostPsnr_db);
+  EXPECT_EQ(Psnr(image, image, AllOf(image)), kMaxPsnr_db);
   EXPECT_EQ(Psnr(image, image, PixelMask(20, 20, 0)), 0);
   // The smallest possible difference in an image of half a million pixels is limited as well.
   Image<Rgb8> large(1000, 500), changed(1000, 500);
   changed(3, 4).g = 1;
-  EXPECT_EQ(Psnr(changed, large, AllOf(large)), kMostPsnr_db);
+  EXPECT_EQ(Psnr(changed, large, AllOf(large)), kMaxPsnr_db);
   Image<Rgb8> small(10, 10), other(10, 10);
   other(3, 4).g = 1;
   EXPECT_NEAR(Psnr(other, small, AllOf(small)), 20 * std::log10(255) + 10 * std::log10(300), 1e-9);
@@ -121,7 +121,7 @@ TEST(PsnrByGain, IsMaximumOverGains) {
 
 TEST(PsnrByGain, IsLimitedForScaledImages) {
   const Image<Rgb8> dark(10, 10, {20, 30, 40}), light(10, 10, {40, 90, 40}), black(10, 10);
-  EXPECT_EQ(PsnrByGain(dark, light, AllOf(dark)), kMostPsnr_db);
+  EXPECT_EQ(PsnrByGain(dark, light, AllOf(dark)), kMaxPsnr_db);
   EXPECT_EQ(PsnrByGain(black, dark, AllOf(dark)), Psnr(black, dark, AllOf(dark)));
   EXPECT_EQ(PsnrByGain(dark, light, PixelMask(10, 10, 0)), 0);
 }

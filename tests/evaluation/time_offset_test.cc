@@ -24,7 +24,7 @@ constexpr double kInterpolation_m = 1e-4;
 TEST(TimeOffset, RecoversTimestampDelay) {
   const Trajectory truth = Swing(301, 0.01, 0);
   for (const double late_s : {0.0213, -0.0358, 0.0071}) {
-    const Trajectory estimate = WithStampsMoved(Swing(75, 1 / 30., 0.25), late_s);
+    const Trajectory estimate = WithTimeOffset(Swing(75, 1 / 30., 0.25), late_s);
     const double plain_m = EvaluateTimeOffset(truth, estimate, 0, {})->ate.translation_m.rmse;
     const auto found = EstimateTimeOffset(truth, estimate, {});
     ASSERT_TRUE(found);
@@ -46,7 +46,7 @@ TEST(TimeOffset, IsZeroForGroundTruth) {
 }
 
 TEST(TimeOffset, IsLimitedToTenthOfSecond) {
-  const Trajectory estimate = WithStampsMoved(Swing(75, 1 / 30., 0.25), 0.17);
+  const Trajectory estimate = WithTimeOffset(Swing(75, 1 / 30., 0.25), 0.17);
   EXPECT_NEAR(EstimateTimeOffset(Swing(401, 0.01, 0), estimate, {})->offset_s, -0.1, 1e-5);
 }
 

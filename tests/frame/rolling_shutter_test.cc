@@ -30,8 +30,8 @@ double DepthAt(const Rigid3d& world_from_camera, const Eigen::Vector3d& ray) {
   return depth;
 }
 
-Rigid3d PoseAfter(double seconds) {
-  return Rigid3d(QuaternionExp<double>(seconds * kMotion.turn_rad_per_s),
+Rigid3d ExtrapolatePose(double seconds) {
+  return Rigid3d(QuaternionExp<double>(seconds * kMotion.angular_velocity_rad_per_s),
                  seconds * kMotion.velocity_m_per_s);
 }
 
@@ -40,7 +40,7 @@ RgbdFrame FrameOf(double readout_s) {
   frame.depth_m = Image<float>(kWidth, kHeight);
   frame.color = Image<Rgb8>(kWidth, kHeight);
   for (int v = 0; v < kHeight; ++v) {
-    const Rigid3d pose = PoseAfter(((v + 0.5) / kHeight - 0.5) * readout_s);
+    const Rigid3d pose = ExtrapolatePose(((v + 0.5) / kHeight - 0.5) * readout_s);
     for (int u = 0; u < kWidth; ++u) {
       frame.depth_m(u, v) = static_cast<float>(DepthAt(pose, kSensor.camera.Ray(u, v)));
       frame.color(u, v) = {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v), 0};
@@ -65,7 +65,7 @@ double Difference(const Image<float>& a, const Image<float>& b) {
 
 TEST(RollingShutter, CorrectedFrameAgreesWithGlobalShutter) {
   const RgbdFrame global = FrameOf(0), rolling = FrameOf(kReadout_s);
-  const RgbdFrame mended = AtMiddleOfReadout(rolling, kSensor, kMotion);
+  const RgbdFrame mended = CorrectRollingShutter(rolling, kSensor, kMotion);
   const double before = Difference(rolling.depth_m, global.depth_m);
   const double after = Difference(mended.depth_m, global.depth_m);
   EXPECT_GT(before, 1e-3);
@@ -74,17 +74,17 @@ TEST(RollingShutter, CorrectedFrameAgreesWithGlobalShutter) {
 
 TEST(RollingShutter, OppositeMotionIncreasesError) {
   const RgbdFrame global = FrameOf(0), rolling = FrameOf(kReadout_s);
-  const CameraMotion opposite = {-kMotion.turn_rad_per_s, -kMotion.velocity_m_per_s};
-  const RgbdFrame mended = AtMiddleOfReadout(rolling, kSensor, opposite);
+  const CameraMotion opposite = {-kMotion.angular_velocity_rad_per_s, -kMotion.velocity_m_per_s};
+  const RgbdFrame mended = CorrectRollingShutter(rolling, kSensor, opposite);
   EXPECT_GT(Difference(mended.depth_m, global.depth_m),
             1.5 * Difference(rolling.depth_m, global.depth_m));
 }
 
 TEST(RollingShutter, MovesColorWithDepth) {
-  const RgbdFrame mended = AtMiddleOfReadout(FrameOf(kReadout_s), kSensor, kMotion);
+  const RgbdFrame mended = CorrectRollingShutter(FrameOf(kReadout_s), kSensor, kMotion);
   // The top row was captured half a readout early. Far points move by the rotation only.
   const double tau = (10.5 / kHeight - 0.5) * kReadout_s;
-  const double expected_u = 80 - 130 * tau * kMotion.turn_rad_per_s.y();
+  const double expected_u = 80 - 130 * tau * kMotion.angular_velocity_rad_per_s.y();
   EXPECT_NEAR(mended.color(80, 10).r, expected_u, 2.5);
   EXPECT_NE(mended.color(80, 10).r, 80);
 }
@@ -92,14 +92,14 @@ TEST(RollingShutter, MovesColorWithDepth) {
 TEST(RollingShutter, KeepsTheFrameWithoutReadoutOrMotion) {
   const RgbdFrame rolling = FrameOf(kReadout_s);
   const DepthSensor global = {kSensor.camera, kSensor.noise, 0};
-  EXPECT_EQ(AtMiddleOfReadout(rolling, global, kMotion).depth_m, rolling.depth_m);
-  EXPECT_EQ(AtMiddleOfReadout(rolling, kSensor, {}).depth_m, rolling.depth_m);
+  EXPECT_EQ(CorrectRollingShutter(rolling, global, kMotion).depth_m, rolling.depth_m);
+  EXPECT_EQ(CorrectRollingShutter(rolling, kSensor, {}).depth_m, rolling.depth_m);
 }
 
 TEST(RollingShutter, KeepsMissingDepth) {
   RgbdFrame rolling = FrameOf(kReadout_s);
   std::fill(rolling.depth_m.begin(), rolling.depth_m.end(), 0.f);
-  const RgbdFrame mended = AtMiddleOfReadout(rolling, kSensor, kMotion);
+  const RgbdFrame mended = CorrectRollingShutter(rolling, kSensor, kMotion);
   EXPECT_THAT(std::vector<float>(mended.depth_m.begin(), mended.depth_m.end()),
               ::testing::Each(0.f));
 }
@@ -113,7 +113,8 @@ Rigid3d PoseRegistering(const FrameLevel& surface, const CameraMotion& taken) {
     const Eigen::Vector3d point = surface.vertex(u, v).cast<double>();
     const Eigen::Vector3d normal = surface.normal(u, v).cast<double>();
     const double tau = ((v + 0.5) / kHeight - 0.5) * kReadout_s;
-    const Eigen::Vector3d turn = tau * (kMotion.turn_rad_per_s - taken.turn_rad_per_s);
+    const Eigen::Vector3d turn =
+        tau * (kMotion.angular_velocity_rad_per_s - taken.angular_velocity_rad_per_s);
     const Eigen::Vector3d way = tau * (kMotion.velocity_m_per_s - taken.velocity_m_per_s);
     Eigen::Matrix<double, 6, 1> a;
     a << point.cross(normal), normal;
@@ -148,9 +149,10 @@ FrameLevel SurfaceAt(const Rigid3d& world_from_camera) {
 TEST(ReadoutCorrection, ReducesPoseErrorOfWrongMotionToTenPercent) {
   const double seconds = 1. / 30;
   const Rigid3d world_from_camera =
-      PoseAfter(seconds);  // the pose of the last frame is the identity
+      ExtrapolatePose(seconds);  // the pose of the last frame is the identity
   const FrameLevel surface = SurfaceAt(world_from_camera);
-  const CameraMotion half = {0.5 * kMotion.turn_rad_per_s, 0.5 * kMotion.velocity_m_per_s};
+  const CameraMotion half = {0.5 * kMotion.angular_velocity_rad_per_s,
+                             0.5 * kMotion.velocity_m_per_s};
   for (const CameraMotion& taken : {CameraMotion(), half}) {
     const Rigid3d registered = world_from_camera * PoseRegistering(surface, taken);
     const Rigid3d corrected =
@@ -178,22 +180,24 @@ TEST(CameraMotion, AgreesWithConstantMotion) {
   Trajectory trajectory;
   for (int i = 0; i < 5; ++i) {
     const double stamp_s = 100 + i * 0.03125;
-    trajectory.push_back({stamp_s, PoseAfter(i * 0.03125)});
+    trajectory.push_back({stamp_s, ExtrapolatePose(i * 0.03125)});
   }
   // A constant velocity in the world rotates in the camera frame, here by 0.03 rad per frame.
   const CameraMotion first = MotionAt(trajectory, trajectory[0].stamp_s);
-  EXPECT_NEAR((first.turn_rad_per_s - kMotion.turn_rad_per_s).norm(), 0, 1e-6);
+  EXPECT_NEAR((first.angular_velocity_rad_per_s - kMotion.angular_velocity_rad_per_s).norm(), 0,
+              1e-6);
   EXPECT_NEAR((first.velocity_m_per_s - kMotion.velocity_m_per_s).norm(), 0, 0.02);
   const CameraMotion inner = MotionAt(trajectory, trajectory[2].stamp_s);
-  EXPECT_NEAR((inner.turn_rad_per_s - kMotion.turn_rad_per_s).norm(), 0, 1e-6);
+  EXPECT_NEAR((inner.angular_velocity_rad_per_s - kMotion.angular_velocity_rad_per_s).norm(), 0,
+              1e-6);
 }
 
 TEST(CameraMotion, IsZeroAcrossGapInTrajectory) {
-  const Trajectory trajectory = {{1, PoseAfter(0)}, {1.5, PoseAfter(0.5)}};
+  const Trajectory trajectory = {{1, ExtrapolatePose(0)}, {1.5, ExtrapolatePose(0.5)}};
   EXPECT_TRUE(MotionAt(trajectory, 1).IsZero());
   EXPECT_TRUE(MotionAt(trajectory, 1.2).IsZero());
   EXPECT_FALSE(MotionAt(trajectory, 1, 0.6).IsZero());
-  EXPECT_TRUE(MotionOver(PoseAfter(0.1), 0).IsZero());
+  EXPECT_TRUE(MotionOver(ExtrapolatePose(0.1), 0).IsZero());
 }
 
 }  // namespace

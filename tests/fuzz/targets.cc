@@ -130,7 +130,7 @@ void ReadRecordedFlags(const std::string& folder) {
   slam.options = slam.usual;
   slam.options.output = folder;
   const gflags::FlagSaver saver;
-  tools::TakeRecordedFlags(folder, TableOf(&slam.options.sequence), {});
+  tools::ApplyRecordedFlags(folder, TableOf(&slam.options.sequence), {});
   slam.flags.Apply();
   slam.flags.Check();
 }

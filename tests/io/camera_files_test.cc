@@ -47,11 +47,11 @@ TEST(CameraPreset, PriorMatchesTheSpreadOfCalibratedSensors) {
   double focal = 0, aspect = 0, center = 0;  // mean squared deviations, in variances
   for (const char* const name : {"tum_fr1", "tum_fr2", "tum_fr3"}) {
     const PinholeCamera one = CameraPreset(name).depth;
-    const double fx = (one.fx / series.depth.fx - 1) / series.prior.focal_share;
-    const double fy = (one.fy / series.depth.fy - 1) / series.prior.focal_share;
+    const double fx = (one.fx / series.depth.fx - 1) / series.prior.focal_relative_sigma;
+    const double fy = (one.fy / series.depth.fy - 1) / series.prior.focal_relative_sigma;
     const double cx = (one.cx - series.depth.cx) / series.prior.center_px;
     const double cy = (one.cy - series.depth.cy) / series.prior.center_px;
-    const double ratio = (one.fx / one.fy - 1) / series.prior.aspect_share;
+    const double ratio = (one.fx / one.fy - 1) / series.prior.aspect_relative_sigma;
     for (const double sigmas : {fx, fy, cx, cy, ratio}) EXPECT_LT(std::abs(sigmas), 3) << name;
     focal += (fx * fx + fy * fy) / 6;
     center += (cx * cx + cy * cy) / 6;
@@ -244,7 +244,8 @@ TEST(CameraYaml, RejectsBadValuesByFileAndKey) {
   ExpectErrorAfterReplacing("5000.", "5000.\ninverse_depth_sigma: 0.", "inverse_depth_sigma", 0);
   ExpectErrorAfterReplacing("5000.", "5000.\nlatency_s: 20.", "latency_s", 20);
   ExpectErrorAfterReplacing("5000.", "5000.\ncolor_latency_s: 2.", "color_latency_s", 2);
-  ExpectErrorAfterReplacing("5000.", "5000.\nprior: { focal_share: -1. }", "focal_share", -1);
+  ExpectErrorAfterReplacing("5000.", "5000.\nprior: { focal_relative_sigma: -1. }",
+                            "focal_relative_sigma", -1);
   ExpectErrorAfterReplacing("5000.", "5000.\nprior: { focus: 1. }", "focus");
 }
 

@@ -167,12 +167,12 @@ TEST(DecodeDepthImage, RejectsMorePixelsThanBytesCanHold) {
   for (const std::string& bytes : {std::string("P5 16000#\n 16000 65535\n"),
                                    tiff + entry(256, 3, 16000) + entry(257, 4, 16000), png, jpeg}) {
     ResetLargestAllocation();
-    ExpectInputError([&] { ClaimedSize(bytes, "a.png"); }, Names("a.png", 16000));
+    ExpectInputError([&] { SizeInHeader(bytes, "a.png"); }, Names("a.png", 16000));
     EXPECT_THROW(DecodeDepthImage(bytes, "a.png"), InputError);
     EXPECT_THROW(DecodeColorImage(bytes, "a.png"), InputError);
     EXPECT_LT(LargestAllocation(), 1u << 20);
   }
-  ExpectInputError([&] { ClaimedSize(tiff + entry(256, 16, 1) + entry(257, 4, 1), "a.tiff"); },
+  ExpectInputError([&] { SizeInHeader(tiff + entry(256, 16, 1) + entry(257, 4, 1), "a.tiff"); },
                    Names("a.tiff"));
 }
 

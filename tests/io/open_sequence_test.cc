@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "io/sequences/depth_scale.h"
+#include "io/sequences/recording_warnings.h"
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
 #include "testing/sequence_writer.h"
@@ -65,8 +65,8 @@ TEST_F(OpenSequenceTest, DisparitiesReachTheFramesAsDepth) {
 }
 
 TEST_F(OpenSequenceTest, DownsamplingAndDepthLimitReachTheFrames) {
-  options_.prepare.downsample = 4;
-  options_.prepare.max_depth_m = 1.002;
+  options_.rectify.downsample = 4;
+  options_.rectify.max_depth_m = 1.002;
   const auto source = OpenSequence(options_);
   EXPECT_EQ(source->info().pinhole.width, 8);
   EXPECT_EQ(source->info().pinhole.height, 6);
@@ -94,8 +94,8 @@ TEST_F(OpenSequenceTest, RejectsBadOptionsByName) {
   expect([](auto* o) { o->last = -2; }, "last", -2);
   expect([](auto* o) { o->first = 5, o->last = 4; }, "last", 4, "first", 5);
   expect([](auto* o) { o->stride = 0; }, "stride", 0);
-  expect([](auto* o) { o->prepare.downsample = 17; }, "downsample", 17);
-  expect([](auto* o) { o->prepare.max_depth_m = -1; }, "max_depth_m", -1);
+  expect([](auto* o) { o->rectify.downsample = 17; }, "downsample", 17);
+  expect([](auto* o) { o->rectify.max_depth_m = -1; }, "max_depth_m", -1);
   expect([](auto* o) { o->depth_units_per_metre = 0; }, "depth_units_per_metre", 0);
   expect([](auto* o) { o->inverse_depth_sigma = 0; }, "inverse_depth_sigma", 0);
   expect([](auto* o) { o->inverse_depth_sigma = std::nan(""); }, "inverse_depth_sigma", "nan");

@@ -21,7 +21,7 @@ RunPlaces SomePlaces() {
     frame.stamp_s = 0.1 * i;
     frame.world_from_camera = RandomPose(1, 1, &rng);
     frame.keyframe = i / 3;
-    frame.stretch = i / 5;
+    frame.segment = i / 5;
     places.frames.push_back(frame);
     if (i % 3 > 0) continue;
     Keyframe keyframe;
@@ -67,7 +67,7 @@ TEST(PlacesFile, RoundTripsBitwise) {
     EXPECT_EQ(read.frames[i].index, written.frames[i].index);
     EXPECT_EQ(read.frames[i].stamp_s, written.frames[i].stamp_s);
     EXPECT_EQ(read.frames[i].keyframe, written.frames[i].keyframe);
-    EXPECT_EQ(read.frames[i].stretch, written.frames[i].stretch);
+    EXPECT_EQ(read.frames[i].segment, written.frames[i].segment);
     ExpectSame(read.frames[i].world_from_camera, written.frames[i].world_from_camera);
   }
   ASSERT_EQ(read.keyframes.size(), 2u);

@@ -114,7 +114,7 @@ TEST_F(KlgWriterTest, RoundTripsFrames) {
     const KlgSummary summary = Write({compress, 0});
     EXPECT_EQ(summary.frames_written, 4);
     EXPECT_EQ(summary.frames_skipped, 0);
-    EXPECT_EQ(summary.depths_beyond, 0);
+    EXPECT_EQ(summary.depths_out_of_range, 0);
     const auto source = Open(folder_ / "a.klg");
     EXPECT_EQ(source->info().pinhole.fx, 31);
     const auto read = ReadAll(source.get());
@@ -156,11 +156,11 @@ TEST_F(KlgWriterTest, CountsSkippedFramesAndClippedDepths) {
   WriteDepth(folder_ / "depth/003.tiff", Image<float>(32, 24, 65.535f));
   std::filesystem::rename(folder_ / "depth/003.tiff", folder_ / "depth/003.png");
   SequenceOptions options = Options(folder_);
-  options.prepare.max_depth_m = 100;
+  options.rectify.max_depth_m = 100;
   const KlgSummary summary = WriteKlg(OpenSequence(options).get(), folder_ / "a.klg", {});
   EXPECT_EQ(summary.frames_written, 3);
   EXPECT_EQ(summary.frames_skipped, 1);
-  EXPECT_EQ(summary.depths_beyond, 32 * 24);
+  EXPECT_EQ(summary.depths_out_of_range, 32 * 24);
 }
 
 TEST_F(KlgWriterTest, RejectsBadOptions) {

@@ -1,9 +1,8 @@
-#include "io/sequences/registration_doubt.h"
-
 #include <gmock/gmock.h>
 
 #include <random>
 
+#include "io/sequences/recording_warnings.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {
@@ -41,33 +40,33 @@ FrameImages Boards(double scale, int right, std::uint64_t seed) {
   return images;
 }
 
-std::string Doubt(double scale, int right) {
+std::string ViolatedCriterion(double scale, int right) {
   std::vector<FrameImages> frames;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) frames.push_back(Boards(scale, right, seed));
-  return RegistrationDoubt(frames, kCamera).value_or("");
+  return RegistrationWarning(frames, kCamera).value_or("");
 }
 
-TEST(RegistrationDoubt, IsEmptyForRegisteredColor) {
-  EXPECT_EQ(Doubt(1, 0), "");
-  EXPECT_EQ(Doubt(1, 3), "");  // below the resolution of the cells
+TEST(RegistrationWarning, IsEmptyForRegisteredColor) {
+  EXPECT_EQ(ViolatedCriterion(1, 0), "");
+  EXPECT_EQ(ViolatedCriterion(1, 3), "");  // below the resolution of the cells
 }
 
-TEST(RegistrationDoubt, NamesScaleAndShiftOfColor) {
-  EXPECT_THAT(Doubt(1, 20), Names(100, 20));
-  EXPECT_THAT(Doubt(0.89, 0), Names(89, 0, "445,445,320,240", "color_camera"));
-  EXPECT_THAT(Doubt(1.12, -12), Names(112, -12));
+TEST(RegistrationWarning, NamesScaleAndShiftOfColor) {
+  EXPECT_THAT(ViolatedCriterion(1, 20), Names(100, 20));
+  EXPECT_THAT(ViolatedCriterion(0.89, 0), Names(89, 0, "445,445,320,240", "color_camera"));
+  EXPECT_THAT(ViolatedCriterion(1.12, -12), Names(112, -12));
 }
 
-TEST(RegistrationDoubt, IsEmptyWithoutColorOrEdges) {
+TEST(RegistrationWarning, IsEmptyWithoutColorOrEdges) {
   std::vector<FrameImages> frames = {Boards(1, 20, 1)};
   frames[0].color = {};
-  EXPECT_FALSE(RegistrationDoubt(frames, kCamera));
+  EXPECT_FALSE(RegistrationWarning(frames, kCamera));
   frames[0].color = Image<Rgb8>(640, 480, {1, 2, 3});
-  EXPECT_FALSE(RegistrationDoubt(frames, kCamera));
+  EXPECT_FALSE(RegistrationWarning(frames, kCamera));
   frames = {Boards(1, 20, 1)};
   frames[0].depth = Image<std::uint16_t>(640, 480, 1000);
-  EXPECT_FALSE(RegistrationDoubt(frames, kCamera));
-  EXPECT_FALSE(RegistrationDoubt({}, kCamera));
+  EXPECT_FALSE(RegistrationWarning(frames, kCamera));
+  EXPECT_FALSE(RegistrationWarning({}, kCamera));
 }
 
 }  // namespace

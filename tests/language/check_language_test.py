@@ -80,7 +80,7 @@ GOOD = [
     "Returns `std::nullopt` without a motion prior.",
     "The median error is 0.71 mm.",
     "Standard deviation of the motion prior, m. 0: no prior.",
-    "Dormant surfels are not removed: there are fewer frames than `max_dormant_frames`.",
+    "Dormant surfels are not removed: there are fewer frames than `max_inactive_frames`.",
     "colour exposure time, s; 0: no motion blur",
     "do not wait for loop closure and calibration",
     "out of memory with 31 million surfels: set --max_map_points",

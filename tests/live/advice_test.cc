@@ -68,7 +68,7 @@ TEST(Advice, ReportsMissingDepth) {
 TEST(Advice, ReportsWeakGeometryAndMovingObjects) {
   LiveFixture live;
   live.report_.state = FrameState::kDegenerate;
-  live.report_.moving_share = 0.2;
+  live.report_.moving_ratio = 0.2;
   EXPECT_THAT(Kinds(live), ElementsAre("little_shape", "moving"));
 }
 

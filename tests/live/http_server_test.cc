@@ -39,10 +39,10 @@ class HttpServerTest : public testing::Test {
     if (request.target == "/throws") throw std::runtime_error("a failure");
     if (request.target == "/later" && !is_ready_ && !must) return std::nullopt;
     HttpAnswer answer;
-    answer.knows_token = request.target != "/other";
-    answer.status = answer.knows_token ? 200 : 403;
+    answer.has_token = request.target != "/other";
+    answer.status = answer.has_token ? 200 : 403;
     const std::size_t size = request.target == "/large" ? kLarge : 4;
-    if (answer.knows_token) answer.body = std::make_shared<std::string>(size, 'x');
+    if (answer.has_token) answer.body = std::make_shared<std::string>(size, 'x');
     return answer;
   }
 

@@ -114,7 +114,7 @@ TEST_F(LiveRunTest, StoresTheLastPose) {
 TEST_F(LiveRunTest, KeepsTheResultAndWaits) {
   live_.Tell(&run_);
   SlamRunProgress progress = live_.Progress(nullptr);
-  progress.frames_fused_anew = 1;
+  progress.frames_reintegrated = 1;
   run_.Update(progress);
   EXPECT_EQ(counts_.work, 1);
   EXPECT_TRUE(run_.is_at_result());
@@ -130,8 +130,8 @@ TEST_F(LiveRunTest, KeepsTheResultAndWaits) {
   EXPECT_EQ(run_.Status(), "done");
 }
 
-TEST(Pace, ActsAtOnceAndThenAtMostAtItsRate) {
-  Pace pace(1000, 0.5);
+TEST(RateLimiter, ActsAtOnceAndThenAtMostAtItsRate) {
+  RateLimiter pace(1000, 0.5);
   int acts = 0;
   for (int i = 0; i < 3; ++i) pace.ActIfDue(false, [&] { ++acts; });
   EXPECT_EQ(acts, 1);
@@ -140,9 +140,9 @@ TEST(Pace, ActsAtOnceAndThenAtMostAtItsRate) {
 }
 
 // A slow task is repeated after a pause that keeps its ratio of time.
-TEST(Pace, UsesAtMostItsRatioOfTime) {
+TEST(RateLimiter, UsesAtMostItsRatioOfTime) {
   using Clock = std::chrono::steady_clock;
-  Pace pace(0, 0.1);
+  RateLimiter pace(0, 0.1);
   std::vector<Clock::time_point> begins;
   std::vector<Clock::duration> took;
   while (begins.size() < 4) {

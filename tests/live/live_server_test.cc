@@ -87,7 +87,7 @@ class LiveServerTest : public testing::Test {
 
 std::size_t CountShown(const SampleClient& client) {
   std::size_t count = 0;
-  for (const ShownSurfel& surfel : client.surfels()) count += surfel[14] != 0 ? 1 : 0;
+  for (const PackedSurfel& surfel : client.surfels()) count += surfel[14] != 0 ? 1 : 0;
   return count;
 }
 

@@ -58,18 +58,18 @@ void LookAtAll(const SurfelMap& map, MapSample* sample) {
   sample->Update(map, kAll);
 }
 
-std::vector<ShownSurfel> AllOf(const MapSample& sample) {
+std::vector<PackedSurfel> AllOf(const MapSample& sample) {
   SampleClient fresh;
   TakeRound(sample, kAll, &fresh);
   return fresh.surfels();
 }
 
 // Sample by definition: slot s contains the surfel with id s 2^level.
-std::vector<ShownSurfel> ByDefinition(const SurfelMap& map, std::uint32_t level) {
-  std::vector<ShownSurfel> surfels;
+std::vector<PackedSurfel> ByDefinition(const SurfelMap& map, std::uint32_t level) {
+  std::vector<PackedSurfel> surfels;
   for (std::int64_t id = 0; id < map.id_end(); id += std::int64_t{1} << level) {
     const auto i = static_cast<std::int32_t>(id);
-    surfels.push_back(map.Has(i) ? PackSurfel(map[i]) : ShownSurfel{});
+    surfels.push_back(map.Has(i) ? PackSurfel(map[i]) : PackedSurfel{});
   }
   return surfels;
 }
@@ -78,7 +78,7 @@ TEST(MapSample, PacksASurfelToHalfAMillimetre) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 1000; ++i) {
     const Surfel surfel = RandomSurfel(&random);
-    const ShownSurfel packed = PackSurfel(surfel);
+    const PackedSurfel packed = PackSurfel(surfel);
     std::uint64_t place = 0;
     for (int k = 0; k < 8; ++k) place |= std::uint64_t{packed[k]} << (8 * k);
     for (int k = 0; k < 3; ++k) {
@@ -96,7 +96,7 @@ TEST(MapSample, ClampsDistantPositionsAndSmallRadii) {
   Surfel surfel;
   surfel.position_in_world = {1e9f, -1e9f, 0};
   surfel.radius_m = 1e-6f;
-  const ShownSurfel packed = PackSurfel(surfel);
+  const PackedSurfel packed = PackSurfel(surfel);
   std::uint64_t place = 0;
   for (int k = 0; k < 8; ++k) place |= std::uint64_t{packed[k]} << (8 * k);
   EXPECT_EQ(place & 0x1fffff, 0x1fffffu);
@@ -135,7 +135,7 @@ TEST(MapSample, ChangesBringEveryClientToTheSample) {
     }
   }
   LookAtAll(map, &sample);
-  const std::vector<ShownSurfel> expected = AllOf(sample);
+  const std::vector<PackedSurfel> expected = AllOf(sample);
   EXPECT_EQ(expected, ByDefinition(map, sample.ChangesFrom({}, 1).level));
   for (SampleClient& client : clients) {
     TakeRound(sample, 500, &client);  // completes the current round
@@ -181,10 +181,10 @@ TEST(MapSample, CountsItsSurfels) {
     Grow(300, &random, &map);
     Change(&random, &map);
     sample.Update(map, 777);
-    const std::vector<ShownSurfel> all = AllOf(sample);
+    const std::vector<PackedSurfel> all = AllOf(sample);
     EXPECT_EQ(sample.shown(), static_cast<std::size_t>(std::count_if(
                                   all.begin(), all.end(),
-                                  [](const ShownSurfel& surfel) { return surfel[14] != 0; })));
+                                  [](const PackedSurfel& surfel) { return surfel[14] != 0; })));
   }
 }
 

@@ -11,7 +11,7 @@ namespace surfit {
 class SampleClient {
  public:
   SamplePlace place() const { return place_; }
-  const std::vector<ShownSurfel>& surfels() const { return surfels_; }
+  const std::vector<PackedSurfel>& surfels() const { return surfels_; }
 
   // Applies an answer. Returns true if the round continues.
   bool Take(const SampleChanges& changes) {
@@ -20,7 +20,7 @@ class SampleClient {
       place_ = {changes.epoch, changes.level, 0, 0};
     }
     for (; place_.level < changes.level; ++place_.level) Halve();
-    surfels_.resize(changes.slots, ShownSurfel{});
+    surfels_.resize(changes.slots, PackedSurfel{});
     if (place_.slot == 0) begun_ = changes.version;
     for (std::size_t i = 0; i < changes.slot.size(); ++i) {
       surfels_.at(changes.slot[i]) = changes.surfel[i];
@@ -39,7 +39,7 @@ class SampleClient {
 
   SamplePlace place_;
   std::uint32_t begun_ = 0;
-  std::vector<ShownSurfel> surfels_;
+  std::vector<PackedSurfel> surfels_;
 };
 
 }  // namespace surfit

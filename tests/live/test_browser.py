@@ -6,7 +6,7 @@ import pathlib
 
 import pytest
 from live_slam import ServedRun  # finds report_page, too
-from report_page import browser, drawn_share, frame_drawn, pil_image, simulate_room  # noqa: F401
+from report_page import browser, drawn_ratio, frame_drawn, pil_image, simulate_room  # noqa: F401
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
@@ -73,7 +73,7 @@ def test_shows_and_controls_a_run(browser, run):
     wait_until(browser, "surfit.live.scene.places.length > 20")
     for picture in ["frame-picture", "model-picture"]:
         wait_until(browser, f"surfit.byId('{picture}').naturalWidth === 480")
-    assert drawn_share(canvas_picture(browser)) > 0.15
+    assert drawn_ratio(canvas_picture(browser)) > 0.15
     keep(browser, "paused.png")
     frames = browser.execute_script("return surfit.live.state.frames_done")
     assert text_of(browser, "frames") == f"{frames} of {FRAMES}"
@@ -123,7 +123,7 @@ def test_keeps_the_final_result(browser, run):
     assert text_of(browser, "frame-state") == "done"
     shown = browser.execute_script("return [surfit.live.scene.map.count(), surfit.live.state.shown]")
     assert shown[0] == shown[1] > 1000
-    assert drawn_share(canvas_picture(browser)) > 0.15
+    assert drawn_ratio(canvas_picture(browser)) > 0.15
     keep(browser, "done.png")
     # Rendered by colours and by normals, without a request to the run.
     model = browser.find_element(By.ID, "model-picture")

@@ -1,8 +1,8 @@
-#include "mapping/map/block_sightings.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "mapping/map/block_observations.h"
 
 namespace surfit::testing {
 namespace {
@@ -68,7 +68,7 @@ void ExpectSame(const SurfelBlock& a, const SurfelBlock& b) {
 }
 
 TEST_F(BlockSightingsTest, AgreesWithMergeOfSingleSurfels) {
-  BlockSightings sightings;
+  BlockObservations sightings;
   for (const int count : {1, 7, 63, 64}) {
     SurfelBlock block = Block(count), expected = block;
     sightings.Clear();

@@ -160,7 +160,7 @@ class BruteForceFusion {
     const Eigen::Vector3d n = b.normal_in_world.cast<double>();
     const double along = n.dot(gap), across = (gap - along * n).norm();
     const double reach =
-        options_.duplicate_share * std::min({a.radius_m, b.radius_m, options_.max_spacing_m});
+        options_.duplicate_ratio * std::min({a.radius_m, b.radius_m, options_.max_spacing_m});
     const double angle = std::acos(std::min(1., n.dot(a.normal_in_world.cast<double>())));
     const bool near = Positive(options_.merge_distance_m - std::fabs(along));
     const bool above = Positive(reach - across);

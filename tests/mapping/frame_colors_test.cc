@@ -50,7 +50,7 @@ TEST(FrameColors, UseCaptureTimeOfRow) {
     for (double row = 0; row < 90; row += 0.01) {
       const double t = 0.012 + ((row + 0.5) / 90 - 0.5) / 30;
       const Eigen::Vector3d way =
-          motion.camera.turn_rad_per_s.cross(point) + motion.camera.velocity_m_per_s;
+          motion.camera.angular_velocity_rad_per_s.cross(point) + motion.camera.velocity_m_per_s;
       const Eigen::Vector2d seen = ColorCamera().Project(point - t * way);
       if (std::abs(seen.y() - row) >= least) continue;
       least = std::abs(seen.y() - row);

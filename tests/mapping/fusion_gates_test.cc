@@ -135,7 +135,7 @@ TEST(FusionGates, FinerPointReducesRadius) {
 
 TEST(FusionGates, MergeWithNearestSurfel) {
   OnePair pair;
-  pair.options.duplicate_share = 0;
+  pair.options.duplicate_ratio = 0;
   SurfelMap map;
   Surfel other = pair.surfel;
   other.position_in_world.z() = 0.99f;
@@ -167,9 +167,9 @@ TEST(FusionDoubles, RemovesLessConfidentSurfel) {
 }
 
 TEST(FusionDoubles, KeepsDistantAndRotatedSurfels) {
-  const auto removed = [](const Surfel& other, float duplicate_share) {
+  const auto removed = [](const Surfel& other, float duplicate_ratio) {
     OnePair pair;
-    pair.options.duplicate_share = duplicate_share;
+    pair.options.duplicate_ratio = duplicate_ratio;
     SurfelMap map;
     map.Append(pair.surfel);
     map.Append(other);

@@ -8,22 +8,22 @@ namespace {
 
 TEST(FusionDormancy, RemovesUnstableSurfelsAfterMaxDormantFrames) {
   FusionOptions options;
-  options.max_dormant_frames = 5;
+  options.max_inactive_frames = 5;
   Fusion fusion(options);
   SurfelMap map;
   Surfel s;  // behind the camera
   s.position_in_world = {0, 0, -1};
   s.normal_in_world = {0, 0, -1};
   s.radius_m = 0.01f;
-  s.confidence = 0.999f * options.lasting_confidence;
+  s.confidence = 0.999f * options.min_inactive_confidence;
   map.Append(s);
-  s.confidence = options.lasting_confidence;
+  s.confidence = options.min_inactive_confidence;
   map.Append(s);
   for (int i = 1; i <= 5; ++i) {
     EXPECT_EQ(Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map).removed, 0) << i;
   }
   EXPECT_EQ(Fuse(BlankFrame(TestCamera(), 6), {}, &fusion, &map).removed, 1);
-  EXPECT_EQ(Confidences(map), std::vector<float>{options.lasting_confidence});
+  EXPECT_EQ(Confidences(map), std::vector<float>{options.min_inactive_confidence});
   for (int i = 7; i < 100; ++i) Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map);
   EXPECT_EQ(map.size(), 1u);
 }

@@ -204,12 +204,12 @@ TEST(FusionOptions, RejectInvalidValues) {
   expect_refused([](auto& o) { o.merge_distance_m = kNan; }, "merge_distance_m", "nan");
   expect_refused([](auto& o) { o.merge_angle_rad = 1.6f; }, "merge_angle_rad", "1.6");
   expect_refused([](auto& o) { o.active_frames = -1; }, "active_frames", "-1");
-  expect_refused([](auto& o) { o.duplicate_share = -1; }, "duplicate_share", "-1");
+  expect_refused([](auto& o) { o.duplicate_ratio = -1; }, "duplicate_ratio", "-1");
   expect_refused([](auto& o) { o.max_spacing_m = -1; }, "max_spacing_m", "-1");
   expect_refused([](auto& o) { o.max_slant_scale = 0.5f; }, "max_slant_scale", "0.5");
   expect_refused([](auto& o) { o.max_radius_ratio = 0; }, "max_radius_ratio", "0");
-  expect_refused([](auto& o) { o.lasting_confidence = -1; }, "lasting_confidence", "-1");
-  expect_refused([](auto& o) { o.max_dormant_frames = -1; }, "max_dormant_frames", "-1");
+  expect_refused([](auto& o) { o.min_inactive_confidence = -1; }, "min_inactive_confidence", "-1");
+  expect_refused([](auto& o) { o.max_inactive_frames = -1; }, "max_inactive_frames", "-1");
   expect_refused([](auto& o) { o.max_confidence = 0; }, "max_confidence", "0");
   expect_refused([](auto& o) { o.max_map_points = -1; }, "max_map_points", "-1");
   expect_refused([](auto& o) { o.free_space_margin_m = 0; }, "free_space_margin_m", "0");

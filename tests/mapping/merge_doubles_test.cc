@@ -32,11 +32,11 @@ void AddWall(float depth_m, float shift_m, int first, float confidence, SurfelMa
 
 constexpr std::size_t kWall = kSide * kSide;
 
-TEST(MergeDoubles, MergesTwoWalls) {
+TEST(MergeDuplicates, MergesTwoWalls) {
   SurfelMap map;
   AddWall(2, 0, 0, 3, &map);
   AddWall(2.02f, 0.3f * kSpacing, 500, 1, &map);
-  EXPECT_EQ(MergeDoubles({}, {kApart}, &map), kWall);
+  EXPECT_EQ(MergeDuplicates({}, {kApart}, &map), kWall);
   ASSERT_EQ(map.size(), kWall);
   ExpectConsistent(map);
   for (const std::int32_t id : map.Ids()) {
@@ -47,18 +47,18 @@ TEST(MergeDoubles, MergesTwoWalls) {
   }
 }
 
-TEST(MergeDoubles, MergesThreeWalls) {
+TEST(MergeDuplicates, MergesThreeWalls) {
   SurfelMap map;
   AddWall(2, 0, 0, 1, &map);
   AddWall(2.01f, 0, 500, 1, &map);
   AddWall(2.03f, 0, 1000, 1, &map);
-  EXPECT_EQ(MergeDoubles({}, {kApart}, &map), 2 * kWall);
+  EXPECT_EQ(MergeDuplicates({}, {kApart}, &map), 2 * kWall);
   for (const std::int32_t id : map.Ids()) {
     EXPECT_NEAR(map[id].position_in_world.z(), (2 + 2.01 + 2.03) / 3, 1e-6);
   }
 }
 
-TEST(MergeDoubles, KeepsSurfelsThatDoNotOverlap) {
+TEST(MergeDuplicates, KeepsSurfelsThatDoNotOverlap) {
   struct Case {
     const char* name;
     float depth_m, shift_m;
@@ -71,20 +71,20 @@ TEST(MergeDoubles, KeepsSurfelsThatDoNotOverlap) {
     SurfelMap map;
     AddWall(2, 0, 0, 1, &map);
     AddWall(c.depth_m, c.shift_m, c.first, 1, &map);
-    EXPECT_EQ(MergeDoubles({}, {kApart}, &map), 0u) << c.name;
+    EXPECT_EQ(MergeDuplicates({}, {kApart}, &map), 0u) << c.name;
     EXPECT_EQ(map.size(), 2 * kWall) << c.name;
   }
 }
 
-TEST(MergeDoubles, RespectsFirstFrameOfOptions) {
+TEST(MergeDuplicates, RespectsFirstFrameOfOptions) {
   SurfelMap map;
   AddWall(2, 0, 0, 1, &map);
   AddWall(2.02f, 0, 500, 1, &map);
-  EXPECT_EQ(MergeDoubles({}, {kApart, 501}, &map), 0u);
-  EXPECT_EQ(MergeDoubles({}, {kApart, 500}, &map), kWall);
+  EXPECT_EQ(MergeDuplicates({}, {kApart, 501}, &map), 0u);
+  EXPECT_EQ(MergeDuplicates({}, {kApart, 500}, &map), kWall);
 }
 
-TEST(MergeDoubles, KeepsBackSideOfBoard) {
+TEST(MergeDuplicates, KeepsBackSideOfBoard) {
   SurfelMap map;
   AddWall(2, 0, 0, 1, &map);
   Surfel behind;
@@ -94,11 +94,11 @@ TEST(MergeDoubles, KeepsBackSideOfBoard) {
   behind.confidence = 1;
   behind.first_seen = behind.last_seen = 500;
   map.Append(behind);
-  EXPECT_EQ(MergeDoubles({}, {kApart}, &map), 0u);
+  EXPECT_EQ(MergeDuplicates({}, {kApart}, &map), 0u);
 }
 
 // Brute force: each newer surfel merges if an older surfel passes the gates.
-TEST(MergeDoubles, AgreesWithBruteForce) {
+TEST(MergeDuplicates, AgreesWithBruteForce) {
   std::mt19937_64 rng(3);
   SurfelMap map;
   for (int i = 0; i < 2000; ++i) {
@@ -126,7 +126,7 @@ TEST(MergeDoubles, AgreesWithBruteForce) {
     expected += has_older;
   }
   EXPECT_GT(expected, 20u);
-  EXPECT_EQ(MergeDoubles(options, {kApart}, &map), expected);
+  EXPECT_EQ(MergeDuplicates(options, {kApart}, &map), expected);
 }
 
 TEST(MergeDoublesThreads, AreBitwiseIdentical) {
@@ -136,7 +136,7 @@ TEST(MergeDoublesThreads, AreBitwiseIdentical) {
     AddWall(2, 0, 0, 3, &map);
     AddWall(2.02f, 0.3f * kSpacing, 500, 1, &map);
     AddWall(2.01f, 0.1f * kSpacing, 900, 1, &map);
-    MergeDoubles({}, {kApart}, &map);
+    MergeDuplicates({}, {kApart}, &map);
     return map;
   };
   const SurfelMap one = merged(1);

@@ -24,7 +24,7 @@ class DiscAtPixel {
     const Eigen::Vector3d ray = camera.Ray(u, v);
     depth_ = n.dot(p) / n.dot(ray);
     point_ = depth_ * ray;
-    const double radius = 1. * options.radius_share * s.radius_m;
+    const double radius = 1. * options.radius_ratio * s.radius_m;
     offset_ = (point_ - p).norm() / radius;
     back_ = depth_ + options.surface_thickness_m + 4 * DepthNoise().SigmaZ(depth_);
     const double window = std::min(camera.fx * radius / p.z(), 1. * options.max_half_window_px);
@@ -110,7 +110,7 @@ TEST(ModelRenderer, AgreesWithBruteForce) {
     const Rigid3d world_from_view = RandomPose(2, 2, &rng);
     const SurfelMap map = RandomDiscs(trial < 3 ? 300 : 40, 0.2f, world_from_view, &rng);
     RenderOptions options;
-    options.radius_share = trial % 2 == 0 ? 0.6f : 1;
+    options.radius_ratio = trial % 2 == 0 ? 0.6f : 1;
     options.max_half_window_px = trial < 3 ? 4 : 20;
     const Coverage coverage = CheckView(
         map, ModelRenderer(options).Render(map, {SmallCamera(), {}}, world_from_view), options);

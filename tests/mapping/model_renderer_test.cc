@@ -43,7 +43,7 @@ TEST(ModelRenderer, WritesDiscOfSurfelIndex) {
     const Eigen::Vector3d in_world = world_from_view * vertex;
     const Eigen::Vector3d gap = in_world - map[i].position_in_world.cast<double>();
     EXPECT_NEAR(map[i].normal_in_world.cast<double>().dot(gap), 0, 1e-5);
-    EXPECT_LE(gap.norm(), RenderOptions().radius_share * map[i].radius_m + 1e-5);
+    EXPECT_LE(gap.norm(), RenderOptions().radius_ratio * map[i].radius_m + 1e-5);
   }
 }
 
@@ -207,8 +207,8 @@ TEST(RenderOptions, RejectInvalidValues) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   Validate(RenderOptions());
   expect_refused([](auto& o) { o.stable_confidence = -1; }, "stable_confidence", "-1");
-  expect_refused([](auto& o) { o.radius_share = 0; }, "radius_share", "0");
-  expect_refused([](auto& o) { o.radius_share = kNan; }, "radius_share", "nan");
+  expect_refused([](auto& o) { o.radius_ratio = 0; }, "radius_ratio", "0");
+  expect_refused([](auto& o) { o.radius_ratio = kNan; }, "radius_ratio", "nan");
   expect_refused([](auto& o) { o.max_half_window_px = -1; }, "max_half_window_px", "-1");
   expect_refused([](auto& o) { o.max_half_window_px = 65; }, "max_half_window_px", "65");
   expect_refused([](auto& o) { o.surface_thickness_m = -1; }, "surface_thickness_m", "-1");

@@ -88,7 +88,7 @@ TEST(MoveMap, MovesSurfelsToTheirCells) {
   SurfelMap map = RandomMap(3000);
   MoveMap(GrowingCorrections(), &map);
   ExpectConsistent(map);
-  EXPECT_EQ(map.Rehome(), 0u);
+  EXPECT_EQ(map.ReassignCells(), 0u);
   SurfelMap appended_anew;
   for (const std::int32_t id : map.Ids()) appended_anew.Append(map[id]);
   std::size_t cells_in_use = 0, cells_anew = appended_anew.cell_count();
@@ -164,10 +164,10 @@ TEST(MoveMapThreads, AreBitwiseIdentical) {
   }
 }
 
-TEST(WakeSurfels, UpdatesLastSeenOfGivenFramesOnly) {
+TEST(ReactivateSurfels, UpdatesLastSeenOfGivenFramesOnly) {
   SurfelMap map;
   for (int frame = 0; frame < kFrames; ++frame) map.Append(SurfelOfFrame(frame));
-  EXPECT_EQ(WakeSurfels(10, 12, 90, &map), 3u);
+  EXPECT_EQ(ReactivateSurfels(10, 12, 90, &map), 3u);
   for (const std::int32_t id : map.Ids()) {
     const int seen = map[id].first_seen + 3;
     EXPECT_EQ(map[id].last_seen, seen >= 10 && seen <= 12 ? 90 : seen);

@@ -73,7 +73,7 @@ TEST(CloseHoles, FillsHoleAndOutlineOfSheet) {
   EXPECT_EQ(summary.holes_filled, 2u);
   EXPECT_EQ(summary.triangles_cut, 0u);
   EXPECT_EQ(summary.triangles_added, mesh.triangles.size() - seen);
-  EXPECT_NEAR(summary.longest_rim_m, 160, 1e-3);
+  EXPECT_NEAR(summary.longest_hole_perimeter_m, 160, 1e-3);
   EXPECT_NEAR(AreaOf(mesh, seen), 1600 + hole, 0.02 * 1900);
   for (const Eigen::Vector3f& vertex : mesh.vertices) EXPECT_EQ(vertex.z(), 0);
   for (const Rgb8 color : mesh.colors) EXPECT_TRUE(color == Rgb8({10, 20, 30}));

@@ -187,14 +187,14 @@ TEST(MeshSurfels, CountsRemovedPieces) {
   cloud.confidences.resize(cloud.points.size(), 10);
   MeshSummary summary;
   const TriangleMesh mesh = Mesh(cloud, {}, &summary);
-  EXPECT_EQ(summary.pieces_dropped, 1u);
+  EXPECT_EQ(summary.components_dropped, 1u);
   EXPECT_GT(summary.triangles_dropped, 0u);
   EXPECT_EQ(summary.pieces, 1u);
   for (const Eigen::Vector3f& vertex : mesh.vertices) EXPECT_LT(vertex.x(), 0.6f);
   MeshOptions all;
-  all.min_piece_m = 0;
+  all.min_component_m = 0;
   const TriangleMesh with_it = Mesh(cloud, all, &summary);
-  EXPECT_EQ(summary.pieces_dropped, 0u);
+  EXPECT_EQ(summary.components_dropped, 0u);
   EXPECT_EQ(summary.pieces, 2u);
   EXPECT_GT(with_it.triangles.size(), mesh.triangles.size());
 }
@@ -266,8 +266,8 @@ TEST(MeshSurfels, RejectsInvalidOptionsAndClouds) {
   options.cell_m = 1e-9;
   expect(options, "cell_m");
   options = {};
-  options.min_piece_m = 5;
-  expect(options, "cell_m", "trim_distance_m", "min_piece_m");
+  options.min_component_m = 5;
+  expect(options, "cell_m", "trim_distance_m", "min_component_m");
   cloud.normals.assign(cloud.points.size(), Eigen::Vector3f::Zero());
   EXPECT_THROW(Mesh(cloud), InputError);
   cloud.normals.clear();

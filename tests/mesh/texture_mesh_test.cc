@@ -133,7 +133,7 @@ TEST(TextureMesh, ShowsDetailsFinerThanTriangles) {
   EXPECT_GT(psnr, 30);
   EXPECT_EQ(summary.frames, 5);
   EXPECT_EQ(summary.triangles_unseen, 0u);
-  EXPECT_EQ(summary.pixel_share, 1);
+  EXPECT_EQ(summary.pixel_ratio, 1);
 }
 
 TEST(TextureMesh, UsesSharpestFrames) {
@@ -144,7 +144,7 @@ TEST(TextureMesh, UsesSharpestFrames) {
   TextureFrame near = FrameAt({0, 0, 0.3}, Waves);
   TextureSummary summary;
   TextureOf(mesh, {far, near}, &summary);
-  EXPECT_EQ(summary.frames_shown, 1);
+  EXPECT_EQ(summary.frames_used, 1);
   EXPECT_EQ(summary.charts, 1u);
   EXPECT_GT(PsnrOfWaves(mesh, TextureOf(mesh, {far, near}, &summary)), 20);
   // 300 / 0.7 px per metre: 2 m/s is 860 px/s, 4 px in 5 ms.
@@ -254,7 +254,7 @@ TEST(TextureMesh, EqualisesBrightnessOfFrames) {
   }
   TextureSummary summary;
   const MeshTexture texture = TextureOf(mesh, frames, &summary);
-  EXPECT_EQ(summary.frames_shown, 2);
+  EXPECT_EQ(summary.frames_used, 2);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     ASSERT_NEAR(ShownAt(texture, i).r, 128, 2);
 }
@@ -267,13 +267,13 @@ TEST(TextureMesh, ScalesDownToMaxTextureSize) {
   const MeshTexture texture = TextureOf(mesh, FourNearAndOneFar(), &summary, options);
   EXPECT_LE(texture.image.width(), 100);
   EXPECT_LE(texture.image.height(), 100);
-  EXPECT_LT(summary.pixel_share, 0.5);
+  EXPECT_LT(summary.pixel_ratio, 0.5);
   options.max_texture_px = 4;
   EXPECT_THAT([&] { TextureOf(mesh, FourNearAndOneFar(), &summary, options); },
               ThrowsNaming<InputError>("max_texture_px", 4));
-  options.least_sharpness = 2;
+  options.min_sharpness = 2;
   EXPECT_THAT([&] { TextureOf(mesh, {}, &summary, options); },
-              ThrowsNaming<InputError>("least_sharpness", 2));
+              ThrowsNaming<InputError>("min_sharpness", 2));
 }
 
 TEST(TextureMesh, IsTheSameAtAnyNumberOfThreads) {

@@ -145,9 +145,9 @@ TEST(ChordalPoses, AreExactForAnyFixedPose) {
   for (const std::size_t held : {std::size_t{0}, count / 2, count - 1}) {
     PoseGraph graph = exact.graph;
     graph.poses[held].world_from_pose = exact.truth[held];
-    std::vector<bool> is_held(count, false);
-    is_held[held] = true;
-    const auto poses = ChordalPoses(graph, is_held);
+    std::vector<bool> has_pose(count, false);
+    has_pose[held] = true;
+    const auto poses = ChordalPoses(graph, has_pose);
     ASSERT_TRUE(poses);
     for (std::size_t i = 0; i < count; ++i) {
       EXPECT_THAT(poses->at(i), RigidNear(exact.truth[i], 1e-6, 1e-8)) << held << " " << i;

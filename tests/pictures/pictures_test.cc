@@ -137,14 +137,14 @@ void SetConfidence(float confidence, SurfelMap* map) {
   }
 }
 
-TEST(DustConfidence, IsThreeOrATenthOfTheMaximum) {
+TEST(NoiseConfidence, IsThreeOrATenthOfTheMaximum) {
   SurfelMap map;
-  EXPECT_EQ(DustConfidence(map), 0);
+  EXPECT_EQ(NoiseConfidence(map), 0);
   map = Wall();
   SetConfidence(2, &map);
-  EXPECT_FLOAT_EQ(DustConfidence(map), 0.2f);
+  EXPECT_FLOAT_EQ(NoiseConfidence(map), 0.2f);
   SetConfidence(100, &map);
-  EXPECT_FLOAT_EQ(DustConfidence(map), 3);
+  EXPECT_FLOAT_EQ(NoiseConfidence(map), 3);
 }
 
 TEST(WriteMapPictures, IsTheSameAtAnyNumberOfThreads) {

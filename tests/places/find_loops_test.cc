@@ -37,8 +37,8 @@ struct Return {
   }
 };
 
-const LoopAttempt* AttemptAt(const std::vector<LoopAttempt>& attempts, int target) {
-  for (const LoopAttempt& attempt : attempts) {
+const LoopVerification* AttemptAt(const std::vector<LoopVerification>& attempts, int target) {
+  for (const LoopVerification& attempt : attempts) {
     if (attempt.proposal.target == target) return &attempt;
   }
   return nullptr;
@@ -48,7 +48,7 @@ TEST(FindLoops, FindsRevisitAtSmallAndLargeDrift) {
   for (const double drift_m : {0.05, 10.}) {
     const Return back(drift_m);
     const auto attempts = FindLoops(back.source, back.keyframes, back.index, FindLoopsOptions());
-    const LoopAttempt* const attempt = AttemptAt(attempts, Return::kTarget);
+    const LoopVerification* const attempt = AttemptAt(attempts, Return::kTarget);
     ASSERT_NE(attempt, nullptr);
     EXPECT_GT(attempt->proposal.similarity, 0);
     EXPECT_EQ(attempt->proposal.target_from_source_prior.has_value(), drift_m < 1);
@@ -58,12 +58,12 @@ TEST(FindLoops, FindsRevisitAtSmallAndLargeDrift) {
   }
 }
 
-TEST(ProposeLoops, ProposesNearestKeyframeWithoutFeatures) {
+TEST(ProposeLoopCandidates, ProposesNearestKeyframeWithoutFeatures) {
   Return back(0.05);
   back.keyframes[back.source].view.features.clear();
   FindLoopsOptions options;
   options.max_near = 1;
-  const auto proposals = ProposeLoops(back.source, back.keyframes, back.index, options);
+  const auto proposals = ProposeLoopCandidates(back.source, back.keyframes, back.index, options);
   ASSERT_EQ(proposals.size(), 1);
   EXPECT_EQ(proposals[0].similarity, 0);
   ASSERT_TRUE(proposals[0].target_from_source_prior.has_value());
@@ -79,16 +79,17 @@ TEST(ProposeLoops, ProposesNearestKeyframeWithoutFeatures) {
   }
 }
 
-TEST(ProposeLoops, IgnoresRecentKeyframesAndKeyframesWithoutViews) {
+TEST(ProposeLoopCandidates, IgnoresRecentKeyframesAndKeyframesWithoutViews) {
   Return back(0.05);
   FindLoopsOptions options;
   options.min_gap = 1000;
-  for (const LoopProposal& p : ProposeLoops(back.source, back.keyframes, back.index, options)) {
+  for (const LoopCandidate& p :
+       ProposeLoopCandidates(back.source, back.keyframes, back.index, options)) {
     EXPECT_EQ(back.keyframes[p.target].frame_index, 0);
   }
   options.min_gap = 100;
   for (int i = 0; i < back.source; ++i) back.keyframes[i].view = PlaceView();
-  EXPECT_TRUE(ProposeLoops(back.source, back.keyframes, back.index, options).empty());
+  EXPECT_TRUE(ProposeLoopCandidates(back.source, back.keyframes, back.index, options).empty());
 }
 
 // Number of frames of a path near the path of the room until relocalisation succeeds.

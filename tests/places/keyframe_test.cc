@@ -135,7 +135,7 @@ TEST(IsKeyframe, DependsOnFrameCountOfMovingCamera) {
 TEST(IsKeyframe, DependsOnOverlap) {
   KeyframeOptions options;
   options.max_distance_m = options.max_angle_rad = 100;
-  options.min_overlap_share = 0.7;
+  options.min_overlap_ratio = 0.7;
   // A rotation by t shifts the image by f tan t = 0.3 of its width.
   const double turn = std::atan(0.3 * 320 / 262);
   const auto is_keyframe = [&](double rad) {
@@ -146,21 +146,21 @@ TEST(IsKeyframe, DependsOnOverlap) {
   EXPECT_TRUE(is_keyframe(1.3 * turn));
 }
 
-TEST(OverlapShare, CountsVisiblePoints) {
+TEST(OverlapRatio, CountsVisiblePoints) {
   const Keyframe keyframe = KeyframeAtOrigin();
-  EXPECT_EQ(OverlapShare(keyframe, WallAt(2), Rigid3d()), 1);
-  EXPECT_EQ(OverlapShare(keyframe, WallAt(1), Rigid3d()), 0);
-  EXPECT_EQ(OverlapShare(keyframe, WallAt(3), Rigid3d()), 1);
+  EXPECT_EQ(OverlapRatio(keyframe, WallAt(2), Rigid3d()), 1);
+  EXPECT_EQ(OverlapRatio(keyframe, WallAt(1), Rigid3d()), 0);
+  EXPECT_EQ(OverlapRatio(keyframe, WallAt(3), Rigid3d()), 1);
   // A quarter of the width, f 2 m / z. The error is half a pixel column of the grid of eight.
-  EXPECT_NEAR(OverlapShare(keyframe, WallAt(2), Shifted(0.25 * 320 * 2 / 262)), 0.75, 8. / 320);
-  EXPECT_EQ(OverlapShare(Keyframe(), WallAt(2), Rigid3d()), 0);
+  EXPECT_NEAR(OverlapRatio(keyframe, WallAt(2), Shifted(0.25 * 320 * 2 / 262)), 0.75, 8. / 320);
+  EXPECT_EQ(OverlapRatio(Keyframe(), WallAt(2), Rigid3d()), 0);
 }
 
 // The camera moves 1 m towards the wall at 2 m. The wall is twice as large in the image, so a
 // quarter of the points stay in the image. The error is one row or column of eight pixels.
-TEST(OverlapShare, IsQuarterAtHalfDistance) {
+TEST(OverlapRatio, IsQuarterAtHalfDistance) {
   const Rigid3d nearer(Eigen::Quaterniond::Identity(), {0, 0, 1});
-  EXPECT_NEAR(OverlapShare(KeyframeAtOrigin(), WallAt(1), nearer), 0.25, 8. / 240);
+  EXPECT_NEAR(OverlapRatio(KeyframeAtOrigin(), WallAt(1), nearer), 0.25, 8. / 240);
 }
 
 TEST(KeyframeOptions, RejectInvalidValues) {
@@ -168,7 +168,7 @@ TEST(KeyframeOptions, RejectInvalidValues) {
   Validate(KeyframeOptions());
   expect_refused([](auto& o) { o.max_distance_m = 0; }, "max_distance_m", "0");
   expect_refused([](auto& o) { o.max_angle_rad = -1; }, "max_angle_rad", "-1");
-  expect_refused([](auto& o) { o.min_overlap_share = 2; }, "min_overlap_share", "2");
+  expect_refused([](auto& o) { o.min_overlap_ratio = 2; }, "min_overlap_ratio", "2");
   expect_refused([](auto& o) { o.max_frames = 0; }, "max_frames", "0");
 }
 

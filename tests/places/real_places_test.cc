@@ -41,7 +41,8 @@ TEST(RealPlaces, VerifiesRevisitOfKitchen) {
   const std::vector<Keyframe> after = KitchenFrames(980, 990, 10);
   ASSERT_EQ(before.size(), after.size());
   for (std::size_t i = 0; i < before.size(); ++i) {
-    const FarVerdict verdict = VerifyLoop(after[i].view, before[i].view, VerifyLoopOptions());
+    const GlobalRegistrationResult verdict =
+        VerifyLoop(after[i].view, before[i].view, VerifyLoopOptions());
     EXPECT_EQ(ToString(verdict.reason), "accepted");
     EXPECT_THAT(verdict.target_from_source,
                 RigidNear(before[i].world_from_camera.Inverse() * after[i].world_from_camera, 0.05,

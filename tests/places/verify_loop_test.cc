@@ -17,7 +17,7 @@ Rigid3d NearbyPose() {
 }
 
 // Squared Mahalanobis distance of the pose error.
-double SquaredError(const FarVerdict& verdict, const Rigid3d& truth) {
+double SquaredError(const GlobalRegistrationResult& verdict, const Rigid3d& truth) {
   const Rigid3d off = truth * verdict.target_from_source.Inverse();
   Vector6d error;
   error << QuaternionLog<double>(off.rotation), off.translation;
@@ -32,7 +32,7 @@ TEST(VerifyLoop, AcceptsCorrectLoopsWithinTheirCovariance) {
     const RoomOfKeyframes& room = MakeRoomOfKeyframes(seed);
     for (int i = 0; i < 30; i += 3) {
       const auto [view, truth] = SeeNearby(room, i, NearbyPose());
-      const FarVerdict verdict = VerifyLoop(view, room.keyframes[i].view, kOptions);
+      const GlobalRegistrationResult verdict = VerifyLoop(view, room.keyframes[i].view, kOptions);
       ++tried;
       if (!verdict.accepted()) continue;
       ++accepted;
@@ -48,21 +48,22 @@ TEST(VerifyLoop, AcceptsPriorInsteadOfFeatures) {
   auto [view, truth] = SeeNearby(room, 3, NearbyPose());
   view.features.clear();
   const PlaceView& target = room.keyframes[3].view;
-  EXPECT_EQ(VerifyLoop(view, target, kOptions).reason, FarReason::kNoStart);
+  EXPECT_EQ(VerifyLoop(view, target, kOptions).reason, GlobalRegistrationReason::kNoStart);
   const Rigid3d prior =
       LeftIncrement<double>((Vector6d() << 0.02, -0.03, 0.01, 0.04, -0.03, 0.04).finished(), truth);
-  const FarVerdict verdict = VerifyLoop(view, target, kOptions, prior);
+  const GlobalRegistrationResult verdict = VerifyLoop(view, target, kOptions, prior);
   EXPECT_EQ(ToString(verdict.reason), "accepted");
   EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.01, 0.5 * kRadPerDeg));
 }
 
 TEST(VerifyLoop, RejectsViewsWithoutDepth) {
   const PlaceView& view = MakeRoomOfKeyframes(1).keyframes[0].view;
-  EXPECT_EQ(VerifyLoop(PlaceView(), view, kOptions).reason, FarReason::kNoView);
-  EXPECT_EQ(VerifyLoop(view, PlaceView(), kOptions).reason, FarReason::kNoView);
+  EXPECT_EQ(VerifyLoop(PlaceView(), view, kOptions).reason, GlobalRegistrationReason::kNoView);
+  EXPECT_EQ(VerifyLoop(view, PlaceView(), kOptions).reason, GlobalRegistrationReason::kNoView);
   PlaceView missing = view;
   for (std::uint16_t& units : missing.depth) units = 0;
-  EXPECT_EQ(VerifyLoop(missing, view, kOptions, Rigid3d()).reason, FarReason::kNotRegistered);
+  EXPECT_EQ(VerifyLoop(missing, view, kOptions, Rigid3d()).reason,
+            GlobalRegistrationReason::kNotRegistered);
 }
 
 TEST(VerifyLoop, RejectsWallWithoutTexture) {
@@ -70,7 +71,7 @@ TEST(VerifyLoop, RejectsWallWithoutTexture) {
       PreprocessDepth(Image<float>(320, 240, 2.f), {PlaceCamera(), {}}, PreprocessOptions());
   const PlaceView wall =
       MakePlaceView(pyramid, Image<Rgb8>(320, 240, {120, 120, 120}), PlaceViewOptions());
-  EXPECT_EQ(VerifyLoop(wall, wall, kOptions).reason, FarReason::kNoStart);
+  EXPECT_EQ(VerifyLoop(wall, wall, kOptions).reason, GlobalRegistrationReason::kNoStart);
   EXPECT_FALSE(VerifyLoop(wall, wall, kOptions, Rigid3d()).accepted());
 }
 
@@ -79,10 +80,10 @@ TEST(VerifyLoop, RejectsSameGeometryWithOtherTexture) {
   PlaceView other = room.keyframes[0].view;
   other.intensity = room.keyframes[15].view.intensity;
   EXPECT_EQ(VerifyLoop(other, room.keyframes[0].view, kOptions, Rigid3d()).reason,
-            FarReason::kLooksDifferent);
+            GlobalRegistrationReason::kLooksDifferent);
   other.intensity = {};
   EXPECT_EQ(VerifyLoop(other, room.keyframes[0].view, kOptions, Rigid3d()).reason,
-            FarReason::kLooksDifferent);
+            GlobalRegistrationReason::kLooksDifferent);
 }
 
 // Rooms of two seeds have similar walls and floors. The prior claims the same place.
@@ -90,7 +91,7 @@ TEST(VerifyLoop, RejectsOtherPlaces) {
   const RoomOfKeyframes &room = MakeRoomOfKeyframes(1), &other = MakeRoomOfKeyframes(2);
   for (int i = 0; i < 30; i += 3) {
     for (int j = 0; j < 30; j += 6) {
-      const FarVerdict verdict =
+      const GlobalRegistrationResult verdict =
           VerifyLoop(room.keyframes[i].view, other.keyframes[j].view, kOptions, Rigid3d());
       EXPECT_FALSE(verdict.accepted()) << i << ' ' << j;
     }
@@ -107,7 +108,7 @@ TEST(VerifyLoop, AcceptsOnlyCorrectFitsWithWrongPriors) {
     for (const double side : {-1., 1.}) {
       Vector6d off;
       off << 0, 0.25 * side, 0, 0.2, 0.1 * side, -0.2 * side;
-      const FarVerdict verdict =
+      const GlobalRegistrationResult verdict =
           VerifyLoop(view, room.keyframes[i].view, kOptions, LeftIncrement<double>(off, truth));
       if (verdict.accepted()) {
         EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.02, 0.5 * kRadPerDeg)) << i;
@@ -137,7 +138,8 @@ PlaceView StripedWall(double shift_m) {
 }
 
 TEST(VerifyLoop, RejectsRepetitiveTexture) {
-  const FarVerdict verdict = VerifyLoop(StripedWall(0), StripedWall(0.5), kOptions, Rigid3d());
+  const GlobalRegistrationResult verdict =
+      VerifyLoop(StripedWall(0), StripedWall(0.5), kOptions, Rigid3d());
   EXPECT_FALSE(verdict.accepted()) << ToString(verdict.reason);
   EXPECT_THAT(ToString(verdict.reason), ::testing::AnyOf("ambiguous", "degenerate"));
 }
@@ -148,7 +150,7 @@ TEST(VerifyLoop, IsTheSameAtAnyNumberOfThreads) {
   const auto verdicts =
       AtThreads({1, 2, 4}, [&] { return VerifyLoop(view, room.keyframes[3].view, kOptions); });
   ASSERT_TRUE(verdicts[0].accepted());
-  for (const FarVerdict& verdict : verdicts) {
+  for (const GlobalRegistrationResult& verdict : verdicts) {
     EXPECT_EQ(verdict.target_from_source.Matrix(), verdicts[0].target_from_source.Matrix());
     EXPECT_EQ(verdict.information, verdicts[0].information);
     EXPECT_EQ(verdict.agreeing_features, verdicts[0].agreeing_features);
@@ -159,9 +161,9 @@ TEST(VerifyLoopOptions, RejectInvalidValues) {
   const auto expect_refused = ExpectOptionsRefused<VerifyLoopOptions>;
   Validate(VerifyLoopOptions());
   expect_refused([](auto& o) { o.min_agreeing_features = 3; }, "min_agreeing_features", "3");
-  expect_refused([](auto& o) { o.fit.min_inlier_share = 2; }, "fit.min_inlier_share", "2");
+  expect_refused([](auto& o) { o.fit.min_inlier_ratio = 2; }, "fit.min_inlier_ratio", "2");
   expect_refused([](auto& o) { o.fit.max_rmse_m = 0; }, "fit.max_rmse_m", "0");
-  expect_refused([](auto& o) { o.fit.min_overlap_share = -1; }, "fit.min_overlap_share", "-1");
+  expect_refused([](auto& o) { o.fit.min_overlap_ratio = -1; }, "fit.min_overlap_ratio", "-1");
   expect_refused([](auto& o) { o.fit.max_sigma_m = 0; }, "fit.max_sigma_m", "0");
   expect_refused([](auto& o) { o.fit.max_disagreement_rad = 0; }, "fit.max_disagreement_rad", "0");
 }

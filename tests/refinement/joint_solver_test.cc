@@ -79,7 +79,7 @@ TEST(MinimizeJointly, ReachesCostOfCeres) {
     problem.state.calibration.field.coefficients[0] += 0.005;
     const JointKernels none = {{RobustKernelType::kNone, 1}, {RobustKernelType::kNone, 1}};
     RefinementOptions options;
-    options.free_intrinsics = options.free_depth_field = options.free_readout = false;
+    options.estimate_intrinsics = options.estimate_depth_field = options.estimate_readout = false;
     options.max_iterations = 100;
     const Rigid3d first = problem.state.world_from_camera[0];
     const double before = FitOf(problem.shared, problem.state, none).rho / 2;

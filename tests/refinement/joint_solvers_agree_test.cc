@@ -36,15 +36,16 @@ RandomProblem WrongStart(bool textured) {
 
 RefinementOptions ToConvergence(bool free_calibration) {
   RefinementOptions options;
-  options.free_intrinsics = options.free_depth_offset = options.free_depth_field = free_calibration;
-  options.free_readout = free_calibration;
+  options.estimate_intrinsics = options.estimate_depth_offset = options.estimate_depth_field =
+      free_calibration;
+  options.estimate_readout = free_calibration;
   options.max_iterations = 200;
   options.min_relative_step_change = 1e-12;
   return options;
 }
 
 JointPrior GivenPrior(const RandomProblem& problem, const RefinementOptions& options) {
-  JointPrior prior = options.free_intrinsics
+  JointPrior prior = options.estimate_intrinsics
                          ? JointPrior(problem.state.calibration, CalibrationPrior())
                          : JointPrior(problem.state.world_from_camera, options.motion_sigma_m,
                                       options.motion_sigma_rad);

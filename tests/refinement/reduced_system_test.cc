@@ -51,7 +51,7 @@ class FullMaker {
     const SharedSurfels& shared = problem_.shared;
     for (std::size_t s = 0; s < shared.surfels.size(); ++s) {
       const SharedSurfel& surfel = shared.surfels[s];
-      const SurfelNumbers best = SurfelSight(shared, surfel, placed_).Best(kernels_);
+      const SurfelParameters best = SurfelResiduals(shared, surfel, placed_).Best(kernels_);
       for (std::size_t i = surfel.begin; i < surfel.end; ++i) AddPlane(s, best, i);
       for (std::size_t i = surfel.textures_begin; i < surfel.textures_end; ++i) {
         AddTexture(s, best, i);
@@ -66,7 +66,7 @@ class FullMaker {
   }
   Eigen::Index SurfelsBegin() const { return CalibrationBegin() + kCalibrationSize; }
 
-  void AddPlane(std::size_t s, const SurfelNumbers& best, std::size_t i) {
+  void AddPlane(std::size_t s, const SurfelParameters& best, std::size_t i) {
     const SharedSurfel& surfel = problem_.shared.surfels[s];
     const PlaneObservation& o = problem_.shared.observations[i];
     const RowMotion motion =
@@ -77,7 +77,7 @@ class FullMaker {
     Add(functor, o.keyframe, s, best.displacement, nullptr, kernels_.plane);
   }
 
-  void AddTexture(std::size_t s, const SurfelNumbers& best, std::size_t i) {
+  void AddTexture(std::size_t s, const SurfelParameters& best, std::size_t i) {
     const SharedSurfel& surfel = problem_.shared.surfels[s];
     const TextureObservation& o = problem_.shared.textures[i];
     const TextureFunctor functor(new SurfelTexture(o.taps, 1. / o.inverse_sigma,

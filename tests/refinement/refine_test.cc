@@ -10,7 +10,7 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 #include "surfit/optimization/keyframes.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
@@ -127,7 +127,7 @@ Wall MakeWall() {
 
 RefinementSummary RefineWall(double photometric_weight, Wall* wall) {
   RefinementOptions options;
-  options.free_intrinsics = options.free_depth_offset = false;
+  options.estimate_intrinsics = options.estimate_depth_offset = false;
   options.motion_sigma_m = 0;
   options.error_model.photometric_weight = photometric_weight;
   return Refine(options, {Camera(), {}}, &wall->keyframes, [](const RefinementRound&) {});
@@ -210,7 +210,7 @@ TEST(Refine, FindsFocalLengthDepthOffsetAndPoses) {
   camera.fy *= 1.01;
   const double ate_before = AteOf(recording);
   RefinementOptions options;
-  options.free_depth_field = false;
+  options.estimate_depth_field = false;
   const RefinementSummary summary = RefineAll(options, camera, &recording);
   ASSERT_TRUE(summary.Succeeded()) << ToString(summary.termination);
   const DepthCalibration& found = summary.calibration;
@@ -259,7 +259,8 @@ TEST(Refine, KeepsFixedParameters) {
   Recording recording = Record(12, kOffset, 0.005, 0.002);
   const Rigid3d first = recording.keyframes[0].world_from_camera;
   RefinementOptions options;
-  options.free_intrinsics = options.free_depth_offset = options.free_depth_field = false;
+  options.estimate_intrinsics = options.estimate_depth_offset = options.estimate_depth_field =
+      false;
   options.max_rounds = 2;
   const RefinementSummary summary = RefineAll(options, TrueCamera(), &recording);
   ASSERT_TRUE(summary.Succeeded()) << ToString(summary.termination);
@@ -273,14 +274,14 @@ TEST(Refine, KeepsFixedParameters) {
 TEST(Refine, KeepsCalibrationWithinModelError) {
   const Recording given = Record(12, kOffset, 0, 0);
   RefinementOptions options;
-  options.free_intrinsics = options.free_depth_field = false;
+  options.estimate_intrinsics = options.estimate_depth_field = false;
   options.max_rounds = 2;
-  const auto keeps = [&](double model_error_share) {
-    options.model_error_share = model_error_share;
+  const auto keeps = [&](double model_error_ratio) {
+    options.model_error_ratio = model_error_ratio;
     Recording recording = given;
     const RefinementSummary summary = RefineAll(options, TrueCamera(), &recording);
     EXPECT_TRUE(summary.Succeeded()) << ToString(summary.termination);
-    EXPECT_GE(summary.calibration_covariance(4, 4), std::pow(model_error_share / 3, 2));
+    EXPECT_GE(summary.calibration_covariance(4, 4), std::pow(model_error_ratio / 3, 2));
     EXPECT_EQ(summary.calibration_covariance(0, 0), 0);
     return summary.calibration_kept;
   };

@@ -13,7 +13,7 @@
 #include "registration/global/view_fit.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/io/sequence.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
@@ -84,16 +84,16 @@ struct Bound {
 };
 
 Outcome RegisterPair(const PosedView& source, const PosedView& target, const Bound& bound) {
-  const IcpOptions icp = FarIcpOptions();
+  const IcpOptions icp = GlobalIcpOptions();
   InitializeOptions options;
   options.method = "features";
   Rigid3d truth = target.world_from_camera.Inverse() * source.world_from_camera;
   if (bound.refine_truth) {
     IcpOptions anywhere = IcpOptionsFromStart(options, icp);
-    anywhere.max_free_space_share = 1;
+    anywhere.max_free_space_violation_ratio = 1;
     truth = Register(source.view.pyramid, target.view.pyramid, truth, anywhere).target_from_source;
   }
-  const FarVerdict result = RegisterFar(source.view, target.view, options, icp);
+  const GlobalRegistrationResult result = RegisterGlobally(source.view, target.view, options, icp);
   const Rigid3d error = truth.Inverse() * result.icp.target_from_source;
   const double off_m = error.translation.norm();
   const double off_deg = RotationAngle(error.rotation) * 180 / M_PI;

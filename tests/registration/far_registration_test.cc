@@ -1,9 +1,8 @@
-#include "surfit/registration/far_registration.h"
-
 #include <gmock/gmock.h>
 
 #include "registration/simulated_views.h"
 #include "surfit/core/options.h"
+#include "surfit/registration/global_registration.h"
 #include "testing/matchers.h"
 #include "testing/threads.h"
 
@@ -19,34 +18,34 @@ const SimulatedColoredViews& FarViews() {
   return *views;
 }
 
-FarVerdict Registered(const SimulatedColoredViews& views, const std::string& method) {
+GlobalRegistrationResult Registered(const SimulatedColoredViews& views, const std::string& method) {
   InitializeOptions options;
   options.method = method;
-  return RegisterFar(views.source, views.target, options, FarIcpOptions());
+  return RegisterGlobally(views.source, views.target, options, GlobalIcpOptions());
 }
 
-TEST(RegisterFar, FeaturesConvergeWithoutPrediction) {
+TEST(RegisterGlobally, FeaturesConvergeWithoutPrediction) {
   EXPECT_FALSE(Registered(FarViews(), "identity").accepted());
-  const FarVerdict result = Registered(FarViews(), "features");
+  const GlobalRegistrationResult result = Registered(FarViews(), "features");
   EXPECT_TRUE(result.accepted()) << ToString(result.reason);
   EXPECT_THAT(result.icp.target_from_source,
               RigidNear(FarViews().target_from_source, kFarToleranceM, kFarToleranceRad));
 }
 
-TEST(RegisterFar, ConvergesByGeometryOnly) {
+TEST(RegisterGlobally, ConvergesByGeometryOnly) {
   SimulatedColoredViews views = FarViews();
   views.source.color = {};
-  const FarVerdict result = Registered(views, "features");
+  const GlobalRegistrationResult result = Registered(views, "features");
   EXPECT_TRUE(result.accepted()) << ToString(result.reason);
   EXPECT_THAT(result.icp.target_from_source,
               RigidNear(views.target_from_source, kFarToleranceM, kFarToleranceRad));
 }
 
-TEST(RegisterFar, So3FindsRotation) {
+TEST(RegisterGlobally, So3FindsRotation) {
   const Rigid3d turn(QuaternionExp<double>({0.1, 0.4, -0.1}), {0.02, 0, 0.01});
   const SimulatedColoredViews views = MakeTurnedViews(70, turn, 12);
   EXPECT_FALSE(Registered(views, "identity").accepted());
-  const FarVerdict result = Registered(views, "so3");
+  const GlobalRegistrationResult result = Registered(views, "so3");
   EXPECT_EQ(result.start.translation, Eigen::Vector3d::Zero());
   EXPECT_LT(RotationAngle(result.start.rotation.conjugate() * turn.rotation), 3 * kRadPerDeg);
   EXPECT_TRUE(result.accepted()) << ToString(result.reason);
@@ -54,7 +53,7 @@ TEST(RegisterFar, So3FindsRotation) {
 }
 
 // Rooms of other seeds have only walls and floor in common.
-TEST(RegisterFar, RejectsOtherPlaces) {
+TEST(RegisterGlobally, RejectsOtherPlaces) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     SimulatedColoredViews views = MakeColoredViews(10, 1, seed);
     views.target = FarViews().target;
@@ -65,7 +64,7 @@ TEST(RegisterFar, RejectsOtherPlaces) {
 }
 
 // A corner and the same corner with another texture: ICP converges, and only the images differ.
-TEST(RegisterFar, RejectsSameGeometryWithOtherTexture) {
+TEST(RegisterGlobally, RejectsSameGeometryWithOtherTexture) {
   Eigen::Matrix3d down_to_the_corner;
   down_to_the_corner.col(2) = Eigen::Vector3d(-1, -1, -0.8).normalized();
   down_to_the_corner.col(0) =
@@ -78,10 +77,10 @@ TEST(RegisterFar, RejectsSameGeometryWithOtherTexture) {
   views.target = MakeColoredView(MakeScene("three_planes", 1), pose * turn.Inverse());
   EXPECT_TRUE(Registered(views, "so3").accepted());
   views.target.color = FarViews().target.color;
-  EXPECT_EQ(Registered(views, "so3").reason, FarReason::kLooksDifferent);
+  EXPECT_EQ(Registered(views, "so3").reason, GlobalRegistrationReason::kLooksDifferent);
 }
 
-TEST(RegisterFar, FailsWithoutDepth) {
+TEST(RegisterGlobally, FailsWithoutDepth) {
   SimulatedColoredViews views = FarViews();
   for (FrameLevel& level : views.source.pyramid.levels) {
     level.vertex = VectorImage(level.camera.width, level.camera.height);
@@ -92,7 +91,7 @@ TEST(RegisterFar, FailsWithoutDepth) {
   }
 }
 
-TEST(RegisterFar, IsBitwiseIdenticalWithOneAndTwoThreads) {
+TEST(RegisterGlobally, IsBitwiseIdenticalWithOneAndTwoThreads) {
   const auto results = AtThreads({1, 2}, [&] { return Registered(FarViews(), "features"); });
   EXPECT_EQ(results[0].icp.target_from_source.Matrix(), results[1].icp.target_from_source.Matrix());
   EXPECT_EQ(results[0].lead, results[1].lead);
@@ -102,12 +101,12 @@ TEST(InitializeOptions, RejectInvalidValues) {
   const auto expect_refused = ExpectOptionsRefused<InitializeOptions>;
   Validate(InitializeOptions());
   expect_refused([](auto& o) { o.method = "magic"; }, "method", "magic");
-  expect_refused([](auto& o) { o.fit.min_overlap_share = 1.1; }, "fit.min_overlap_share", "1.1");
+  expect_refused([](auto& o) { o.fit.min_overlap_ratio = 1.1; }, "fit.min_overlap_ratio", "1.1");
   expect_refused([](auto& o) { o.fit.min_value_correlation = -1.5; }, "fit.min_value_correlation",
                  "-1.5");
   expect_refused([](auto& o) { o.fit.min_detail_correlation = 2; }, "fit.min_detail_correlation",
                  "2");
-  expect_refused([](auto& o) { o.fit.min_lead = -1; }, "fit.min_lead", "-1");
+  expect_refused([](auto& o) { o.fit.min_score_margin = -1; }, "fit.min_score_margin", "-1");
   expect_refused([](auto& o) { o.free_space_growth = 0.5; }, "free_space_growth", "0.5");
   expect_refused([](auto& o) { o.iteration_growth = 0; }, "iteration_growth", "0");
 }

@@ -21,17 +21,17 @@ const SimulatedColoredViews& NearViews() {
   return *views;
 }
 
-constexpr int kMostFeatures = 500;
+constexpr int kMaxFeatures = 500;
 
 FeaturePoints FeaturesOf(const ColoredView& view) {
-  return FindFeatures(view.color, view.pyramid.levels[0], ErrorModel(), kMostFeatures);
+  return FindFeatures(view.color, view.pyramid.levels[0], ErrorModel(), kMaxFeatures);
 }
 
 TEST(FindFeatures, FeaturesAreOnSurface) {
   const ColoredView& view = NearViews().source;
   const FeaturePoints features = FeaturesOf(view);
   ASSERT_GT(features.size(), 20);
-  ASSERT_LE(features.size(), kMostFeatures);
+  ASSERT_LE(features.size(), kMaxFeatures);
   ASSERT_EQ(features.descriptors.size(), features.points.size());
   ASSERT_EQ(features.sigmas_m.size(), features.points.size());
   const FrameLevel& surface = view.pyramid.levels[0];

@@ -23,10 +23,10 @@ FrameLevel Wall(double left_depth_m, double right_depth_m, int left_columns) {
 }
 
 double Share(const FrameLevel& source, const FrameLevel& target) {
-  return FreeSpaceShare(source, target, ErrorModel(), Rigid3d());
+  return FreeSpaceViolationRatio(source, target, ErrorModel(), Rigid3d());
 }
 
-TEST(FreeSpaceShare, CountsPointsInFrontOnly) {
+TEST(FreeSpaceViolationRatio, CountsPointsInFrontOnly) {
   const FrameLevel wall = Wall(2, 2, 0), left_in_front = Wall(1, 2, 10), all_behind = Wall(4, 4, 0);
   EXPECT_EQ(Share(wall, wall), 0);
   EXPECT_EQ(Share(left_in_front, wall), 0.25);
@@ -35,7 +35,7 @@ TEST(FreeSpaceShare, CountsPointsInFrontOnly) {
   EXPECT_EQ(Share(all_behind, wall), 0);
 }
 
-TEST(FreeSpaceShare, ToleratesNoiseOfBothDepths) {
+TEST(FreeSpaceViolationRatio, ToleratesNoiseOfBothDepths) {
   const ErrorModel model;
   const double sigma = std::hypot(model.Sigma(2, {}), DepthNoise().SigmaZ(2));
   // The noise of the nearer depth reduces the 5 sigmas at 2 m (6 cm) by 3 %.
@@ -43,15 +43,15 @@ TEST(FreeSpaceShare, ToleratesNoiseOfBothDepths) {
   EXPECT_EQ(Share(Wall(2 - 5.3 * sigma, 2, 20), Wall(2, 2, 0)), 0.5);
 }
 
-TEST(FreeSpaceShare, UsesMovedPointsInTargetView) {
+TEST(FreeSpaceViolationRatio, UsesMovedPointsInTargetView) {
   const Rigid3d nearer(Eigen::Quaterniond::Identity(), {0, 0, -1});
-  EXPECT_EQ(FreeSpaceShare(Wall(2, 2, 0), Wall(1, 1, 0), ErrorModel(), nearer), 0);
-  EXPECT_EQ(FreeSpaceShare(Wall(2, 2, 0), Wall(2, 2, 0), ErrorModel(), nearer), 1);
+  EXPECT_EQ(FreeSpaceViolationRatio(Wall(2, 2, 0), Wall(1, 1, 0), ErrorModel(), nearer), 0);
+  EXPECT_EQ(FreeSpaceViolationRatio(Wall(2, 2, 0), Wall(2, 2, 0), ErrorModel(), nearer), 1);
   const Rigid3d behind(Eigen::Quaterniond::Identity(), {0, 0, -3});
-  EXPECT_EQ(FreeSpaceShare(Wall(2, 2, 0), Wall(2, 2, 0), ErrorModel(), behind), 0);
+  EXPECT_EQ(FreeSpaceViolationRatio(Wall(2, 2, 0), Wall(2, 2, 0), ErrorModel(), behind), 0);
 }
 
-TEST(FreeSpaceShare, IgnoresMissingDepth) {
+TEST(FreeSpaceViolationRatio, IgnoresMissingDepth) {
   const FrameLevel half = Wall(0, 2, 20);
   EXPECT_EQ(Share(half, Wall(2, 2, 0)), 0);
   EXPECT_EQ(Share(Wall(1, 2, 20), half), 0);
@@ -71,15 +71,15 @@ TEST(Register, RejectsFreeSpaceViolations) {
         return (result.target_from_source.translation - views.target_from_source.translation)
             .norm();
       };
-      options.max_free_space_share = 1;
+      options.max_free_space_violation_ratio = 1;
       const IcpResult unchecked = Register(views.source, views.target, Rigid3d(), options);
-      EXPECT_EQ(unchecked.free_space_share, 0);
-      options.max_free_space_share = 0.02;
+      EXPECT_EQ(unchecked.free_space_violation_ratio, 0);
+      options.max_free_space_violation_ratio = 0.02;
       const IcpResult result = Register(views.source, views.target, Rigid3d(), options);
       EXPECT_EQ(result.target_from_source.Matrix(), unchecked.target_from_source.Matrix());
       if (off_m(result) > 0.02) {
         EXPECT_FALSE(result.Succeeded());
-        wrong += result.termination == Termination::kFreeSpaceFilled;
+        wrong += result.termination == Termination::kFreeSpaceViolation;
       }
       right += result.Succeeded();
     }

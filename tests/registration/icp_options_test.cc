@@ -46,11 +46,12 @@ TEST(IcpOptions, ValidateRejectsInvalidFieldsByName) {
   ExpectRefused([](auto* o) { o->min_relative_rmse_change = -1; }, "min_relative_rmse_change", -1);
   ExpectRefused([](auto* o) { o->min_increment = std::nan(""); }, "min_increment", "nan");
   ExpectRefused([](auto* o) { o->min_inliers = 5; }, "min_inliers", 5, 6);
-  ExpectRefused([](auto* o) { o->min_inlier_share = 1.5; }, "min_inlier_share", 1.5, 0, 1);
+  ExpectRefused([](auto* o) { o->min_inlier_ratio = 1.5; }, "min_inlier_ratio", 1.5, 0, 1);
   ExpectRefused([](auto* o) { o->held.min_eigenvalue = 1; }, "held.min_eigenvalue", 1, 1);
   ExpectRefused([](auto* o) { o->held.min_information_ratio = -1; }, "held.min_information_ratio",
                 -1);
-  ExpectRefused([](auto* o) { o->max_free_space_share = 1.1; }, "max_free_space_share", 1.1, 0, 1);
+  ExpectRefused([](auto* o) { o->max_free_space_violation_ratio = 1.1; },
+                "max_free_space_violation_ratio", 1.1, 0, 1);
   ExpectRefused([](auto* o) { o->gates.max_distance_m = -0.1; }, "gates.max_distance_m", -0.1);
   ExpectRefused([](auto* o) { o->error_model.floor_sigma_m = 0; }, "error_model.floor_sigma_m", 0);
   ExpectRefused([](auto* o) { o->error_model.kernel.width = 0; }, "error_model.kernel.width", 0);
@@ -62,7 +63,7 @@ TEST(Termination, HasName) {
   EXPECT_EQ(ToString(Termination::kMaxIterations), "max_iterations");
   EXPECT_EQ(ToString(Termination::kTooFewInliers), "too_few_inliers");
   EXPECT_EQ(ToString(Termination::kSingularSystem), "singular_system");
-  EXPECT_EQ(ToString(Termination::kFreeSpaceFilled), "free_space_filled");
+  EXPECT_EQ(ToString(Termination::kFreeSpaceViolation), "free_space_violation");
 }
 
 }  // namespace

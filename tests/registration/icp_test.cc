@@ -98,12 +98,12 @@ TEST(Register, ReportsIterationsAndFinalState) {
   EXPECT_TRUE(result.information == system.hessian);
   EXPECT_TRUE(result.eigenvalues == Observe(system, options.held).eigenvalues);
   EXPECT_GT(result.eigenvalues[0], options.held.min_eigenvalue);
-  EXPECT_TRUE(result.free_directions.empty());
+  EXPECT_TRUE(result.degenerate_directions.empty());
   ASSERT_TRUE(result.covariance);
   EXPECT_TRUE(*result.covariance == CovarianceOf(system));
   const auto& z = views.source.levels[0].vertex.z;
   const auto valid = std::count_if(z.begin(), z.end(), [](float depth) { return depth > 0; });
-  EXPECT_NEAR(result.inlier_share, static_cast<double>(result.inlier_count) / valid, 1e-15);
+  EXPECT_NEAR(result.inlier_ratio, static_cast<double>(result.inlier_count) / valid, 1e-15);
   EXPECT_TRUE(result.information == result.information.transpose());
 }
 
@@ -134,7 +134,7 @@ TEST(Register, ReportsTooFewInliers) {
   EXPECT_GT(by_count.inlier_count, 0);
 
   options = IcpOptions();
-  options.min_inlier_share = 1;
+  options.min_inlier_ratio = 1;
   EXPECT_EQ(Register(views.source, views.target, Rigid3d(), options).termination,
             Termination::kTooFewInliers);
 
@@ -170,7 +170,7 @@ TEST(Register, FramesWithoutDepthHaveTooFewInliers) {
     const IcpResult result = Register(*source, nothing, Rigid3d(), IcpOptions());
     EXPECT_EQ(result.termination, Termination::kTooFewInliers);
     EXPECT_EQ(result.inlier_count, 0);
-    EXPECT_EQ(result.inlier_share, 0);
+    EXPECT_EQ(result.inlier_ratio, 0);
     EXPECT_EQ(result.rmse_m, 0);
     EXPECT_TRUE(result.target_from_source.Matrix().allFinite());
   }

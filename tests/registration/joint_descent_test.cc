@@ -5,12 +5,12 @@
 #include <cmath>
 #include <random>
 
-#include "registration/global/start_search.h"
+#include "registration/global/initial_pose_search.h"
 #include "registration/global/view_fit.h"
 #include "registration/simulated_views.h"
 #include "surfit/core/parallel.h"
 #include "surfit/geometry/rigid3.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 #include "testing/matchers.h"
 #include "testing/pixels.h"
 
@@ -142,12 +142,12 @@ TEST(MeasureFit, MeasuresFreeSpaceAndTexture) {
                       Rigid3d(Eigen::Quaterniond::Identity(), {x_m, 0, z_m}));
   };
   const ViewFit right = fit_after(0, 0), near = fit_after(0, -0.2), along = fit_after(0.1, 0);
-  EXPECT_GT(right.overlap_share, 0.9);
-  EXPECT_EQ(right.free_space_share, 0);
+  EXPECT_GT(right.overlap_ratio, 0.9);
+  EXPECT_EQ(right.free_space_violation_ratio, 0);
   EXPECT_NEAR(right.value_correlation, 1, 0.05);  // reduced by the minimum variance
   EXPECT_NEAR(right.detail_correlation, 1, 0.05);
-  EXPECT_EQ(near.overlap_share, 0);
-  EXPECT_EQ(near.free_space_share, 1);
+  EXPECT_EQ(near.overlap_ratio, 0);
+  EXPECT_EQ(near.free_space_violation_ratio, 1);
   EXPECT_LT(along.detail_correlation, 0.5);
   EXPECT_GT(right.Score(), along.Score());
   EXPECT_GT(along.Score(), near.Score());

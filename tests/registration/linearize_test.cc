@@ -81,14 +81,14 @@ TEST_P(LinearizeResidual, BesidesProductsContainsRemainingSums) {
   std::mt19937_64 rng(4);
   const Correspondences pairs = RandomCorrespondences(1000, 0.1, &rng);
   const RobustKernel kernel = {RobustKernelType::kHuber, 0.7};
-  NormalSystem rest = BesidesProducts(pairs, GetParam(), kernel);
+  NormalSystem rest = LinearizeWithoutProducts(pairs, GetParam(), kernel);
   const NormalSystem whole = Linearize(pairs, GetParam(), kernel);
   EXPECT_TRUE(rest.hessian.isZero(0));
   EXPECT_TRUE(rest.right_side.isZero(0));
   EXPECT_EQ(rest.cost, 0);
   EXPECT_EQ(rest.weighted_square_sum, 0);
   EXPECT_EQ(rest.inlier_count, whole.inlier_count);
-  EXPECT_EQ(rest.normal_share, whole.normal_share);
+  EXPECT_EQ(rest.normal_ratio, whole.normal_ratio);
   rest.hessian = whole.hessian;
   rest.right_side = whole.right_side;
   rest.cost = whole.cost;

@@ -15,7 +15,7 @@ namespace surfit::testing {
 
 namespace {
 
-const HeldOptions kHeld = {1e-6, 0};
+const ObservabilityOptions kHeld = {1e-6, 0};
 
 NormalSystem PointToPlaneSystem(const Correspondences& pairs) {
   return Linearize(pairs, ResidualType::kPointToPlane, {});
@@ -94,10 +94,10 @@ TEST(Observe, FindsUnobservableDirections) {
   const NormalSystem system = PointToPlaneSystem(Plane());
   const Observability plane = Observe(system, kHeld);
   EXPECT_TRUE(plane.Degenerate());
-  ASSERT_EQ(plane.free_count, 3);
+  ASSERT_EQ(plane.degenerate_count, 3);
   EXPECT_NEAR(plane.eigenvalues[2], 0, 1e-14);
   EXPECT_GT(plane.eigenvalues[3], 1e-3);
-  for (const Vector6d& direction : plane.FreeDirections()) {
+  for (const Vector6d& direction : plane.DegenerateDirections()) {
     // Rotations about z and translations along x and y map the plane to itself.
     EXPECT_THAT(Eigen::Vector3d(direction[0], direction[1], direction[5]),
                 VectorNear(Eigen::Vector3d::Zero().eval(), 1e-7));
@@ -117,25 +117,25 @@ TEST(Observe, HeldRemovesUnobservableDirections) {
   EXPECT_THAT(plane.Held(held), VectorNear(held, 1e-12));
 }
 
-TEST(SolveHeld, IsLeastSquaresIncrementIfAllDirectionsAreObservable) {
+TEST(SolveObservable, IsLeastSquaresIncrementIfAllDirectionsAreObservable) {
   std::mt19937_64 rng(7);
   const NormalSystem system = PointToPlaneSystem(RandomCorrespondences(200, 0.1, &rng));
   const Observability all = Observe(system, kHeld);
   ASSERT_FALSE(all.Degenerate());
-  EXPECT_THAT(system.hessian * SolveHeld(system, all),
+  EXPECT_THAT(system.hessian * SolveObservable(system, all),
               VectorNear(system.right_side, 1e-9 * system.right_side.norm()));
 }
 
-TEST(SolveHeld, MinimisesResidualOfPlane) {
+TEST(SolveObservable, MinimisesResidualOfPlane) {
   const NormalSystem system = PointToPlaneSystem(Plane());
-  const Vector6d x = SolveHeld(system, Observe(system, kHeld));
+  const Vector6d x = SolveObservable(system, Observe(system, kHeld));
   EXPECT_TRUE(x.allFinite());
   EXPECT_THAT(system.hessian * x, VectorNear(system.right_side, 1e-9));
 }
 
 TEST(Observe, AllDirectionsAreUnobservableWithoutPairs) {
   const Observability nothing = Observe(NormalSystem(), {0, 0});
-  EXPECT_EQ(nothing.free_count, 6);
+  EXPECT_EQ(nothing.degenerate_count, 6);
   EXPECT_TRUE(nothing.eigenvalues.isZero(0));
 }
 
@@ -157,33 +157,33 @@ TEST(Observe, IgnoresSpuriousInformationOfNormalNoise) {
     corner.Add(p, p, noisy(side), noisy(side), 1);
   }
   const NormalSystem system = PointToPlaneSystem(plane), held = PointToPlaneSystem(corner);
-  EXPECT_EQ(Observe(system, {1e-6, 0}).free_count, 0);
-  EXPECT_EQ(Observe(system, {1e-6, 1.2}).free_count, 3);
-  EXPECT_EQ(Observe(held, {1e-6, 20}).free_count, 0);
+  EXPECT_EQ(Observe(system, {1e-6, 0}).degenerate_count, 0);
+  EXPECT_EQ(Observe(system, {1e-6, 1.2}).degenerate_count, 3);
+  EXPECT_EQ(Observe(held, {1e-6, 20}).degenerate_count, 0);
   // Spurious information is not trusted. The other directions have the information of 20,000 exact
   // points.
-  constexpr double kLeastVarianceFactor = 1e-3;
-  constexpr double kScale = kSharedPoints * kLeastVarianceFactor;
-  const Matrix6d trusted = kScale * TrustedInformation(system, 1);
+  constexpr double kMinVarianceFactor = 1e-3;
+  constexpr double kScale = kSharedPoints * kMinVarianceFactor;
+  const Matrix6d trusted = kScale * ConservativeInformation(system, 1);
   EXPECT_LT(trusted(3, 3), 0.05 * system.hessian(3, 3));
   EXPECT_LT(trusted(4, 4), 0.05 * system.hessian(4, 4));
   EXPECT_GT(trusted(5, 5), 0.95 * system.hessian(5, 5));
-  EXPECT_THAT(kScale * TrustedInformation(held, 1),
+  EXPECT_THAT(kScale * ConservativeInformation(held, 1),
               VectorNear(held.hessian, 0.05 * held.hessian.norm()));
   // All information along x is spurious: the mean of 20,000 values with a relative spread of 2 has
   // an error of 1 %.
-  EXPECT_NEAR(system.FeignedInformation()(3, 3), system.hessian(3, 3),
+  EXPECT_NEAR(system.SpuriousInformation()(3, 3), system.hessian(3, 3),
               5 * 0.01 * system.hessian(3, 3));
 }
 
-TEST(TrustedInformation, ScalesPhotometricInformation) {
+TEST(ConservativeInformation, ScalesPhotometricInformation) {
   std::mt19937_64 rng(9);
   NormalSystem system = PointToPlaneSystem(RandomCorrespondences(200, 0.1, &rng));
-  const Matrix6d of_points = TrustedInformation(system, 0.01);
+  const Matrix6d of_points = ConservativeInformation(system, 0.01);
   PhotometricSystem intensities;
   intensities.hessian = 1000 * Matrix6d::Identity();
   system.Add(intensities);
-  const Matrix6d added = TrustedInformation(system, 0.01) - of_points;
+  const Matrix6d added = ConservativeInformation(system, 0.01) - of_points;
   EXPECT_THAT(kSharedPoints * system.VarianceFactor() * added,
               VectorNear((10 * Matrix6d::Identity()).eval(), 1e-6));
 }

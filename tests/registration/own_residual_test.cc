@@ -56,7 +56,7 @@ void ExpectSameSystem(const Pairs<S>& pairs, ResidualType own, ResidualType ours
   EXPECT_NEAR(a.cost, b.cost, tolerance * b.cost);
   EXPECT_NEAR(a.weight_sum, b.weight_sum, tolerance * b.weight_sum);
   EXPECT_EQ(a.row_count, b.row_count);
-  EXPECT_EQ(a.normal_share, b.normal_share);
+  EXPECT_EQ(a.normal_ratio, b.normal_ratio);
   ErrorModel model;
   model.estimate_scale = true;
   EXPECT_NEAR(KernelFor(pairs, own, model).width, KernelFor(pairs, ours, model).width,
@@ -113,7 +113,8 @@ TEST(OwnResidual, WithTwoRowsIsMinimised) {
     const StepResult step = MakePoseSolver(options)->Step(pairs);
     EXPECT_EQ(step.system.row_count, 1000);
     EXPECT_THAT(step.increment.head<5>(), VectorNear(expected.head<5>(), 1e-4)) << solver;
-    EXPECT_EQ(step.observability.free_count, 1) << "the translation along the axis is unobservable";
+    EXPECT_EQ(step.observability.degenerate_count, 1)
+        << "the translation along the axis is unobservable";
   }
 }
 

@@ -38,7 +38,7 @@ TEST_P(PhotometricSolvers, WallIsDegenerateWithoutIntensities) {
   const IcpResult result =
       Register(frames_.source, frames_.target, Rigid3d(), Options(0, GetParam()));
   EXPECT_EQ(result.termination, Termination::kSingularSystem);
-  EXPECT_EQ(result.free_directions.size(), 3u);
+  EXPECT_EQ(result.degenerate_directions.size(), 3u);
   EXPECT_EQ(result.intensity_count, 0);
   EXPECT_THAT(result.target_from_source, RigidNear(Rigid3d(), kWallToleranceM, kWallToleranceRad));
 }

@@ -81,7 +81,7 @@ TEST(Register, IsIndependentOfWorldFrame) {
   const IcpResult result = Register(target, target, Rigid3d(), IcpOptions());
   EXPECT_THAT(result.target_from_source, RigidNear(Rigid3d(), kExactToM, kExactToRad));
   EXPECT_EQ(result.inlier_count, 160 * 120);
-  EXPECT_EQ(result.inlier_share, 1);
+  EXPECT_EQ(result.inlier_ratio, 1);
   EXPECT_GT(result.eigenvalues[0], 1e-3);
 }
 

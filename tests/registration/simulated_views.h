@@ -6,7 +6,7 @@
 
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/preprocess.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"

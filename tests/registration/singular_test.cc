@@ -73,7 +73,7 @@ class Singular : public ::testing::TestWithParam<Surface (*)(std::mt19937_64*)> 
 TEST_P(Singular, MovesOnlyAlongObservableDirections) {
   std::mt19937_64 rng(1);
   const Surface surface = GetParam()(&rng);
-  const int free_count = static_cast<int>(surface.free.size());
+  const int degenerate_count = static_cast<int>(surface.free.size());
   Vector6d first_increment = Vector6d::Zero();
   for (const std::string& name : PointToPlaneSolverNames()) {
     PoseSolverOptions options;
@@ -82,9 +82,9 @@ TEST_P(Singular, MovesOnlyAlongObservableDirections) {
     const StepResult step = MakePoseSolver(options)->Step(surface.pairs);
     const Observability& seen = step.observability;
     EXPECT_TRUE(seen.Degenerate()) << name;
-    ASSERT_EQ(seen.free_count, free_count) << name;
-    EXPECT_NEAR(seen.eigenvalues[free_count - 1], 0, 1e-14);
-    EXPECT_GT(seen.eigenvalues[free_count], 1e-3);
+    ASSERT_EQ(seen.degenerate_count, degenerate_count) << name;
+    EXPECT_NEAR(seen.eigenvalues[degenerate_count - 1], 0, 1e-14);
+    EXPECT_GT(seen.eigenvalues[degenerate_count], 1e-3);
     // The found directions span the known unobservable directions.
     for (const Vector6d& direction : surface.free) {
       EXPECT_THAT(seen.Held(direction), VectorNear(Vector6d::Zero().eval(), 1e-7)) << name;
@@ -114,7 +114,7 @@ TEST(SingularSystem, IsSingularWithoutPairs) {
     PoseSolverOptions options;
     options.name = name;
     const StepResult step = MakePoseSolver(options)->Step(Correspondences());
-    EXPECT_EQ(step.observability.free_count, 6) << name;
+    EXPECT_EQ(step.observability.degenerate_count, 6) << name;
     EXPECT_TRUE(step.increment.isZero(0)) << name;
   }
 }
@@ -142,7 +142,7 @@ TEST_P(SingularImages, ReportSingularSystem) {
     EXPECT_LT(result.rmse_m, 1e-5);
     const Rigid3d off = world_from_target * result.target_from_source * offset.Inverse() *
                         world_from_target.Inverse();
-    EXPECT_EQ(result.free_directions.size(), planes == 1 ? 3u : 1u);
+    EXPECT_EQ(result.degenerate_directions.size(), planes == 1 ? 3u : 1u);
     if (planes == 2) {  // planes x = 0 and y = 0: unobservable along z
       EXPECT_NEAR((off * world_from_target.translation - world_from_target.translation).z(), 0,
                   1e-4);
@@ -174,7 +174,7 @@ TEST(Register, IgnoresSpuriousInformationOfNormalNoise) {
   options.held.min_information_ratio = 1.5;
   const IcpResult result = Register(source, target, start, options);
   EXPECT_EQ(result.termination, Termination::kSingularSystem);
-  EXPECT_EQ(result.free_directions.size(), 3u);
+  EXPECT_EQ(result.degenerate_directions.size(), 3u);
   // The foot point of the camera in the plane x = 0 does not move, up to the second order of 1e-2.
   const auto foot = [&](const Rigid3d& pose) {
     return world_from_camera * (pose * (world_from_camera.Inverse() * Eigen::Vector3d(0, 1, 0.9)));

@@ -118,14 +118,14 @@ def run_slam(room, output, *flags):
     assert done.returncode == 0, done.stderr
 
 
-def drawn_share(picture):
+def drawn_ratio(picture):
     """Ratio of pixels that differ from the background, which is the colour of the first corner."""
     background = picture.getpixel((0, 0))
     pixels = list(picture.getdata())
     return sum(pixel != background for pixel in pixels) / len(pixels)
 
 
-def differing_share(a, b):
+def differing_ratio(a, b):
     pairs = list(zip(a.getdata(), b.getdata()))
     return sum(p != q for p, q in pairs) / len(pairs)
 
@@ -139,7 +139,7 @@ def expect_every_mode_drawn(page):
     for mode in MODES:
         page.choose_mode(mode)
         pictures[mode] = page.map_picture()
-        assert drawn_share(pictures[mode]) > 0.1, mode
+        assert drawn_ratio(pictures[mode]) > 0.1, mode
     for i, mode in enumerate(MODES):
         for other in MODES[i + 1:]:
-            assert differing_share(pictures[mode], pictures[other]) > 0.05, (mode, other)
+            assert differing_ratio(pictures[mode], pictures[other]) > 0.05, (mode, other)

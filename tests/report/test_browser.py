@@ -4,7 +4,7 @@ import json
 import pathlib
 
 import pytest
-from report_page import (Page, differing_share, drawn_share, expect_every_mode_drawn, numbers, run_slam,
+from report_page import (Page, differing_ratio, drawn_ratio, expect_every_mode_drawn, numbers, run_slam,
                          run_tool, simulate_room)
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
@@ -12,10 +12,10 @@ from selenium.webdriver.common.keys import Keys
 
 FRAMES = 30
 # One loop of each kind, between frames of the run.
-LOOPS = """source,target,reason,matches,agreeing_features,inlier_share,rmse_m
+LOOPS = """source,target,reason,matches,agreeing_features,inlier_ratio,rmse_m
 29,0,accepted,40,31,0.36,0.0023
 25,3,contradicts_others,30,12,0.3,0.004
-20,2,free_space_filled,25,10,0.2,0.005
+20,2,free_space_violation,25,10,0.2,0.005
 """
 
 
@@ -62,7 +62,7 @@ def test_hides_surfels_below_the_confidence(page):
     before = page.map_picture()
     page.script("const e = document.getElementById('least-confidence'); e.value = 1;"
                 "e.dispatchEvent(new Event('input'))")
-    assert drawn_share(page.map_picture()) < drawn_share(before)
+    assert drawn_ratio(page.map_picture()) < drawn_ratio(before)
 
 
 def test_draws_paths_and_cameras(page):
@@ -70,7 +70,7 @@ def test_draws_paths_and_cameras(page):
         before = page.map_picture()
         page.click(part)
         # A line of one pixel changes.
-        assert differing_share(before, page.map_picture()) > 0, part
+        assert differing_ratio(before, page.map_picture()) > 0, part
 
 
 def count_charts(page):
@@ -160,7 +160,7 @@ def test_every_frame_of_a_short_run_has_a_thumbnail(page, runs):
     assert "8" in numbers(page.script("return document.getElementById('frame-facts').textContent"))
     before = page.map_picture()
     page.click("look-from-frame")
-    assert differing_share(before, page.map_picture()) > 0.5
+    assert differing_ratio(before, page.map_picture()) > 0.5
 
 
 def test_shows_loops_in_timeline_table_and_map(page):
@@ -173,7 +173,7 @@ def test_shows_loops_in_timeline_table_and_map(page):
     page.script("const e = document.getElementById('loop-filter'); e.value = 'all';"
                 "e.dispatchEvent(new Event('change'))")
     assert sorted(arcs()) == ["arc accepted", "arc overruled", "arc refused"]
-    page.script("const e = document.getElementById('loop-filter'); e.value = 'free_space_filled';"
+    page.script("const e = document.getElementById('loop-filter'); e.value = 'free_space_violation';"
                 "e.dispatchEvent(new Event('change'))")
     assert arcs() == ["arc refused"]
     assert numbers(page.script("return document.querySelector('#loop-table tbody').innerText")) == [
@@ -250,10 +250,10 @@ def test_crops_to_a_box(page):
     page.script("const e = document.getElementById('crop-up-to'); e.value = Number(e.min) + 0.3 * (e.max - e.min);"
                 "e.dispatchEvent(new Event('input'))")
     cropped = page.map_picture()
-    assert drawn_share(cropped) < 0.9 * drawn_share(before)
+    assert drawn_ratio(cropped) < 0.9 * drawn_ratio(before)
     assert page.script("return surfit.mapView.cells[0].box.visible")
     page.click("reset-crop")
-    assert differing_share(before, page.map_picture()) == 0
+    assert differing_ratio(before, page.map_picture()) == 0
 
 
 def test_keys_turn_the_map(page):
@@ -262,9 +262,9 @@ def test_keys_turn_the_map(page):
     for key in [Keys.ARROW_LEFT, Keys.ARROW_UP, "+"]:
         canvas.send_keys(key)
         pictures.append(page.map_picture())
-        assert differing_share(pictures[-2], pictures[-1]) > 0.05, key
+        assert differing_ratio(pictures[-2], pictures[-1]) > 0.05, key
     canvas.send_keys("r")
-    assert differing_share(pictures[0], page.map_picture()) < 0.01  # focus outline
+    assert differing_ratio(pictures[0], page.map_picture()) < 0.01  # focus outline
     canvas.send_keys("nnp")
     assert page.script("return surfit.selected.frame") == 0
     assert not page.script("return document.getElementById('map-frame').hidden")
@@ -310,7 +310,7 @@ def test_fits_a_phone(browser, both):
         picture = page.map_picture()
         width, height = picture.size
         for top in [0, height // 2]:
-            assert drawn_share(picture.crop((0, top, width, top + height // 2))) > 0.1
+            assert drawn_ratio(picture.crop((0, top, width, top + height // 2))) > 0.1
         assert page.console() == []
     finally:
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
@@ -330,7 +330,7 @@ def test_two_runs_are_compared(both):
     assert "symmetric" in text and str(FRAMES) in numbers(text)
     before = both.map_picture()
     both.choose_mode("distance")
-    assert differing_share(before, both.map_picture()) > 0.1
+    assert differing_ratio(before, both.map_picture()) > 0.1
     assert "distance" in both.script("return document.getElementById('map-legend').innerText")
 
 
@@ -352,7 +352,7 @@ def test_aligns_a_run_with_another_world_frame(browser, runs):
     picture = page.map_picture()
     width, height = picture.size
     left, right = (picture.crop((x, 0, x + width // 2, height)) for x in (0, width // 2))
-    assert differing_share(left, right) < 0.3
+    assert differing_ratio(left, right) < 0.3
     assert page.console() == []
 
 
@@ -377,7 +377,7 @@ def test_shows_two_runs_side_by_side(both):
     picture = both.map_picture()
     width, height = picture.size
     for left in [0, width // 2]:
-        assert drawn_share(picture.crop((left, 0, left + width // 2, height))) > 0.1
+        assert drawn_ratio(picture.crop((left, 0, left + width // 2, height))) > 0.1
     marked = both.script("return [...document.querySelectorAll('#options-table tr.differs')]"
                          ".map((r) => r.cells[0].textContent)")
     assert {"residual", "output"} <= set(marked)

@@ -56,7 +56,7 @@ def test_ratios_equal_those_of_the_runs(browser, rows):
         "[...table.querySelectorAll('td')].map((cell) => Number(cell.textContent)))")
     once = [row for row in rows if row["threads"] == 1]
     assert sorted(sum(table) / len(table) for table in tables) == pytest.approx(
-        sorted(100 * row["converged_share"] for row in once), abs=0.5)
+        sorted(100 * row["converged_ratio"] for row in once), abs=0.5)
     assert all(len(table) == 9 for table in tables)
 
 

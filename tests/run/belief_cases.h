@@ -37,7 +37,7 @@ inline Recording Recorded(const std::string& name, int downsample = 2, int strid
   SequenceOptions options;
   options.path = SharedData(name);
   options.stride = stride;
-  options.prepare.downsample = downsample;
+  options.rectify.downsample = downsample;
   const auto source = OpenSequence(options);
   Recording recording;
   recording.sensor = source->info().sensor();
@@ -210,7 +210,7 @@ inline Verdicts Judge(const Recording& recording, const SlamOptions& options = D
   std::vector<std::pair<bool, Rigid3d>> found;  // accepted, world from camera
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     const FrameReport report = slam.Process(recording.frames[i]);
-    verdicts.apart += report.is_apart;
+    verdicts.apart += report.has_two_motions;
     if (report.confirmed) {
       found.at(i - 1) = {true, report.confirmed->world_from_camera};
     }

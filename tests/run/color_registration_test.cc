@@ -23,7 +23,7 @@ class RegisterColorsInARoom : public ::testing::Test {
 
   // Rendered with one pose per row.
   Image<Rgb8> ColorsAt(const PoseOfRow& pose_of_row, float gain) const {
-    return Developed(RenderLight(scene_, sensor_.camera, pose_of_row), {gain, gain, gain});
+    return ToSrgbImage(RenderLight(scene_, sensor_.camera, pose_of_row), {gain, gain, gain});
   }
 
   Rigid3d Registered(const Image<Rgb8>& color, const CameraMotion& motion = {}) const {
@@ -69,7 +69,7 @@ TEST_F(RegisterColorsInARoom, UsesTheTimeOfEachRow) {
   sensor_.readout_s = 1. / 30;
   const CameraMotion motion = {{0.2, 0.4, -0.3}, {0.1, -0.2, 0.1}};
   const auto pose_of_row = [&](int v) {
-    return PoseAfter(pose_, motion, ((v + 0.5) / 240 - 0.5) * sensor_.readout_s);
+    return ExtrapolatePose(pose_, motion, ((v + 0.5) / 240 - 0.5) * sensor_.readout_s);
   };
   const Image<Rgb8> color = ColorsAt(pose_of_row, 1);
   EXPECT_LT(DistancePx(Registered(color, motion), pose_), 0.15);
@@ -90,17 +90,18 @@ TEST_F(RegisterColorsInARoom, AcceptsLargerImages) {
   DepthSensor coarse = sensor_;
   coarse.camera = sensor_.camera.Binned(2);
   ModelRenderer renderer({});
-  const BlendedView drawn = DrawDiscs(map_, coarse, pose_, &renderer);
+  const BlendedView drawn = RenderDiscs(map_, coarse, pose_, &renderer);
   EXPECT_LT(DistancePx(RegisterColors(color, drawn, coarse, {}, pose_), taken), 0.6);
 }
 
-TEST(PoseAfter, MovesStaticPointsByTheMotion) {
+TEST(ExtrapolatePose, MovesStaticPointsByTheMotion) {
   const CameraMotion motion = {{0.2, 0.4, -0.3}, {0.1, -0.2, 0.1}};
   const Eigen::Vector3d x(0.3, -0.2, 1.5);
   const double t = 1e-3;
-  const Eigen::Vector3d moved = PoseAfter(Rigid3d(), motion, t).Inverse() * x;
-  EXPECT_THAT(moved,
-              VectorNear(x - t * (motion.turn_rad_per_s.cross(x) + motion.velocity_m_per_s), 1e-6));
+  const Eigen::Vector3d moved = ExtrapolatePose(Rigid3d(), motion, t).Inverse() * x;
+  EXPECT_THAT(moved, VectorNear(x - t * (motion.angular_velocity_rad_per_s.cross(x) +
+                                         motion.velocity_m_per_s),
+                                1e-6));
 }
 
 }  // namespace

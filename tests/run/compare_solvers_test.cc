@@ -33,7 +33,7 @@ TEST(ComparisonRows, AreMediansOverTheRunsThatConverged) {
   const ComparisonRow row = RowOf(runs);
   EXPECT_EQ(row.runs, 5);
   EXPECT_EQ(row.points, 1000);
-  EXPECT_EQ(row.converged_share, 0.6);
+  EXPECT_EQ(row.converged_ratio, 0.6);
   EXPECT_EQ(row.total_ms, 20);
   EXPECT_EQ(row.linearize_ms, 2);
   EXPECT_EQ(row.build_ms, std::nullopt);
@@ -48,7 +48,7 @@ TEST(ComparisonRows, HaveTimesOfFailuresIfNoRunConverged) {
   ComparedRuns runs;
   runs.runs = {RunOf(0.5, 10), RunOf(0.5, 30)};
   const ComparisonRow row = RowOf(runs);
-  EXPECT_EQ(row.converged_share, 0);
+  EXPECT_EQ(row.converged_ratio, 0);
   EXPECT_EQ(row.total_ms, 20);
   EXPECT_EQ(row.final_cost, std::nullopt);
   EXPECT_EQ(row.translation_error_m, std::nullopt);
@@ -61,7 +61,7 @@ TEST(ComparisonRows, HaveNoErrorsWithoutGroundTruth) {
   ComparedRuns runs;
   runs.runs = {Compare(outcome, std::nullopt, CompareOptions())};
   const ComparisonRow row = RowOf(runs);
-  EXPECT_EQ(row.converged_share, std::nullopt);
+  EXPECT_EQ(row.converged_ratio, std::nullopt);
   EXPECT_EQ(row.translation_error_m, std::nullopt);
   EXPECT_EQ(row.final_cost, 7);
 }
@@ -70,9 +70,9 @@ TEST(ComparisonRows, CountTheRatiosOfACell) {
   ComparedRuns runs;
   runs.runs = {RunOf(0.001, 1), RunOf(0.5, 1), RunOf(0.5, 1)};
   runs.runs[2].cell = {1, 2};
-  EXPECT_EQ(ConvergedShare(runs, {0, 0}), 0.5);
-  EXPECT_EQ(ConvergedShare(runs, {1, 2}), 0);
-  EXPECT_EQ(ConvergedShare(runs, {2, 1}), std::nullopt);
+  EXPECT_EQ(ConvergedRatio(runs, {0, 0}), 0.5);
+  EXPECT_EQ(ConvergedRatio(runs, {1, 2}), 0);
+  EXPECT_EQ(ConvergedRatio(runs, {2, 1}), std::nullopt);
 }
 
 CompareOptions OnKnownPairs() {
@@ -156,7 +156,7 @@ TEST(SolverCombinations, RejectUnknownNamesAndListKnownNames) {
 }
 
 TEST(StartPoses, CellsCombineAllRotationsAndTranslations) {
-  const std::vector<GridCell> cells = AllCells(2, 3);
+  const std::vector<PerturbationCell> cells = AllCells(2, 3);
   ASSERT_EQ(cells.size(), 6u);
   EXPECT_EQ(cells[5].rotation, 1);
   EXPECT_EQ(cells[5].translation, 2);

@@ -29,7 +29,7 @@ class FinalMap : public ::testing::Test {
 
   std::optional<SurfelMap> Fused(const std::optional<DepthCalibration>& calibration = {},
                                  bool interrupted = false) {
-    const KnownSequence known = {sequence_,
+    const PosedSequence known = {sequence_,
                                  slam_,
                                  trajectory_,
                                  frames_,
@@ -37,7 +37,7 @@ class FinalMap : public ::testing::Test {
                                  moving_,
                                  {calibration, color_latency_s_}};
     frames_done_ = 0;
-    return FuseAnew(known, interrupted, [&](int frames, std::size_t points) {
+    return IntegrateFinalMap(known, interrupted, [&](int frames, std::size_t points) {
       EXPECT_GE(frames, std::max(1, frames_done_));
       frames_done_ = frames;
       points_ = points;
@@ -143,7 +143,7 @@ TEST_F(FinalMap, RemovesDepthEdgesObservedOnce) {
     return count;
   };
   const SurfelMap all = *Fused();  // too few frames to remove unstable surfels
-  slam_.fusion.max_dormant_frames = 2;
+  slam_.fusion.max_inactive_frames = 2;
   const SurfelMap lasting = *Fused();
   EXPECT_GT(near_count(all, true), 20);
   EXPECT_EQ(near_count(lasting, true), 0);
@@ -225,15 +225,15 @@ TEST_F(FinalMap, IsEmptyAfterAnInterruption) {
 TEST_F(FinalMap, KeepsPosesWithASingleKeyframe) {
   const std::optional<DepthCalibration> found =
       DepthCalibration{{32, 24, 31, 30, 16, 11.5, {}}, {}, 0};
-  const KnownSequence known = {sequence_, slam_, trajectory_, frames_, left_out_, moving_, {found}};
+  const PosedSequence known = {sequence_, slam_, trajectory_, frames_, left_out_, moving_, {found}};
   const auto progress = [](const RefinementRound&) {};
-  const auto refined = RefineKnown(known, found->camera, false, progress);
+  const auto refined = RefinePosedSequence(known, found->camera, false, progress);
   ASSERT_TRUE(refined.has_value());
   EXPECT_EQ(refined->keyframes, 1u);
   EXPECT_EQ(refined->summary.termination, RefinementTermination::kTooFewSurfels);
   EXPECT_EQ(refined->trajectory.size(), trajectory_.size());
   EXPECT_TRUE(refined->found.calibration && AreSame(*refined->found.calibration, *found));
-  EXPECT_FALSE(RefineKnown(known, found->camera, true, progress).has_value());
+  EXPECT_FALSE(RefinePosedSequence(known, found->camera, true, progress).has_value());
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ TEST(MapPeriod, IsConstantWhileFramesAreInTime) {
   MapPeriod period(2);
   double free_at_ms = 0;
   EXPECT_EQ(Offer(1000, 15, 30, &period, &free_at_ms).changes, 0);
-  EXPECT_EQ(period.frames_hurried(), 0);
+  EXPECT_EQ(period.frames_with_longer_map_period(), 0);
   EXPECT_EQ(period.longest(), 2);
 }
 
@@ -64,7 +64,7 @@ TEST(MapPeriod, IncreasesBeforeAFrameIsDropped) {
   const Offered offered = Offer(3000, 25, 50, &period, &free_at_ms);
   EXPECT_LT(offered.longest_wait_ms, 8 * kGap_ms);
   EXPECT_GE(period.longest(), 8);
-  EXPECT_GT(period.frames_hurried(), 2700);
+  EXPECT_GT(period.frames_with_longer_map_period(), 2700);
   EXPECT_LT(offered.changes, 60);  // no oscillation
 }
 

@@ -56,8 +56,8 @@ template <typename Options>
 class OptionTables : public ::testing::Test {};
 
 using AllOptions = ::testing::Types<
-    RobustKernel, ErrorModel, AssociationGates, HeldOptions, IcpOptions, PreprocessOptions,
-    PrepareOptions, FitCriteria, InitializeOptions, CloudNormalOptions, CloudSensor,
+    RobustKernel, ErrorModel, AssociationGates, ObservabilityOptions, IcpOptions, PreprocessOptions,
+    RectifyOptions, FitCriteria, InitializeOptions, CloudNormalOptions, CloudSensor,
     RegisterCloudsOptions, FusionOptions, RenderOptions, KeyframeOptions, PlaceViewOptions,
     PlaceIndexOptions, VerifyLoopOptions, FindLoopsOptions, RelocalizeOptions, EdgeNoise,
     PoseGraphOptions, LoopOptions, SlamOptions, CalibrationPrior, RefinementOptions, MatchOptions,
@@ -87,33 +87,33 @@ TEST(SequenceTable, NamesEveryField) {
         color_intrinsics, color_distortion, color_from_depth, frames_per_second, latency_s,
         color_latency_s, readout_s, depth_topic, color_topic, device_width, device_height,
         device_fps, device_registration, device_lock_exposure, openni2_library, first, last, stride,
-        prepare] = SequenceOptions();
+        rectify] = SequenceOptions();
   ExpectAll<SequenceOptions>(26);
 }
 
 TEST(PriorTable, NamesEveryField) {
-  [[maybe_unused]] auto [focal_share, aspect_share, center_px, inverse_depth_sigma, readout_s] =
-      PriorOptions();
+  [[maybe_unused]] auto [focal_relative_sigma, aspect_relative_sigma, center_px,
+                         inverse_depth_sigma, readout_s] = PriorOptions();
   ExpectAll<PriorOptions>(5);
 }
 
 TEST(PriorOptions, UseTheSensorForMissingValues) {
   const CalibrationPrior sensor = {0.03, 0.004, 7, 0.05, 0.06};
   PriorOptions options;
-  options.aspect_share = 0;
+  options.aspect_relative_sigma = 0;
   options.center_px = 2.5;
   const CalibrationPrior prior = options.Over(sensor);
-  EXPECT_EQ(prior.focal_share, 0.03);
-  EXPECT_EQ(prior.aspect_share, 0);
+  EXPECT_EQ(prior.focal_relative_sigma, 0.03);
+  EXPECT_EQ(prior.aspect_relative_sigma, 0);
   EXPECT_EQ(prior.center_px, 2.5);
   EXPECT_EQ(prior.inverse_depth_sigma, 0.05);
   EXPECT_EQ(prior.latency_s, 0.06);
   options.Complete(sensor);
-  EXPECT_EQ(options.focal_share, 0.03);
-  EXPECT_EQ(options.aspect_share, 0);
+  EXPECT_EQ(options.focal_relative_sigma, 0.03);
+  EXPECT_EQ(options.aspect_relative_sigma, 0);
   EXPECT_EQ(options.center_px, 2.5);
   EXPECT_EQ(options.inverse_depth_sigma, 0.05);
-  options.focal_share = -0.1;
+  options.focal_relative_sigma = -0.1;
   EXPECT_THROW(Validate(options), InputError);
 }
 

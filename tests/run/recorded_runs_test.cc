@@ -138,7 +138,7 @@ TEST(RecordedRuns, RefinedDeskOfTumWithin14Millimetres) {
 // reference is dense because its spacing adds to the distance.
 std::vector<Eigen::Vector3f> ExactSurface(SequenceOptions options) {
   options.stride = 2;
-  options.prepare.downsample = 2;
+  options.rectify.downsample = 2;
   const std::unique_ptr<FrameSource> source = OpenSequence(options);
   const SequenceInfo& info = source->info();
   std::vector<Eigen::Vector3f> points;
@@ -158,7 +158,7 @@ std::vector<Eigen::Vector3f> ExactSurface(SequenceOptions options) {
 TEST(RecordedRuns, FusionAlongGroundTruthIsCompactExactAndComplete) {
   SURFIT_REQUIRE_SHARED_DATA("icl_office");
   SlamRunOptions options = Options("icl_office", -1);
-  options.sequence.prepare.downsample = 2;
+  options.sequence.rectify.downsample = 2;
   options.poses = "groundtruth";
   const TempFolder output;
   options.output = output.path();

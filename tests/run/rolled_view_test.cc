@@ -1,11 +1,10 @@
-#include "apps/evaluate/rolled_view.h"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "apps/evaluate/rolling_shutter_view.h"
 #include "testing/pixels.h"
 
 namespace surfit::testing {
@@ -36,7 +35,7 @@ TEST(Rolled, ShowsPointsAtTheTimeOfTheirRow) {
     const Eigen::Vector3d x = 2 * wide.Ray(rolled.color(u, v).r, rolled.color(u, v).g);
     const double t = 0.01 + ((v + 0.5) / 120 - 0.5) / 30;
     const Eigen::Vector3d moved =
-        x - t * (motion.turn_rad_per_s.cross(x) + motion.velocity_m_per_s);
+        x - t * (motion.angular_velocity_rad_per_s.cross(x) + motion.velocity_m_per_s);
     const Eigen::Vector2d seen = camera.Project(moved);
     EXPECT_NEAR(seen.x(), u, 0.6);
     EXPECT_NEAR(seen.y(), v, 0.6);

@@ -34,9 +34,9 @@ SlamOptions OtherOptions() {
   icp.min_increment = 1e-7;
   icp.stop_at_rmse_increase = false;
   icp.min_inliers = 100;
-  icp.min_inlier_share = 0.01;
+  icp.min_inlier_ratio = 0.01;
   icp.held.min_eigenvalue = 1e-9;
-  icp.max_free_space_share = 0.9;
+  icp.max_free_space_violation_ratio = 0.9;
   return options;
 }
 
@@ -120,8 +120,8 @@ TEST_F(TrackingDumps, KeepEveryOption) {
   EXPECT_EQ(read.error_model.intensity_kernel.width, 2.9);
   EXPECT_EQ(read.gates.max_normal_angle_rad, 0.6);
   EXPECT_EQ(read.min_relative_rmse_change, icp.min_relative_rmse_change);
-  EXPECT_EQ(read.max_free_space_share, icp.max_free_space_share);
-  EXPECT_NE(read.max_free_space_share, defaults.max_free_space_share);
+  EXPECT_EQ(read.max_free_space_violation_ratio, icp.max_free_space_violation_ratio);
+  EXPECT_NE(read.max_free_space_violation_ratio, defaults.max_free_space_violation_ratio);
 }
 
 TEST_F(TrackingDumps, RejectMalformedFiles) {

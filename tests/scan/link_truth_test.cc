@@ -56,14 +56,14 @@ TEST_F(LinkTruthTest, IsEmptyWithoutGroundTruth) {
   EXPECT_FALSE(ErrorOfLink({}, source_, 0, target_, 1, At(0)));
 }
 
-TEST(KeepWorse, KeepsTheLargerError) {
+TEST(UpdateMaximum, KeepsTheLargerError) {
   std::optional<PoseError> worst;
-  KeepWorse(std::nullopt, &worst);
+  UpdateMaximum(std::nullopt, &worst);
   EXPECT_FALSE(worst);
-  KeepWorse(PoseError{0.1, 3}, &worst);
-  KeepWorse(PoseError{0.3, 1}, &worst);
-  KeepWorse(PoseError{0.2, 9}, &worst);
-  KeepWorse(std::nullopt, &worst);
+  UpdateMaximum(PoseError{0.1, 3}, &worst);
+  UpdateMaximum(PoseError{0.3, 1}, &worst);
+  UpdateMaximum(PoseError{0.2, 9}, &worst);
+  UpdateMaximum(std::nullopt, &worst);
   EXPECT_EQ(worst->translation_m, 0.3);
   EXPECT_EQ(worst->rotation_deg, 1);
 }

@@ -74,7 +74,7 @@ class ScanGraphTest : public ::testing::Test {
     link.target_from_source =
         True(target, target_keyframe).Inverse() * True(source, source_keyframe) * error;
     link.information = 1e8 * Matrix6d::Identity();
-    link.overlap_share = 0.5;
+    link.overlap_ratio = 0.5;
     links_.push_back(link);
   }
   Rigid3d True(std::size_t fragment, int keyframe) const {
@@ -126,10 +126,10 @@ TEST_F(ScanGraphTest, LinksCorrectDriftAndOutliersAreRejected) {
   ScanGraph graph(fragments_, recordings_, links_, LoopOptions());
   ASSERT_TRUE(graph.Solve());
   for (int i = 0; i < 3; ++i) {
-    EXPECT_FALSE(graph.links()[i].is_left_out) << i;
+    EXPECT_FALSE(graph.links()[i].is_rejected) << i;
     EXPECT_LT(graph.Residual(graph.links()[i])->translation.norm(), 0.02);
   }
-  EXPECT_TRUE(graph.links()[3].is_left_out);
+  EXPECT_TRUE(graph.links()[3].is_rejected);
   EXPECT_GT(graph.Residual(graph.links()[3])->translation.norm(), 1);
   EXPECT_LT(Error(graph.Frames(0)), Error(without.Frames(0)));
 }
@@ -158,14 +158,14 @@ TEST_F(ScanGraphTest, BridgesAMissingFragmentByALink) {
   {
     ScanGraph graph(fragments_, recordings_, {}, LoopOptions());
     ASSERT_TRUE(graph.Solve());
-    EXPECT_TRUE(graph.IsApart(0));
-    EXPECT_FALSE(graph.IsApart(1));  // fragment 1 is missing
-    EXPECT_FALSE(graph.IsApart(2));
+    EXPECT_TRUE(graph.HasTwoMotions(0));
+    EXPECT_FALSE(graph.HasTwoMotions(1));  // fragment 1 is missing
+    EXPECT_FALSE(graph.HasTwoMotions(2));
   }
   Link(fragments_.size() - 1, 1, 0, 0);
   ScanGraph graph(fragments_, recordings_, links_, LoopOptions());
   ASSERT_TRUE(graph.Solve());
-  EXPECT_FALSE(graph.IsApart(0));
+  EXPECT_FALSE(graph.HasTwoMotions(0));
   EXPECT_EQ(graph.Frames(0).front().index, 0);
 }
 
@@ -181,7 +181,7 @@ TEST_F(ScanGraphTest, JoinsRecordingsOnlyByLinks) {
     ASSERT_TRUE(graph.Solve());
     EXPECT_EQ(graph.Frames(0).size(), kFrames);
     EXPECT_TRUE(graph.Frames(1).empty());
-    EXPECT_TRUE(graph.IsApart(second));
+    EXPECT_TRUE(graph.HasTwoMotions(second));
   }
   for (const int k : {1, 4, 7}) Link(second + 1, k, 1, k);
   ScanGraph graph(fragments_, recordings_, links_, LoopOptions());

@@ -59,26 +59,27 @@ TEST_F(ScanReportTest, ForgetsRepeatedJobsAndTheirDependents) {
     }
   };
   all_done();
-  ForgetJobs(scan_.path(), false);
+  DeleteStaleReceipts(scan_.path(), false);
   EXPECT_TRUE(has("camera_0") && has("fragment_0000") && has("candidates") &&
               has("link_0000_0001") && has("graph"));
-  ForgetJobs(scan_.path(), true);
+  DeleteStaleReceipts(scan_.path(), true);
   EXPECT_TRUE(has("camera_0") && has("fragment_0000") && has("candidates"));
   EXPECT_FALSE(has("link_0000_0001") || has("graph"));
   all_done();
   std::filesystem::remove(scan_ / "fragments/0000/places.bin");
-  ForgetJobs(scan_.path(), false);
+  DeleteStaleReceipts(scan_.path(), false);
   EXPECT_TRUE(has("camera_0") && has("link_0000_0001"));
   EXPECT_FALSE(has("fragment_0000") || has("candidates") || has("graph"));
   all_done();
   std::filesystem::remove(scan_ / "camera/0/summary.json");
-  ForgetJobs(scan_.path(), false);
+  DeleteStaleReceipts(scan_.path(), false);
   EXPECT_FALSE(has("camera_0") || has("fragment_0000") || has("candidates") || has("graph"));
 }
 
 TEST_F(ScanReportTest, RejectsAMalformedReceipt) {
   scan_.Write("jobs/graph.json", "{}");
-  EXPECT_THAT([&] { ForgetJobs(scan_.path(), false); }, ThrowsNaming<InputError>("graph.json"));
+  EXPECT_THAT([&] { DeleteStaleReceipts(scan_.path(), false); },
+              ThrowsNaming<InputError>("graph.json"));
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ TEST_F(MovingCameraTest, AgreesWithRenderWithoutEffects) {
   EXPECT_TRUE(rows.depth_m == plain.depth_m);
   EXPECT_TRUE(rows.surface == plain.surface);
   const LightImage light = RenderLight(scene_, camera_.depth, still);
-  EXPECT_TRUE(Developed(light, Eigen::Vector3f::Ones()) == plain.color);
+  EXPECT_TRUE(ToSrgbImage(light, Eigen::Vector3f::Ones()) == plain.color);
 }
 
 TEST_F(MovingCameraTest, RendersEachRowAtItsCaptureTime) {
@@ -138,8 +138,8 @@ TEST_F(MovingCameraTest, IsInvertedByReadoutCorrection) {
   camera_.readout_s = kFrame_s;
   const MovingCamera moving(scene_, camera_, path_);
   const RgbdFrame rolled = {kAt, path_[kAt].stamp_s, 0, moving.Frame(kAt).depth_m, {}};
-  const RgbdFrame undone = AtMiddleOfReadout(rolled, {camera_.depth, {}, camera_.readout_s, {}},
-                                             MotionAt(path_, path_[kAt].stamp_s));
+  const RgbdFrame undone = CorrectRollingShutter(rolled, {camera_.depth, {}, camera_.readout_s, {}},
+                                                 MotionAt(path_, path_[kAt].stamp_s));
   const Image<float> truth = PlainAt(path_[kAt].world_from_camera).depth_m;
   const auto far_off = [&](const Image<float>& depth_m) {
     int count = 0;
@@ -163,7 +163,7 @@ TEST_F(MovingCameraTest, BlursToMeanOfExposureSamples) {
     const LightImage light = RenderLight(scene_, camera_.depth, [&](int) { return pose; });
     for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += light[i] / 3;
   }
-  const Image<Rgb8> expected = Developed(mean, Eigen::Vector3f::Ones());
+  const Image<Rgb8> expected = ToSrgbImage(mean, Eigen::Vector3f::Ones());
   // Another order of summation can round to the next grey value.
   for (std::size_t i = 0; i < expected.size(); ++i) {
     EXPECT_NEAR(blurred.color[i].g, expected[i].g, 1);

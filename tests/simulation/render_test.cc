@@ -294,7 +294,7 @@ class KinectAgainstRecording : public ::testing::Test {
     return depth;
   }
 
-  static double ValidShare(const std::vector<Image<float>>& images) {
+  static double ValidRatio(const std::vector<Image<float>>& images) {
     double valid = 0, all = 0;
     for (const Image<float>& image : images) {
       valid += image.size() - std::count(image.begin(), image.end(), 0.f);
@@ -324,7 +324,7 @@ double Quantile(const std::vector<double>& sorted, double share) {
 }
 
 TEST_F(KinectAgainstRecording, HasSameRatioOfMissingPixels) {
-  EXPECT_NEAR(ValidShare(ours_), ValidShare(recorded_), 0.005);
+  EXPECT_NEAR(ValidRatio(ours_), ValidRatio(recorded_), 0.005);
 }
 
 // Half the width of the central 68.27 %: the standard deviation of a normal distribution, robust to

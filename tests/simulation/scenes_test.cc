@@ -233,7 +233,7 @@ TEST(CameraPath, VisitsThreeRoomsAndReturns) {
 }
 
 // Ratio of frames with at least 80 % of the pixels between 0.4 and 4.5 m on one or two planes.
-double PlanarShare(const Scene& scene, const Trajectory& path) {
+double PlanarRatio(const Scene& scene, const Trajectory& path) {
   PinholeCamera camera = {80,   60,   525.0 / 8, 525.0 / 8,
                           39.5, 29.5, {}};  // every eighth pixel of 640 x 480
   int planar = 0, frames = 0;
@@ -256,13 +256,13 @@ double PlanarShare(const Scene& scene, const Trajectory& path) {
 
 TEST(CameraPath, PlanesDominateOneFifthOfFramesInRooms) {
   for (const int seed : {1, 2, 3, 4}) {
-    EXPECT_GE(PlanarShare(MakeScene("room", seed), Path("room", seed)), 0.2) << seed;
+    EXPECT_GE(PlanarRatio(MakeScene("room", seed), Path("room", seed)), 0.2) << seed;
   }
 }
 
 TEST(CameraPath, PlanesDominateOneFifthOfFramesOfLongPath) {
   const Scene room = MakeScene("room", 1);
-  EXPECT_GE(PlanarShare(room, MakePath(room, 800, 1)), 0.2);
+  EXPECT_GE(PlanarRatio(room, MakePath(room, 800, 1)), 0.2);
 }
 
 TEST(CameraPath, DependsOnSeed) {

@@ -60,19 +60,19 @@ IcpResult GoodIcp() {
   return icp;
 }
 
-LoopAttempt Loop(int source, int target, const Rigid3d& target_from_source) {
-  LoopAttempt attempt;
+LoopVerification Loop(int source, int target, const Rigid3d& target_from_source) {
+  LoopVerification attempt;
   attempt.proposal.source = source;
   attempt.proposal.target = target;
-  attempt.verdict.reason = FarReason::kAccepted;
+  attempt.verdict.reason = GlobalRegistrationReason::kAccepted;
   attempt.verdict.target_from_source = target_from_source;
   attempt.verdict.information = 1e8 * Matrix6d::Identity();
   return attempt;
 }
 
 // Finds true loops from the last frames of the path to the first keyframe.
-std::vector<LoopAttempt> TrueLoops(int source, const std::vector<Keyframe>& keyframes,
-                                   const PlaceIndex&) {
+std::vector<LoopVerification> TrueLoops(int source, const std::vector<Keyframe>& keyframes,
+                                        const PlaceIndex&) {
   const int frame = keyframes[source].frame_index;
   if (frame < kFrames - 20) return {};
   return {Loop(source, 0, TruePose(0).Inverse() * TruePose(frame))};
@@ -138,7 +138,9 @@ double RmsError(const std::vector<PosedFrame>& frames) {
 }
 
 TEST(Backend, ClosesLoop) {
-  const LoopFinder none = [](int, const auto&, const auto&) { return std::vector<LoopAttempt>(); };
+  const LoopFinder none = [](int, const auto&, const auto&) {
+    return std::vector<LoopVerification>();
+  };
   const BackendRun open = RunBackend(Enabled(), none);
   const BackendRun closed = RunBackend(Enabled(), TrueLoops);
   ASSERT_EQ(open.frames.size(), static_cast<std::size_t>(kFrames));
@@ -147,12 +149,12 @@ TEST(Backend, ClosesLoop) {
   // its correction evenly.
   EXPECT_LT(RmsError(closed.frames), 0.25 * RmsError(open.frames));
   EXPECT_THAT(closed.frames.back().world_from_camera, RigidNear(TruePose(kFrames - 1), 0.01, 0.01));
-  EXPECT_EQ(open.counts.loops_proposed, 0u);
+  EXPECT_EQ(open.counts.loop_candidates, 0u);
   EXPECT_EQ(open.counts.corrections, 0u);
   EXPECT_GT(closed.counts.loops_accepted, 0u);
-  EXPECT_EQ(closed.counts.loops_refused, 0u);
+  EXPECT_EQ(closed.counts.loops_rejected, 0u);
   EXPECT_EQ(closed.counts.submaps, 1u);
-  EXPECT_EQ(closed.counts.submaps_apart, 0u);
+  EXPECT_EQ(closed.counts.disconnected_submaps, 0u);
 }
 
 // There are only two keyframes: the first frame, and one of the last 20 frames due to max_frames.
@@ -161,7 +163,7 @@ TEST(Backend, AppliesCorrectionAfterDelayFrames) {
     LoopOptions options = Enabled();
     options.keyframes.max_distance_m = 5;   // more than the diameter of the circle
     options.keyframes.max_angle_rad = 3.2;  // more than half a turn
-    options.keyframes.min_overlap_share = 0;
+    options.keyframes.min_overlap_ratio = 0;
     options.keyframes.max_frames = kFrames - 20;
     options.delay_frames = delay;
     options.noise.odometry_rad = options.noise.odometry_m =
@@ -212,22 +214,22 @@ TEST(Backend, InRealTimeAppliesLoopsWhenFound) {
 TEST(Backend, RejectsWrongLoop) {
   const LoopFinder misled = [](int source, const std::vector<Keyframe>& keyframes,
                                const PlaceIndex& index) {
-    std::vector<LoopAttempt> attempts = TrueLoops(source, keyframes, index);
+    std::vector<LoopVerification> attempts = TrueLoops(source, keyframes, index);
     const bool in_the_middle = std::abs(keyframes[source].frame_index - kFrames / 2) < 5;
     if (in_the_middle) attempts.push_back(Loop(source, 0, Rigid3d()));  // half a circle away
     return attempts;
   };
   const BackendRun clean = RunBackend(Enabled(), TrueLoops);
   const BackendRun run = RunBackend(Enabled(), misled);
-  EXPECT_GT(run.counts.loops_refused, 0u);
+  EXPECT_GT(run.counts.loops_rejected, 0u);
   EXPECT_EQ(run.counts.loops_accepted, clean.counts.loops_accepted);
   EXPECT_LT(RmsError(run.frames), 1.1 * RmsError(clean.frames));
 }
 
 TEST(Backend, ConnectsSubmapByLoop) {
   const auto finder = [](int source, const auto&, const auto&) {
-    if (source != 1) return std::vector<LoopAttempt>();
-    return std::vector<LoopAttempt>{Loop(1, 0, {Eigen::Quaterniond::Identity(), {0, 0, 0.5}})};
+    if (source != 1) return std::vector<LoopVerification>();
+    return std::vector<LoopVerification>{Loop(1, 0, {Eigen::Quaterniond::Identity(), {0, 0, 0.5}})};
   };
   Backend backend({}, {}, Enabled(), NoCalibration(), finder);
   const FramePyramid pyramid = FlatPyramid();
@@ -236,11 +238,11 @@ TEST(Backend, ConnectsSubmapByLoop) {
   EXPECT_GT((apart.translation - TruePose(0).translation).norm(), 0.9 * Backend::kSubmapDistance);
   backend.AddFrame(Stamped(50, 1.5), apart, {}, pyramid);
   EXPECT_EQ(backend.counts().submaps, 2u);
-  EXPECT_EQ(backend.counts().submaps_apart, 1u);
+  EXPECT_EQ(backend.counts().disconnected_submaps, 1u);
   const std::vector<WorldCorrection> corrections = backend.Finish();
   ASSERT_EQ(corrections.size(), 1u);
   EXPECT_TRUE(corrections[0].moves);
-  EXPECT_EQ(backend.counts().submaps_apart, 0u);
+  EXPECT_EQ(backend.counts().disconnected_submaps, 0u);
   EXPECT_THAT(backend.poses().frames()[0].world_from_camera, RigidNear(TruePose(0), 1e-9, 1e-9));
   EXPECT_THAT(
       backend.poses().frames()[1].world_from_camera,
@@ -250,7 +252,7 @@ TEST(Backend, ConnectsSubmapByLoop) {
 // Odometry connects a keyframe to the last keyframe, except for the first keyframe of a map and
 // after relocalisation.
 TEST(Backend, ReportsParentsOfKeyframes) {
-  const auto none = [](int, const auto&, const auto&) { return std::vector<LoopAttempt>(); };
+  const auto none = [](int, const auto&, const auto&) { return std::vector<LoopVerification>(); };
   Backend backend({}, {}, Enabled(), NoCalibration(), none);
   const FramePyramid pyramid = FlatPyramid();
   backend.AddFrame(Stamped(10, 0), TruePose(0), {}, pyramid);

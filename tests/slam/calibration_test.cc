@@ -5,7 +5,7 @@
 
 #include "mapping/same_map.h"
 #include "slam/simulated_sequence.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 #include "testing/matchers.h"
 #include "testing/threads.h"
 
@@ -160,19 +160,19 @@ TEST(CalibrationAndLoops, CalibrationKeepsCorrectionOfLoop) {
   options.loops.noise.odometry_m = options.loops.noise.odometry_rad = 0.1;  // the loop dominates
   options.calibration.first_keyframes = options.calibration.max_keyframes = 5;
   options.calibration.refinement.calibration_sigmas = 0;  // small changes are applied as well
-  options.calibration.refinement.model_error_share = 0;
+  options.calibration.refinement.model_error_ratio = 0;
   const SimulatedSequence room =
       WronglyGiven(Simulate("room", 1, 60, Sensor::kKinect, SimulatedCamera()));
   const Rigid3d aside(Eigen::Quaterniond::Identity(), {0.03, 0, 0.04});
   const auto first_from_last = [&](bool finds_loop) {
     Slam slam({room.camera, {}}, options, room.world_from_camera[0]);
     slam.UseLoopFinder([&](int source, const std::vector<Keyframe>& keyframes, const PlaceIndex&) {
-      std::vector<LoopAttempt> loops;
+      std::vector<LoopVerification> loops;
       if (!finds_loop || source != 4) return loops;
-      LoopAttempt& loop = loops.emplace_back();
+      LoopVerification& loop = loops.emplace_back();
       loop.proposal.source = 4;
       loop.proposal.target = 0;
-      loop.verdict.reason = FarReason::kAccepted;
+      loop.verdict.reason = GlobalRegistrationReason::kAccepted;
       loop.verdict.target_from_source =
           aside * keyframes[0].world_from_camera.Inverse() * keyframes[4].world_from_camera;
       loop.verdict.information = 1e8 * Matrix6d::Identity();

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "slam/simulated_sequence.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {
@@ -45,12 +45,12 @@ FeatureMotion Compare(const Shared& shared) {
 
 TEST(CompareMotions, CountsPointsOfPoseAndOfOtherMotion) {
   const FeatureMotion motion = Compare({40, 25, 10});
-  EXPECT_GE(motion.as_posed, 40);
-  EXPECT_LE(motion.as_posed, 42);
+  EXPECT_GE(motion.consistent_count, 40);
+  EXPECT_LE(motion.consistent_count, 42);
   EXPECT_EQ(motion.apart, 25);
-  EXPECT_TRUE(motion.IsApart());
-  EXPECT_FALSE(motion.IsRefuted());
-  EXPECT_TRUE(Compare({20, 25, 10}).IsRefuted());
+  EXPECT_TRUE(motion.HasTwoMotions());
+  EXPECT_FALSE(motion.IsRejected());
+  EXPECT_TRUE(Compare({20, 25, 10}).IsRejected());
 }
 
 TEST(CompareMotions, FindsNoMotionOfStaticPoints) {
@@ -63,20 +63,20 @@ TEST(CompareMotions, FindsNoMotionOfStaticPoints) {
   }
   const FeatureMotion motion = CompareMotions(shared.source, {world_from_source, {}}, shared.target,
                                               {world_from_target, {}});
-  EXPECT_EQ(motion.as_posed, 40);
+  EXPECT_EQ(motion.consistent_count, 40);
   EXPECT_EQ(motion.apart, 0);
 }
 
 TEST(CompareMotions, PointsBehindCountTwice) {
-  EXPECT_TRUE(Compare({40, 25, 10, 1.5}).IsRefuted());
-  EXPECT_FALSE(Compare({40, 25, 10, -0.5}).IsRefuted());
-  EXPECT_FALSE(Compare({60, 25, 10, 1.5}).IsRefuted());
+  EXPECT_TRUE(Compare({40, 25, 10, 1.5}).IsRejected());
+  EXPECT_FALSE(Compare({40, 25, 10, -0.5}).IsRejected());
+  EXPECT_FALSE(Compare({60, 25, 10, 1.5}).IsRejected());
 }
 
 TEST(CompareMotions, IgnoresPointsWithRandomMotions) {
-  EXPECT_FALSE(Compare({40, 0, 30}).IsApart());
-  EXPECT_FALSE(Compare({0, 0, 30}).IsApart());
-  EXPECT_FALSE(Compare({0, 0, 0}).IsApart());
+  EXPECT_FALSE(Compare({40, 0, 30}).HasTwoMotions());
+  EXPECT_FALSE(Compare({0, 0, 30}).HasTwoMotions());
+  EXPECT_FALSE(Compare({0, 0, 0}).HasTwoMotions());
 }
 
 // Half a second of a walk at 320 x 240 pixels.
@@ -96,17 +96,17 @@ TEST_F(RoomCorners, ConfirmTrueMotionAndRejectOtherMotion) {
   const std::vector<Rigid3d>& truth = room_.world_from_camera;
   FeatureWatch watch{ErrorModel()};
   EXPECT_TRUE(watch.IsDue(0));
-  EXPECT_FALSE(watch.Check(Of(0), {}, {truth[0], {}}, 0).IsApart());
+  EXPECT_FALSE(watch.Check(Of(0), {}, {truth[0], {}}, 0).HasTwoMotions());
   EXPECT_FALSE(watch.IsDue(0.4));
   for (int i = 1; i <= kLast; ++i) watch.Follow(Of(i), truth[i], i / 30.);
   ASSERT_TRUE(watch.IsDue(0.5));
   // Simulates registration to an object that moves with the camera.
-  EXPECT_TRUE(watch.Check(Of(kLast), {}, {truth[0] * kOther, {}}, 0.5).IsRefuted());
+  EXPECT_TRUE(watch.Check(Of(kLast), {}, {truth[0] * kOther, {}}, 0.5).IsRejected());
   EXPECT_TRUE(watch.IsDue(0.51));
   watch.Follow(Of(kLast), truth[kLast], 0.53);
   const FeatureMotion motion = watch.Check(Of(kLast), {}, {truth[kLast], {}}, 0.53);
-  EXPECT_GE(motion.as_posed, 20);
-  EXPECT_GT(motion.as_posed, 2 * motion.apart);
+  EXPECT_GE(motion.consistent_count, 20);
+  EXPECT_GT(motion.consistent_count, 2 * motion.apart);
   EXPECT_FALSE(watch.IsDue(0.6));
 }
 
@@ -118,7 +118,7 @@ TEST_F(RoomCorners, AreRemovedWithoutColor) {
   without.color = {};
   watch.Follow(without, truth[1], 1 / 30.);
   watch.Follow(Of(2), truth[2], 2 / 30.);
-  EXPECT_EQ(watch.Check(Of(2), {}, {truth[2], {}}, 0.5).as_posed, 0);
+  EXPECT_EQ(watch.Check(Of(2), {}, {truth[2], {}}, 0.5).consistent_count, 0);
 }
 
 }  // namespace

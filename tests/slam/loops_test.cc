@@ -83,7 +83,7 @@ TEST(SlamLoops, StartsNewSubmapAfterLongLoss) {
   EXPECT_EQ(run.reports[30 + 3].state, FrameState::kLost);
   EXPECT_EQ(run.reports[30 + 4].state, FrameState::kNewMap);
   EXPECT_EQ(run.counts.submaps, 2u);
-  EXPECT_EQ(run.counts.submaps_apart, 1u);
+  EXPECT_EQ(run.counts.disconnected_submaps, 1u);
   const Eigen::Vector3d way = run.reports[30 + 4].world_from_camera.translation -
                               run.reports[29].world_from_camera.translation;
   EXPECT_GT(way.norm(), Backend::kSubmapDistance / 2);

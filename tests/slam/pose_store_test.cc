@@ -35,7 +35,7 @@ void AddLoop(int source, int target, PoseStore* store) {
   LoopRecord record;
   record.source_frame = 10 * source;
   record.target_frame = 10 * target;
-  record.attempt.verdict.reason = FarReason::kAccepted;
+  record.attempt.verdict.reason = GlobalRegistrationReason::kAccepted;
   record.in_graph = true;
   store->AddLoop(std::move(record), Edge(target, source, true));
 }

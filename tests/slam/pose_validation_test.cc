@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "slam/simulated_sequence.h"
-#include "surfit/frame/prepare_frame.h"
 #include "surfit/frame/preprocess.h"
+#include "surfit/frame/rectify_frame.h"
 #include "testing/matchers.h"
 #include "tracking/moving_regions.h"
 #include "tracking/view_comparison.h"
@@ -17,7 +17,7 @@ namespace {
 IcpResult GoodFit() {
   IcpResult icp;
   icp.termination = Termination::kConverged;
-  icp.inlier_share = 0.8;
+  icp.inlier_ratio = 0.8;
   icp.rmse_m = 0.003;
   return icp;
 }
@@ -51,7 +51,7 @@ TEST(PoseValidation, IgnoresMovingCellsAndRequiresOtherCellsToAgree) {
 TEST(PoseValidation, RejectsFailedRegistration) {
   const SlamOptions options;
   IcpResult icp = GoodFit();
-  icp.inlier_share = 0.9 * options.min_inlier_share;
+  icp.inlier_ratio = 0.9 * options.min_inlier_ratio;
   EXPECT_EQ(ValidateRegistration(icp, Views(0, 0), 0, options), Verdict::kRejected);
   icp = GoodFit();
   icp.rmse_m = 1.1 * options.max_rmse_m;
@@ -138,7 +138,7 @@ RgbdFrame WithBall(int i, double across_m) {
 
 // Ratio of moving cells in frame 20. The model does not contain the ball. `before` is the view 15
 // frames earlier.
-double MovingShare(const RgbdFrame& before, const RgbdFrame& now) {
+double MovingRatio(const RgbdFrame& before, const RgbdFrame& now) {
   const SimulatedSequence& room = IdealRoom();
   const Rigid3d &then = room.world_from_camera[5], &here = room.world_from_camera[20];
   MovingRegions regions;
@@ -153,11 +153,11 @@ double MovingShare(const RgbdFrame& before, const RgbdFrame& now) {
 
 TEST(MovingRegions, AreSurfacesInRecentFreeSpace) {
   const SimulatedSequence& room = IdealRoom();
-  const double arrived = MovingShare(room.frames[5], WithBall(20, 0));
+  const double arrived = MovingRatio(room.frames[5], WithBall(20, 0));
   EXPECT_GT(arrived, 0.1);
   EXPECT_LT(arrived, 0.5);
-  EXPECT_GT(MovingShare(WithBall(5, 0.3), WithBall(20, 0)), 0.1);
-  EXPECT_EQ(MovingShare(room.frames[5], room.frames[20]), 0);
+  EXPECT_GT(MovingRatio(WithBall(5, 0.3), WithBall(20, 0)), 0.1);
+  EXPECT_EQ(MovingRatio(room.frames[5], room.frames[20]), 0);
 }
 
 // A surface that the model does not contain, but that an earlier frame observed, is new and static.
@@ -170,7 +170,7 @@ TEST(MovingRegions, ExcludeNewStaticSurfaces) {
             [](const Eigen::Vector3d&) { return Eigen::Vector3f(0.6f, 0.3f, 0.2f); });
   ASSERT_GT(in_camera.z(), 0.5);
   EXPECT_EQ(
-      MovingShare(RenderFrame(scene, SimulatedCamera(), room.world_from_camera[5], 5, 5 / 30.),
+      MovingRatio(RenderFrame(scene, SimulatedCamera(), room.world_from_camera[5], 5, 5 / 30.),
                   RenderFrame(scene, SimulatedCamera(), room.world_from_camera[20], 20, 20 / 30.)),
       0);
 }
@@ -187,7 +187,7 @@ TEST(Slam, MovingObjectsAreNeitherTrackedNorFused) {
     EXPECT_THAT(report.world_from_camera,
                 RigidNear(room.world_from_camera[i], kPixelAt2m, kPixelRad))
         << i;
-    EXPECT_EQ(report.moving_share > 0.1, has_ball) << i;
+    EXPECT_EQ(report.moving_ratio > 0.1, has_ball) << i;
   }
 }
 

@@ -61,9 +61,9 @@ Rigid3d RandomMotion(double way_m, double turn_rad, std::mt19937_64* rng) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, axis)), way_m * way.normalized()};
 }
 
-LoopAttempt WrongLoop(Wrong wrong, int source, const std::vector<Keyframe>& keyframes,
-                      const FarVerdict& as_sure_as, std::mt19937_64* rng) {
-  LoopAttempt attempt;
+LoopVerification WrongLoop(Wrong wrong, int source, const std::vector<Keyframe>& keyframes,
+                           const GlobalRegistrationResult& as_sure_as, std::mt19937_64* rng) {
+  LoopVerification attempt;
   attempt.proposal.source = source;
   attempt.proposal.target = static_cast<int>((*rng)() % static_cast<std::uint64_t>(source));
   attempt.verdict = as_sure_as;
@@ -79,7 +79,7 @@ LoopAttempt WrongLoop(Wrong wrong, int source, const std::vector<Keyframe>& keyf
 LoopFinder Misled(Wrong wrong, const FindLoopsOptions& options, int* planted) {
   return [=, rng = std::mt19937_64(5), right = 0](
              int source, const std::vector<Keyframe>& keyframes, const PlaceIndex& index) mutable {
-    std::vector<LoopAttempt> attempts = FindLoops(source, keyframes, index, options);
+    std::vector<LoopVerification> attempts = FindLoops(source, keyframes, index, options);
     if (wrong == Wrong::kNone) return attempts;
     for (std::size_t i = 0, found = attempts.size(); i < found; ++i) {
       if (!attempts[i].verdict.accepted() || ++right % kRightPerWrong != 0) continue;
@@ -112,7 +112,7 @@ Outcome RunMisled(const SimulatedSequence& sequence, Wrong wrong) {
   outcome.ate_m = ComputeAbsoluteTrajectoryError(poses).value().translation_m.rmse;
   outcome.counts = slam.backend()->counts();
   std::printf("%d wrong loops: %zu of %zu accepted, ATE %.2f mm\n", outcome.planted,
-              outcome.counts.loops_accepted, outcome.counts.loops_proposed, 1e3 * outcome.ate_m);
+              outcome.counts.loops_accepted, outcome.counts.loop_candidates, 1e3 * outcome.ate_m);
   return outcome;
 }
 

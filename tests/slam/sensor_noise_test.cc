@@ -55,7 +55,7 @@ TEST(SensorNoise, IsSetInKeyframes) {
       noises.push_back(keyframe.view.noise.inverse_depth_sigma);
       AddNoises(PyramidOf(keyframe.view, {}), &noises);
     }
-    return std::vector<LoopAttempt>();
+    return std::vector<LoopVerification>();
   });
   for (const RgbdFrame& frame : room.frames) slam.Process(frame);
   slam.Finish();
@@ -104,7 +104,7 @@ TEST(SensorNoise, DeterminesWeightsOfGlobalRegistration) {
     SetNoise(sigma, &target.pyramid);
     InitializeOptions options;
     options.method = "features";
-    const IcpResult icp = RegisterFar(source, target, options, FarIcpOptions()).icp;
+    const IcpResult icp = RegisterGlobally(source, target, options, GlobalIcpOptions()).icp;
     EXPECT_TRUE(icp.Succeeded());
     return icp.information.trace();
   };
@@ -120,7 +120,7 @@ TEST(SensorNoise, IncreasesInlierRatioOfRelocalisation) {
     PlaceIndex index;
     index.Add(0, keyframes[0].view);
     const Relocalization found = Relocalize(view, keyframes, index, {});
-    return found.attempts.empty() ? -1 : found.attempts.back().verdict.inlier_share;
+    return found.attempts.empty() ? -1 : found.attempts.back().verdict.inlier_ratio;
   };
   const double exact = inliers(0.0005), noisy = inliers(0.01);
   EXPECT_GT(exact, 0);

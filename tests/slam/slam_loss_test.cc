@@ -91,12 +91,12 @@ TEST(Slam, RelocalisesAfterJump) {
         ExpectSameMap(slam.map(), before);
       } else {
         EXPECT_EQ(report.state, FrameState::kTracked) << tracking;
-        EXPECT_TRUE(report.found_again);
+        EXPECT_TRUE(report.found_by_search);
         EXPECT_THAT(report.world_from_camera,
                     RigidNear(room.world_from_camera[120], kPixelAt2m, kPixelRad));
         const FrameReport next = slam.Process(room.frames[121]);
         EXPECT_EQ(next.state, FrameState::kTracked) << tracking;
-        EXPECT_FALSE(next.found_again);
+        EXPECT_FALSE(next.found_by_search);
       }
     }
   }

@@ -88,7 +88,7 @@ TEST(Slam, TracksAlongTexturedWallByIntensities) {
 
 TEST(Slam, UsesIntensitiesIfGeometryIsWeaklyConstrained) {
   SlamOptions options;
-  options.poorly_held_photometric_weight = 0.2;
+  options.weakly_constrained_photometric_weight = 0.2;
   const SimulatedSequence wall = Simulate("wall", 1, 40, Sensor::kKinect);
   const SlamRun run = RunSlam(wall, options, wall.world_from_camera[0]);
   ExpectAllTracked(run);
@@ -128,7 +128,7 @@ TEST(Slam, MotionPriorRejectsImplausibleRegistration) {
   frame.color = other.color;
   frame.depth_m = other.depth_m;
   SlamOptions options;
-  options.poorly_held_photometric_weight = 1;
+  options.weakly_constrained_photometric_weight = 1;
   const auto error_m = [&] {
     const SlamRun run = RunSlam(wall, options, wall.world_from_camera[0]);
     return (run.reports[kElsewhere].world_from_camera.translation -
@@ -160,7 +160,7 @@ TEST(Slam, RejectsMotionPriorWithoutVelocityModel) {
 
 TEST(Slam, UsesGeometryOnlyIfPoseIsConstrained) {
   SlamOptions options;
-  options.poorly_held_photometric_weight = 0.2;
+  options.weakly_constrained_photometric_weight = 0.2;
   const SlamRun run = RunSlam(IdealRoom(), options, IdealRoom().world_from_camera[0]);
   for (const FrameReport& report : run.reports) EXPECT_EQ(report.icp.intensity_count, 0);
 }
@@ -231,7 +231,7 @@ TEST(Slam, DuplicateFrameKeepsPoseAndIsNotFused) {
   RgbdFrame again = room.frames[1];
   again.index = 2;
   const FrameReport frozen = slam.Process(again);
-  EXPECT_EQ(frozen.state, FrameState::kFrozen);
+  EXPECT_EQ(frozen.state, FrameState::kDuplicate);
   EXPECT_EQ(frozen.world_from_camera.Matrix(), tracked.world_from_camera.Matrix());
   EXPECT_EQ(frozen.fusion.input_points, 0);
   ExpectSameMap(slam.map(), before);
@@ -363,7 +363,7 @@ TEST(SlamThreads, RunsAreBitwiseIdenticalAtAnyNumberOfThreads) {
 TEST(FrameState, HasNames) {
   EXPECT_EQ(ToString(FrameState::kFirst), "first");
   EXPECT_EQ(ToString(FrameState::kTracked), "tracked");
-  EXPECT_EQ(ToString(FrameState::kFrozen), "frozen");
+  EXPECT_EQ(ToString(FrameState::kDuplicate), "duplicate");
   EXPECT_EQ(ToString(FrameState::kGiven), "given");
   EXPECT_EQ(ToString(FrameState::kLost), "lost");
 }
@@ -384,8 +384,8 @@ TEST(SlamOptions, RejectInvalidValues) {
   expect_refused([](auto& o) { o.max_view_shift = -1; }, "max_view_shift", "-1");
   expect_refused([](auto& o) { o.max_view_shift = kNan; }, "max_view_shift", "nan");
   expect_refused([](auto& o) { o.initialize = "magic"; }, "initialize", "magic");
-  expect_refused([](auto& o) { o.min_inlier_share = 1.1; }, "min_inlier_share", "1.1");
-  expect_refused([](auto& o) { o.min_inlier_share = kNan; }, "min_inlier_share", "nan");
+  expect_refused([](auto& o) { o.min_inlier_ratio = 1.1; }, "min_inlier_ratio", "1.1");
+  expect_refused([](auto& o) { o.min_inlier_ratio = kNan; }, "min_inlier_ratio", "nan");
   expect_refused([](auto& o) { o.max_rmse_m = 0; }, "max_rmse_m", "0");
   expect_refused([](auto& o) { o.preprocess.pyramid_levels = 0; }, "preprocess.pyramid_levels",
                  "0");
@@ -393,7 +393,7 @@ TEST(SlamOptions, RejectInvalidValues) {
   expect_refused([](auto& o) { o.icp.gates.max_distance_m = -1; }, "icp.gates.max_distance_m",
                  "-1");
   expect_refused([](auto& o) { o.fusion.merge_distance_m = 0; }, "fusion.merge_distance_m", "0");
-  expect_refused([](auto& o) { o.render.radius_share = 0; }, "render.radius_share", "0");
+  expect_refused([](auto& o) { o.render.radius_ratio = 0; }, "render.radius_ratio", "0");
   PinholeCamera camera = SimulatedCamera();
   camera.fx = 0;
   ExpectInputError([&] { Slam({camera, {}}, SlamOptions(), {}); }, Names("camera", "fx", 0));

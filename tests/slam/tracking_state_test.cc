@@ -60,11 +60,11 @@ TEST(TrackingState, CountsLostFramesUntilAPose) {
 
 TEST(TrackingState, ContinuesMotionOverTwoLostFrames) {
   TrackingState state;
-  EXPECT_FALSE(state.MovesOn());
+  EXPECT_FALSE(state.HasPredictableMotion());
   state = Next(Next(Next(state, Event::kPose), Event::kNoPose), Event::kNoPose);
-  EXPECT_TRUE(state.MovesOn());
-  EXPECT_FALSE(Next(state, Event::kNoPose).MovesOn());
-  EXPECT_FALSE(Next(state, Event::kTentativePose).MovesOn());
+  EXPECT_TRUE(state.HasPredictableMotion());
+  EXPECT_FALSE(Next(state, Event::kNoPose).HasPredictableMotion());
+  EXPECT_FALSE(Next(state, Event::kTentativePose).HasPredictableMotion());
 }
 
 TEST(TrackingState, NeedsAllPointsAfterWeakFrame) {
@@ -79,7 +79,7 @@ TEST(TrackingState, SearchesInGivenMapUntilPose) {
   EXPECT_TRUE(state.HasStarted());
   EXPECT_TRUE(state.NeedsSearch());
   EXPECT_FALSE(state.HasLastPose());
-  EXPECT_FALSE(state.MovesOn());
+  EXPECT_FALSE(state.HasPredictableMotion());
   state = Next(Next(state, Event::kTentativePose), Event::kTentativeCompared);
   EXPECT_FALSE(state.is_localised);
   EXPECT_TRUE(Next(state, Event::kFound).HasLastPose());

@@ -35,7 +35,7 @@ TEST_F(CompareTool, ComparesAllSolversOverKnownPairs) {
     const bool slow = row["solver"] == "ceres_per_point";
     EXPECT_EQ(row["runs"], slow ? 2 : 4);
     EXPECT_EQ(row["points"], 2000);
-    EXPECT_EQ(row["converged_share"], 1);
+    EXPECT_EQ(row["converged_ratio"], 1);
     // Single precision rounds coordinates up to 6 m by 2.4e-7 m.
     EXPECT_LT(row["translation_error_m"], 1e-6);
     const bool builds = slow || row["solver"] == "ceres" || row["solver"] == "tiny";
@@ -84,8 +84,8 @@ TEST_F(CompareTool, ComparesOverPairsOfFrames) {
     SCOPED_TRACE(row.dump());
     EXPECT_EQ(row["runs"], 8);
     if (row["residual"] != "point_to_plane") continue;
-    EXPECT_GE(row["converged_share"], 0.25);  // from 1 deg and 1 cm
-    EXPECT_LT(row["converged_share"], 1);     // not from 45 deg and 1 m
+    EXPECT_GE(row["converged_ratio"], 0.25);  // from 1 deg and 1 cm
+    EXPECT_LT(row["converged_ratio"], 1);     // not from 45 deg and 1 m
     EXPECT_LT(row["translation_error_m"], 0.005);
     EXPECT_FALSE(row["termination"].is_null());
   }
@@ -128,7 +128,7 @@ TEST_F(CompareTool, ComparesOverTwoClouds) {
   Succeeded(Compare(flags));
   for (const auto& row : Rows()) {
     EXPECT_EQ(row["association"], "kd_tree");
-    EXPECT_TRUE(row["converged_share"].is_null());
+    EXPECT_TRUE(row["converged_ratio"].is_null());
     EXPECT_TRUE(row["translation_error_m"].is_null());
     EXPECT_FALSE(row["final_cost"].is_null());
   }
@@ -138,7 +138,7 @@ TEST_F(CompareTool, ComparesOverTwoClouds) {
   for (const auto& row : Rows()) {
     SCOPED_TRACE(row.dump());
     if (row["residual"] == "point_to_point") continue;  // converges slowly along surfaces
-    EXPECT_EQ(row["converged_share"], 1);
+    EXPECT_EQ(row["converged_ratio"], 1);
     EXPECT_LT(row["translation_error_m"], 0.005);
   }
   // A flag overrides the default for clouds.
@@ -168,7 +168,7 @@ TEST_F(CompareTool, ReplaysFailedRegistrations) {
     ASSERT_EQ(rows.size(), 42u);
     for (const auto& row : rows) {
       EXPECT_EQ(row["runs"], 1);
-      EXPECT_TRUE(row["converged_share"].is_null());
+      EXPECT_TRUE(row["converged_ratio"].is_null());
       if (row["solver"] == "closed_form_ldlt" && row["residual"] == "point_to_plane" &&
           row["association"] == "projective") {
         EXPECT_EQ(row["termination"], termination);

@@ -213,7 +213,7 @@ TEST(MeshTool, RejectsBadInput) {
   expect("half.ply", {"--output=a.stl"}, "a.stl", ".ply", ".obj", ".glb");
   expect("half.ply", {"--cell_m=0"}, "cell_m", 0);
   expect("half.ply", {"--cell_m=1e-9"}, "cell_m");
-  expect("half.ply", {"--min_piece_m=5"}, "cell_m", "trim_distance_m", "min_piece_m");
+  expect("half.ply", {"--min_component_m=5"}, "cell_m", "trim_distance_m", "min_component_m");
   expect("half.ply", {"--trim_distance_m=-1"}, "trim_distance_m", -1);
   expect("half.ply", {"--support_radii=0"}, "support_radii", 0);
   expect("points.ply", {}, "map");

@@ -71,7 +71,7 @@ TEST(RefineTool, UsesThePriorOfTheSensorUnlessAFlagOverridesIt) {
   const TempFolder folder;
   Simulate(folder / "in", 20, 4, 7);
   RgbdCamera sensor = ReadCameraYaml(folder / "in/camera.yaml");
-  sensor.prior.focal_share = 1e-6;
+  sensor.prior.focal_relative_sigma = 1e-6;
   sensor.prior.center_px = 1e-6;
   WriteCameraYaml(sensor, folder / "in/camera.yaml");
   Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
@@ -79,10 +79,10 @@ TEST(RefineTool, UsesThePriorOfTheSensorUnlessAFlagOverridesIt) {
   Succeeded(RunProgram("surfit_refine",
                        {"--run=" + folder / "out", "--max_rounds=1", "--prior_center_px=3"}));
   const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
-  EXPECT_EQ(json["options"]["prior_focal_share"], "1e-06");
+  EXPECT_EQ(json["options"]["prior_focal_relative_sigma"], "1e-06");
   EXPECT_EQ(json["options"]["prior_center_px"], "3");
-  EXPECT_EQ(json["options"]["prior_aspect_share"], "0.001");
-  EXPECT_EQ(ReadCameraYaml(folder / "out/refined/camera.yaml").prior.focal_share, 1e-6);
+  EXPECT_EQ(json["options"]["prior_aspect_relative_sigma"], "0.001");
+  EXPECT_EQ(ReadCameraYaml(folder / "out/refined/camera.yaml").prior.focal_relative_sigma, 1e-6);
 }
 
 // A rolling shutter that is not in camera.yaml.
@@ -162,7 +162,7 @@ TEST(RefineTool, EstimatesTheDepthErrorField) {
     Succeeded(
         RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
                                    "--pictures=false", "--nofinal_map", "--nocalibrate"}));
-    Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--free_depth_field"}));
+    Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--estimate_depth_field"}));
     const std::string refined = folder / "out/refined";
     const auto json = nlohmann::json::parse(ReadBytes(refined + "/refinement.json"));
     const double before = json["ate_rmse_m"]["before"], after = json["ate_rmse_m"]["after"];

@@ -210,16 +210,17 @@ TEST_F(AlignTool, FailsWithValueAndConstraint) {
   EXPECT_EQ(few.exit_code, 2);
   EXPECT_THAT(WithoutNotes(few.err),
               AllOf(StartsWith("failed: too_few_inliers: "), Names("min_inliers", 100000)));
-  const ProgramResult filled = Align(Room(), {"--target_frame=5", "--max_free_space_share=0"});
+  const ProgramResult filled =
+      Align(Room(), {"--target_frame=5", "--max_free_space_violation_ratio=0"});
   EXPECT_EQ(filled.exit_code, 2);
-  EXPECT_THAT(WithoutNotes(filled.err),
-              AllOf(StartsWith("failed: free_space_filled: "), Names("max_free_space_share", 0)));
+  EXPECT_THAT(WithoutNotes(filled.err), AllOf(StartsWith("failed: free_space_violation: "),
+                                              Names("max_free_space_violation_ratio", 0)));
 }
 
 TEST_F(AlignTool, FlagsOverrideThePreset) {
   const ProgramResult help = RunProgram("surfit_align", {"--helpon=registration"});
   EXPECT_THAT(help.out, Names("--max_distance_m=0.05"));
-  EXPECT_THAT(help.out, Names("--max_free_space_share=0.02"));
+  EXPECT_THAT(help.out, Names("--max_free_space_violation_ratio=0.02"));
   const ProgramResult strict = Align(Room(), {"--target_frame=1", "--max_distance_m=0.0001"});
   EXPECT_EQ(strict.exit_code, 2);
   EXPECT_THAT(WithoutNotes(strict.err), StartsWith("failed: too_few_inliers"));
@@ -230,7 +231,7 @@ TEST_F(AlignTool, RejectsBadInputInOneLine) {
       {{"--source_frame=-1"}, {"source_frame", "-1"}},
       {{"--target_frame=6"}, {"6"}},
       {{"--max_normal_angle_deg=-1"}, {"--max_normal_angle_deg", "-1"}},
-      {{"--max_free_space_share=2"}, {"max_free_space_share", "2"}},
+      {{"--max_free_space_violation_ratio=2"}, {"max_free_space_violation_ratio", "2"}},
       {{"--solver=magic"}, {"solver", "magic", "closed_form_ldlt"}},
       {{"--start=magic"}, {"start", "magic", "identity", "so3", "features"}},
       {{"--nonsense=1"}, {"nonsense"}},

@@ -34,7 +34,7 @@ TEST_F(ResidualLibrary, IsComparedWithTheBuiltInResiduals) {
     if (row["residual"] != "soft_plane") continue;
     SCOPED_TRACE(row.dump());
     ++own;
-    EXPECT_EQ(row["converged_share"], 1);
+    EXPECT_EQ(row["converged_ratio"], 1);
     EXPECT_LT(row["translation_error_m"], 1e-6);
   }
   EXPECT_EQ(own, 8);  // every solver except svd, and ceres_per_point with each linear solver

@@ -49,8 +49,8 @@ TEST_F(SimulateSensorTest, HasNoErrorsByDefault) {
 
 TEST_F(SimulateSensorTest, WritesAWrongCameraAndTheTrueCamera) {
   ASSERT_EQ(Simulate("room", {}), "");
-  ASSERT_EQ(Simulate("off", {"--given_focal_error=0.01,-0.02", "--given_center_error=1.5,-2",
-                             "--inverse_depth_offset=0.006"}),
+  ASSERT_EQ(Simulate("off", {"--camera_yaml_focal_error=0.01,-0.02",
+                             "--camera_yaml_center_error=1.5,-2", "--inverse_depth_offset=0.006"}),
             "");
   const PinholeCamera truth = ReadCameraYaml(folder_ / "room/camera.yaml").depth;
   const PinholeCamera given = ReadCameraYaml(folder_ / "off/camera.yaml").depth;
@@ -170,8 +170,9 @@ TEST_F(SimulateSensorTest, RejectsLatencyOfNumberedFrames) {
 TEST_F(SimulateSensorTest, RejectsBadFlagsByName) {
   EXPECT_THAT(Simulate("room", {"--known=readout"}), Names("--known", "readout"));
   EXPECT_THAT(Simulate("room", {"--known=readout_s,readout_s"}), Names("--known", "readout_s"));
-  EXPECT_THAT(Simulate("room", {"--given_focal_error=-1,0"}), Names("camera.yaml"));
-  EXPECT_THAT(Simulate("room", {"--given_center_error=3"}), Names("given_center_error"));
+  EXPECT_THAT(Simulate("room", {"--camera_yaml_focal_error=-1,0"}), Names("camera.yaml"));
+  EXPECT_THAT(Simulate("room", {"--camera_yaml_center_error=3"}),
+              Names("camera_yaml_center_error"));
   EXPECT_THAT(Simulate("room", {"--channel_gains=1,0,1"}), Names("channel_gains"));
   EXPECT_THAT(Simulate("room", {"--readout_s=-1"}), Names("readout_s", -1));
 }

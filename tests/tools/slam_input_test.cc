@@ -30,12 +30,12 @@ TEST_F(SlamTool, WarnsAboutImplausibleIntrinsics) {
   const std::string walk = Simulate("walk", {"--frames=150", "--downsample=4"});
   const ProgramResult right = Succeeded(Slam(walk, Output("right")));
   EXPECT_THAT(right.err, Not(HasWarning()));
-  EXPECT_TRUE(Summary(Output("right"))["calibration_doubt"].is_null());
+  EXPECT_TRUE(Summary(Output("right"))["calibration_warning"].is_null());
   for (const std::string focal : {"82", "245"}) {
     const ProgramResult wrong =
         Slam(walk, Output(focal), {"--intrinsics=" + focal + "," + focal + ",79.9,59.9"});
     EXPECT_THAT(wrong.err, AllOf(HasWarning(), Names(walk + "/camera.yaml", 131.25)));
-    EXPECT_TRUE(Summary(Output(focal))["calibration_doubt"].is_string());
+    EXPECT_TRUE(Summary(Output(focal))["calibration_warning"].is_string());
   }
 }
 

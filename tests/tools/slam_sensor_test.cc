@@ -68,7 +68,7 @@ TEST(SlamSensor, EstimatesTheColourLatency) {
 TEST(SlamSensor, RefinesCameraAndPosesAtTheEnd) {
   const TempFolder folder;
   SimulateRoom(folder / "in", 4, 150,
-               {"--given_center_error=2,-1.5", "--inverse_depth_distortion=0.015,0,0,0,0"});
+               {"--camera_yaml_center_error=2,-1.5", "--inverse_depth_distortion=0.015,0,0,0,0"});
   const nlohmann::json refined = SummaryOf(folder / "in", folder / "refined", {"--threads=1"}),
                        given = SummaryOf(folder / "in", folder / "given", {"--norefine"});
   SummaryOf(folder / "in", folder / "other", {"--threads=2"});
@@ -118,7 +118,7 @@ TEST(SlamSensorSweep, CalibratesAllParameters) {
     const TempFolder folder;
     SimulateRoom(folder / "in", seed, 300,
                  {"--readout_s=0.033", "--color_readout_s=0.033", "--color_latency_s=0.02",
-                  "--given_focal_error=0.01,0.01", "--given_center_error=2,-1.5",
+                  "--camera_yaml_focal_error=0.01,0.01", "--camera_yaml_center_error=2,-1.5",
                   "--inverse_depth_distortion=0.015,0,0,0,0"});
     RgbdCamera given = ReadCameraYaml(folder / "in/camera.yaml");
     given.prior.readout_s = 0.03;

@@ -34,7 +34,7 @@ TEST_F(SlamTool, WritesTrajectoryMapTablesAndPictures) {
   // Pixels are 4 mm wide at 0.5 m and 30 mm at 4 m. The ATE is a fraction of that.
   EXPECT_LT(summary["ate_rmse_m"], 0.015);
   for (const char* key :
-       {"match_share", "rpe_translation_rmse_m", "rpe_rotation_rmse_deg", "total_s", "frame_ms",
+       {"match_ratio", "rpe_translation_rmse_m", "rpe_rotation_rmse_deg", "total_s", "frame_ms",
         "stage_ms", "peak_rss_bytes", "residual", "association", "solver", "options", "digest"}) {
     EXPECT_TRUE(summary.contains(key) && !summary[key].is_null()) << key;
   }
@@ -83,8 +83,8 @@ TEST_F(SlamTool, ReportsLoopStatistics) {
   Succeeded(Slam(Room(), Output(), {"--loop_closure"}));
   const nlohmann::json summary = Summary(Output());
   EXPECT_GE(summary["keyframes"], 1);
-  for (const char* key : {"loops_proposed", "loops_accepted", "loops_refused", "relocalisations",
-                          "map_corrections", "submaps_apart", "surfels_merged_by_loops"}) {
+  for (const char* key : {"loop_candidates", "loops_accepted", "loops_rejected", "relocalisations",
+                          "map_corrections", "disconnected_submaps", "surfels_merged_by_loops"}) {
     EXPECT_EQ(summary[key], 0) << key;  // the path is too short for loops
   }
   EXPECT_EQ(summary["submaps"], 1);
@@ -131,7 +131,7 @@ TEST_F(SlamTool, TracesEveryStageOfEveryFrame) {
     }
   }
   for (int frame = 0; frame < kFrames; ++frame) {
-    for (const char* stage : {"frame", "decode", "preprocess", "draw_ahead", "write"}) {
+    for (const char* stage : {"frame", "read", "preprocess", "draw_ahead", "write"}) {
       EXPECT_EQ((counts[{stage, frame}]), 1) << stage << " " << frame;
     }
     EXPECT_EQ((counts[{"fuse", frame}]), frame % 3 == 0 ? 1 : 0) << frame;
@@ -139,7 +139,7 @@ TEST_F(SlamTool, TracesEveryStageOfEveryFrame) {
       EXPECT_EQ((counts[{stage, frame}]), frame > 0 ? 1 : 0) << stage << " " << frame;
     }
   }
-  for (const char* stage : {"decode", "preprocess", "predict", "track", "fuse", "write"}) {
+  for (const char* stage : {"read", "preprocess", "predict", "track", "fuse", "write"}) {
     EXPECT_THAT(result.out, ContainsRegex("\n" + std::string(stage) + " ")) << result.out;
     const nlohmann::json times = Summary(Output())["stage_ms"][stage];
     EXPECT_GT(times["share"], 0) << stage;
@@ -184,11 +184,11 @@ TEST_F(SlamTool, HelpShowsCommonFlagsOnTwoScreens) {
 TEST_F(SlamTool, HelpOnAGroupShowsItsFlags) {
   for (const char* flag : {"--help=map", "--helpon=map"}) {
     EXPECT_THAT(Succeeded(RunProgram("surfit_slam", {flag})).out,
-                AllOf(Names("--duplicate_share=0.7"), Not(Names("--sequence"))));
+                AllOf(Names("--duplicate_ratio=0.7"), Not(Names("--sequence"))));
   }
   for (const char* flag : {"--help=all", "--helpfull"}) {
     EXPECT_THAT(Succeeded(RunProgram("surfit_slam", {flag})).out,
-                Names("--duplicate_share=0.7", "--sequence"));
+                Names("--duplicate_ratio=0.7", "--sequence"));
   }
   ExpectRefused(RunProgram("surfit_slam", {"--help=magic"}), "--help", "magic", "all", "sequence");
 }
@@ -232,7 +232,7 @@ TEST_F(SlamTool, ProcessesFramesAtSensorRate) {
   EXPECT_THAT(result.out, Names("latency"));
   const nlohmann::json summary = Summary(Output()), free = Summary(Output("free"));
   EXPECT_EQ(summary["frames_dropped"], 0);
-  EXPECT_EQ(summary["frames_hurried"], 0);
+  EXPECT_EQ(summary["frames_with_longer_map_period"], 0);
   EXPECT_EQ(summary["longest_map_period"], SlamOptions().map_period);
   EXPECT_EQ(summary["digest"], free["digest"]);
   EXPECT_GE(summary["total_s"], (kFrames - 1) / kSlowFps);

@@ -158,7 +158,7 @@ std::string LetGflagsParse(int* argc, char*** argv) {
   return failed ? message : "";
 }
 
-void RefuseArgument(const std::string& argument, const std::vector<FlagHelp>& flags) {
+void RejectArgument(const std::string& argument, const std::vector<FlagHelp>& flags) {
   std::string sentence = Concat("unexpected argument '", argument, "', flags begin with --");
   const bool takes_sequence = std::any_of(
       flags.begin(), flags.end(), [](const FlagHelp& flag) { return flag.name == "sequence"; });
@@ -220,11 +220,11 @@ void ParseCommandLine(std::vector<std::string> arguments, const std::vector<Flag
   char** argv = pointers.data();
   const std::string message = LetGflagsParse(&argc, &argv);
   if (!message.empty()) throw InputError(Sentence(message, flags, unknown));
-  if (argc > 1) RefuseArgument(argv[1], flags);
+  if (argc > 1) RejectArgument(argv[1], flags);
 }
 
-std::string AskedFor(const std::string& program, const std::string& summary,
-                     const std::vector<FlagHelp>& flags, const std::vector<FlagHelp>& all) {
+std::string RequestedText(const std::string& program, const std::string& summary,
+                          const std::vector<FlagHelp>& flags, const std::vector<FlagHelp>& all) {
   if (Value("version") == "true") return program + " " + SURFIT_VERSION + "\n";
   const std::string group = Value("helpon"), title = program + ": " + summary + "\n\n";
   if (group == "words") return CompletionWords(all);

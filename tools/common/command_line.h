@@ -29,7 +29,7 @@ void ParseCommandLine(std::vector<std::string> arguments, const std::vector<Flag
 // Returns the text of --help, --version or --help=words (CompletionWords()); empty if a run is
 // requested. `flags` are the flags of the selected mode, `all` the flags of all modes. Throws
 // InputError with a list of the groups for help on an unknown group.
-std::string AskedFor(const std::string& program, const std::string& summary,
-                     const std::vector<FlagHelp>& flags, const std::vector<FlagHelp>& all);
+std::string RequestedText(const std::string& program, const std::string& summary,
+                          const std::vector<FlagHelp>& flags, const std::vector<FlagHelp>& all);
 
 }  // namespace surfit::tools

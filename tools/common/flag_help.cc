@@ -15,7 +15,7 @@ constexpr std::size_t kFew = 20;     // maximum number of flags without groups
 const FlagHelp kFlagFile = {
     "flagfile", "", "read flags from this file, one per line", "", true, false, {}, {}};
 
-std::string Listed(const std::vector<std::string>& names) {
+std::string JoinNames(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
@@ -32,7 +32,7 @@ std::string Text(const FlagHelp& flag) {
   text.append(kIndent - column, ' ');
   column = kIndent;
   std::istringstream words(flag.modes.empty() ? flag.help
-                                              : flag.help + " [" + Listed(flag.modes) + "]");
+                                              : flag.help + " [" + JoinNames(flag.modes) + "]");
   for (std::string word; words >> word;) {
     if (column > kIndent && column + 1 + word.size() > kWidth) {
       text += '\n' + std::string(kIndent, ' ');
@@ -77,7 +77,7 @@ std::string EverydayHelp(const std::vector<FlagHelp>& flags, const std::vector<F
   const std::string text =
       (few ? "Options:\n" : "Everyday options:\n") + Texts(flags, wanted) + Text(kFlagFile);
   if (all.size() <= kFew) return text;
-  return text + "\nMore: --help=GROUP with GROUP one of " + Listed(Groups(all)) +
+  return text + "\nMore: --help=GROUP with GROUP one of " + JoinNames(Groups(all)) +
          ";\n--help=all for all options.\n";
 }
 
@@ -91,7 +91,7 @@ std::string FullHelp(const std::vector<FlagHelp>& flags) {
 std::string GroupHelp(const std::vector<FlagHelp>& flags, const std::string& group) {
   const std::vector<std::string> groups = Groups(flags);
   if (std::find(groups.begin(), groups.end(), group) == groups.end()) {
-    throw InputError(Concat("--help is '", group, "', must be one of: all, ", Listed(groups)));
+    throw InputError(Concat("--help is '", group, "', must be one of: all, ", JoinNames(groups)));
   }
   return Section(flags, group);
 }

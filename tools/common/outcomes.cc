@@ -15,18 +15,19 @@ namespace {
 std::string Failure(const IcpResult& icp, const IcpOptions& options) {
   switch (icp.termination) {
     case Termination::kTooFewInliers:
-      return Concat("inlier ratio is ", icp.inlier_share, ", required are at least min_inliers (",
+      return Concat("inlier ratio is ", icp.inlier_ratio, ", required are at least min_inliers (",
                     options.min_inliers, ") correspondences and a ratio of ",
-                    options.min_inlier_share);
+                    options.min_inlier_ratio);
     case Termination::kSingularSystem:
-      return Concat("the surfaces do not constrain ", icp.free_directions.size(),
+      return Concat("the surfaces do not constrain ", icp.degenerate_directions.size(),
                     " direction(s) of motion: smallest eigenvalue is ", icp.eigenvalues[0],
                     ", must be above min_eigenvalue (", options.held.min_eigenvalue,
                     ") and min_information_ratio (", options.held.min_information_ratio,
                     ") times the spurious information of normal noise");
-    case Termination::kFreeSpaceFilled:
-      return Concat("ratio of free-space violations is ", icp.free_space_share,
-                    ", must be at most max_free_space_share (", options.max_free_space_share, ")");
+    case Termination::kFreeSpaceViolation:
+      return Concat("ratio of free-space violations is ", icp.free_space_violation_ratio,
+                    ", must be at most max_free_space_violation_ratio (",
+                    options.max_free_space_violation_ratio, ")");
     case Termination::kConverged:
     case Termination::kRmseIncreased:
     case Termination::kMaxIterations:

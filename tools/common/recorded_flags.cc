@@ -38,8 +38,8 @@ bool IsDefault(const std::string& name) {
 
 }  // namespace
 
-void TakeRecordedFlags(const std::string& run, const OptionTable& sequence,
-                       const std::set<std::string>& left_out, RecordedCamera wanted) {
+void ApplyRecordedFlags(const std::string& run, const OptionTable& sequence,
+                        const std::set<std::string>& left_out, RecordedCamera wanted) {
   const std::string summary_json = run + "/summary.json";
   const std::map<std::string, std::string> recorded = RecordedFlags(summary_json);
   const bool wants_found = wanted == RecordedCamera::kFound && IsDefault("camera");
@@ -66,7 +66,7 @@ SequenceOptions WithFoundCamera(const SequenceOptions& sequence, const std::stri
   found.first = sequence.first;
   found.last = sequence.last;
   found.stride = sequence.stride;
-  found.prepare = sequence.prepare;
+  found.rectify = sequence.rectify;
   return found;
 }
 

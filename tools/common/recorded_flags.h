@@ -18,9 +18,9 @@ enum class RecordedCamera { kFound, kGiven };
 // set. With --camera, the camera.yaml of the run is not used. Throws InputError with the name of
 // the file if it cannot be read or has no options, and with the name of a flag with an invalid
 // value.
-void TakeRecordedFlags(const std::string& run, const OptionTable& sequence,
-                       const std::set<std::string>& left_out = {},
-                       RecordedCamera camera = RecordedCamera::kFound);
+void ApplyRecordedFlags(const std::string& run, const OptionTable& sequence,
+                        const std::set<std::string>& left_out = {},
+                        RecordedCamera camera = RecordedCamera::kFound);
 
 // Options of the sequence of a run, with the calibrated camera if there is one.
 SequenceOptions WithFoundCamera(const SequenceOptions& sequence, const std::string& run);

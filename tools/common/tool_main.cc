@@ -34,7 +34,7 @@ bool IsOneOf(const std::array<const char*, kCount>& names, const FlagHelp& flag)
 
 // Throws InputError if an input is also an output. Default values of the flags are their present
 // values.
-void RequireInputsKept(const std::vector<FlagHelp>& flags) {
+void RequireDistinctPaths(const std::vector<FlagHelp>& flags) {
   namespace fs = std::filesystem;
   for (const FlagHelp& output : flags) {
     if (!IsOneOf(kOutputs, output)) continue;
@@ -57,7 +57,7 @@ void WriteKind(std::ostream& line, const google::LogMessageInfo& message, void*)
 }
 
 // Throws InputError if stdout was not written completely, e.g. due to a full disk or a closed pipe.
-void RequireOutputTaken() {
+void RequireStdoutWritten() {
   std::cout.flush();
   const bool failed = std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout;
   if (failed) throw InputError("stdout cannot be written");
@@ -88,10 +88,10 @@ int ToolMain(int argc, char** argv, const std::string& summary, const ModeFlag& 
       }
       return std::string();
     });
-    const std::string text = AskedFor(program, summary, described, all.Described());
+    const std::string text = RequestedText(program, summary, described, all.Described());
     if (!text.empty()) {
       std::cout << text;
-      RequireOutputTaken();
+      RequireStdoutWritten();
       return kDone;
     }
     flags.Apply();
@@ -101,9 +101,9 @@ int ToolMain(int argc, char** argv, const std::string& summary, const ModeFlag& 
       flags.Apply();
     }
     flags.Check();
-    RequireInputsKept(Describe(mode.options));
+    RequireDistinctPaths(Describe(mode.options));
     const int exit_code = mode.run();
-    RequireOutputTaken();
+    RequireStdoutWritten();
     return exit_code;
   } catch (const std::bad_alloc&) {
     std::cerr << "error: out of memory" << std::endl;

@@ -34,11 +34,11 @@ struct AllRevisitOptions {
 // Uses the trajectory of the run as estimate.
 void TakeRun(AllRevisitOptions* options) {
   if (options->run.empty()) return;
-  TakeRecordedFlags(options->run, TableOf(&options->revisits.sequence), {"stride"});
+  ApplyRecordedFlags(options->run, TableOf(&options->revisits.sequence), {"stride"});
   options->revisits.estimate = options->run + "/trajectory.txt";
 }
 
-void SetAgreement(const std::string& name, const RevisitAgreement& agreement, Json* json) {
+void SetFinalFit(const std::string& name, const SurfaceAgreement& agreement, Json* json) {
   Json of_trajectory;
   SetStatistics("surface", "m", &agreement.surface_m, &of_trajectory);
   SetStatistics("icp_translation", "m", &agreement.icp_translation_m, &of_trajectory);
@@ -46,7 +46,7 @@ void SetAgreement(const std::string& name, const RevisitAgreement& agreement, Js
   (*json)[name] = of_trajectory;
 }
 
-void PrintSummary(const std::string& name, const RevisitAgreement& agreement) {
+void PrintSummary(const std::string& name, const SurfaceAgreement& agreement) {
   std::cerr << name << ": surface distance " << 1000 * agreement.surface_m.median
             << " mm, correction by dense ICP " << 1000 * agreement.icp_translation_m.median
             << " mm and " << agreement.icp_rotation_deg.median << " deg (medians)" << std::endl;
@@ -61,8 +61,8 @@ int RunRevisits(const AllRevisitOptions& options) {
   Json json = {{"pairs", report.pairs},
                {"unregistered", report.unregistered},
                {"frames_without_pose", report.without_pose}};
-  SetAgreement("groundtruth", report.ground_truth, &json);
-  SetAgreement("estimate", report.estimate, &json);
+  SetFinalFit("groundtruth", report.ground_truth, &json);
+  SetFinalFit("estimate", report.estimate, &json);
   PrintJson(json);
   std::cerr << report.pairs << " frame pairs of the same place, " << report.unregistered
             << " of them not registered, camera: " << NameOfCamera(options.revisits.sequence)

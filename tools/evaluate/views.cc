@@ -41,13 +41,13 @@ int RunViews(const ViewEvaluationOptions& options) {
 }
 
 // The calibrated camera is in poses.json of the run, so the frames are read with the input camera.
-void TakeWhatTheRunRead(ViewEvaluationOptions* options) {
+void PrepareViews(ViewEvaluationOptions* options) {
   RequireFlag("run", options->run);
-  TakeRecordedFlags(options->run, TableOf(&options->sequence), {}, RecordedCamera::kGiven);
+  ApplyRecordedFlags(options->run, TableOf(&options->sequence), {}, RecordedCamera::kGiven);
 }
 
 }  // namespace
 
-Mode ViewEvaluationMode() { return MakeMode("views", RunViews, TakeWhatTheRunRead); }
+Mode ViewEvaluationMode() { return MakeMode("views", RunViews, PrepareViews); }
 
 }  // namespace surfit::tools

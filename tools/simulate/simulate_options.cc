@@ -24,9 +24,9 @@ void VisitSensor(OptionVisitor& v, SimulateOptions* o) {
   v.Add(o->color_latency_s, SharedOption("color_latency_s"));
   v.Add(o->readout_s, SharedOption("readout_s"));
   v.AddPart(o->color, "color", "colour camera");
-  v.Add(o->given_focal_error, "given_focal_error",
+  v.Add(o->camera_yaml_focal_error, "camera_yaml_focal_error",
         "ex,ey: relative errors of the focal lengths in camera.yaml; 0.01: 1 % too long", AsFlag());
-  v.Add(o->given_center_error, "given_center_error",
+  v.Add(o->camera_yaml_center_error, "camera_yaml_center_error",
         "ex,ey: errors of the principal point in camera.yaml, to the right and down", InUnit("px"),
         AsFlag());
   v.Add(o->known, "known",
@@ -97,7 +97,7 @@ RgbdCamera TrueCameraOf(const SimulateOptions& options) {
   return camera;
 }
 
-RgbdCamera GivenCameraOf(const SimulateOptions& options, RgbdCamera camera) {
+RgbdCamera CameraYamlOf(const SimulateOptions& options, RgbdCamera camera) {
   std::map<std::string, double*> unknown = {{"latency_s", &camera.latency_s},
                                             {"color_latency_s", &camera.color_latency_s},
                                             {"readout_s", &camera.readout_s}};
@@ -108,8 +108,8 @@ RgbdCamera GivenCameraOf(const SimulateOptions& options, RgbdCamera camera) {
     }
   }
   for (const auto& [name, number] : unknown) *number = 0;
-  const auto focal = options.given_focal_error.value_or(std::array<double, 2>());
-  const auto center = options.given_center_error.value_or(std::array<double, 2>());
+  const auto focal = options.camera_yaml_focal_error.value_or(std::array<double, 2>());
+  const auto center = options.camera_yaml_center_error.value_or(std::array<double, 2>());
   camera.depth.fx *= 1 + focal[0];
   camera.depth.fy *= 1 + focal[1];
   camera.depth.cx += center[0];
@@ -118,9 +118,9 @@ RgbdCamera GivenCameraOf(const SimulateOptions& options, RgbdCamera camera) {
   return camera;
 }
 
-bool HasHiddenTruth(const SimulateOptions& o) {
+bool HasUnlistedTruth(const SimulateOptions& o) {
   return o.latency_s != 0 || o.color_latency_s != 0 || o.readout_s != 0 || !o.color.ArePlain() ||
-         o.given_focal_error || o.given_center_error;
+         o.camera_yaml_focal_error || o.camera_yaml_center_error;
 }
 
 }  // namespace surfit::tools

@@ -28,7 +28,7 @@ struct SimulateOptions {
   double color_latency_s = 0;
   double readout_s = 0;
   ColorOptions color;
-  std::optional<std::array<double, 2>> given_focal_error, given_center_error;
+  std::optional<std::array<double, 2>> camera_yaml_focal_error, camera_yaml_center_error;
   std::vector<std::string> known;
   int downsample = 1;
   bool image_y_up = false;
@@ -47,9 +47,9 @@ InverseDepthField DepthErrorOf(const SimulateOptions& options);
 RgbdCamera TrueCameraOf(const SimulateOptions& options);
 
 // Camera in camera.yaml.
-RgbdCamera GivenCameraOf(const SimulateOptions& options, RgbdCamera camera);
+RgbdCamera CameraYamlOf(const SimulateOptions& options, RgbdCamera camera);
 
 // True if camera.yaml and the images may not contain all true values.
-bool HasHiddenTruth(const SimulateOptions& options);
+bool HasUnlistedTruth(const SimulateOptions& options);
 
 }  // namespace surfit::tools

@@ -31,7 +31,7 @@ void ThrowIf(bool condition, const Parts&... parts) {
 
 // Returns the result of `work()`. Prepends `place` and a colon to the message of an InputError.
 template <typename Work>
-auto WithPlace(const std::string& place, const Work& work) {
+auto WithContext(const std::string& place, const Work& work) {
   try {
     return work();
   } catch (const InputError& error) {

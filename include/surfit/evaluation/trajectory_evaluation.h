@@ -135,7 +135,7 @@ TrajectoryEvaluation EvaluateTrajectory(const Trajectory& ground_truth, const Tr
                                         const TrajectoryEvaluationOptions& options);
 
 // Returns the trajectory with `by_s` added to its timestamps.
-Trajectory WithStampsMoved(Trajectory trajectory, double by_s);
+Trajectory WithTimeOffset(Trajectory trajectory, double by_s);
 
 // Time offset between estimate and ground truth, with its ATE.
 struct TimeOffset {

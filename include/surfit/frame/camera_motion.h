@@ -10,10 +10,10 @@ namespace surfit {
 // Angular and linear velocity of a camera, in the camera frame. A static point X moves by -(turn x
 // X + velocity) per second in the camera frame.
 struct CameraMotion {
-  Eigen::Vector3d turn_rad_per_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_velocity_rad_per_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
 
-  bool IsZero() const { return turn_rad_per_s.isZero(0) && velocity_m_per_s.isZero(0); }
+  bool IsZero() const { return angular_velocity_rad_per_s.isZero(0) && velocity_m_per_s.isZero(0); }
 };
 
 // Constant motion from the first to the second pose within `seconds`. The velocity is in the camera

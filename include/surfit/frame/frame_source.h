@@ -30,7 +30,7 @@ struct SequenceInfo {
   bool has_clock = false;
   // Ratio of depth and colour images without a partner of about the same time. 0 if the recording
   // stores pairs.
-  double unpaired_share = 0;
+  double unpaired_ratio = 0;
   // True if the image y axis of the files points up (fy < 0). Frames and ground truth are then
   // mirrored by S = diag(1, -1, 1) when they are read: poses become S pose S. Apply Mirrored()
   // again to write poses in the convention of the files.
@@ -49,7 +49,7 @@ struct ReadResult {
   double stamp_s = 0;              // timestamp, also of an unreadable frame
   std::optional<RgbdFrame> frame;  // std::nullopt: unreadable files
   std::string error;               // reason with the file name, if unreadable
-  double decode_ms = 0;            // time for reading and preparation
+  double read_ms = 0;              // time for reading and preparation
   // Set by OfferFrames() and by cameras only:
   double waited_ms = 0;    // time that Next() waited for the frame
   double queued_ms = 0;    // time that the frame waited for Next()

@@ -15,7 +15,7 @@ namespace surfit {
 // and disparity is proportional to inverse depth.
 struct InverseDepthField {
   static constexpr std::size_t kSize = 6;
-  static constexpr double kLeastInverse = 1e-3;  // 1/m; a corrected depth beyond 1 km is missing
+  static constexpr double kMinInverse = 1e-3;  // 1/m; a corrected depth beyond 1 km is missing
 
   std::array<double, kSize> coefficients = {};
 
@@ -33,11 +33,11 @@ struct InverseDepthField {
   }
 
   // Corrected depth in m for a measured depth in m at the ray (x, y, 1). 0: missing depth, or a
-  // corrected inverse depth of at most kLeastInverse.
+  // corrected inverse depth of at most kMinInverse.
   float Corrected(float measured_m, double x, double y) const {
     if (!(measured_m > 0)) return 0;
     const double inverse = 1. / measured_m + At(x, y);
-    return inverse > kLeastInverse ? static_cast<float>(1 / inverse) : 0;
+    return inverse > kMinInverse ? static_cast<float>(1 / inverse) : 0;
   }
 
   // The same field as a function of the rays of another camera with the same pixels. The other

@@ -42,7 +42,7 @@ struct Disparity {
   bool IsGiven() const { return baseline_m != 0; }
   // Inverse depth in 1/m of a count. Zero or negative at or beyond infinity. Requires IsGiven().
   // Does not handle missing values: the count 0 has an inverse depth like any other count.
-  // FramePreparer treats 0, 65535 and NaN as missing.
+  // FrameRectifier treats 0, 65535 and NaN as missing.
   double InverseDepth(double count) const {
     return (count - count_at_infinity) / (counts_per_px * focal_px * baseline_m);
   }
@@ -55,10 +55,10 @@ struct Disparity {
 // focal length 1 % for factory calibrations and presets, aspect ratio 0.1 %, inverse depth one step
 // of disparity. For a Kinect v1 a step is 1 px / (0.075 m * 580 px) (Khoshelham and Elberink 2012).
 struct CalibrationPrior {
-  double focal_share = 0.01;          // of fx and fy, relative
-  double aspect_share = 0.001;        // of fx / fy, relative
-  double center_px = 5;               // of cx and cy
-  double inverse_depth_sigma = 0.02;  // 1/m, per coefficient of InverseDepthField
+  double focal_relative_sigma = 0.01;    // of fx and fy, relative
+  double aspect_relative_sigma = 0.001;  // of fx / fy, relative
+  double center_px = 5;                  // of cx and cy
+  double inverse_depth_sigma = 0.02;     // 1/m, per coefficient of InverseDepthField
   // Times of RgbdCamera, s.
   double latency_s = 0.01;
   double color_latency_s = 0.02;

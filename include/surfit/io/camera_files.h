@@ -30,7 +30,7 @@ std::vector<std::string> CameraPresetNames();
 //   latency_s: 0.02                          timestamp minus capture time of a depth frame
 //   color_latency_s: 0.01                    additional latency of colour
 //   readout_s: 0.033                         rolling-shutter readout
-//   prior: { focal_share: 0.01, ... }        fields of CalibrationPrior
+//   prior: { focal_relative_sigma: 0.01, ... }        fields of CalibrationPrior
 // `depth_camera` is required, and either `depth_units_per_metre` or `disparity`. Missing keys have
 // these defaults: no distortion, the identity for `color_from_depth`, otherwise the defaults of
 // RgbdCamera. Unknown keys are errors. Throws InputError that names the file, the key, the value

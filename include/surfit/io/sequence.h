@@ -7,7 +7,7 @@
 #include <string>
 
 #include "surfit/frame/frame_source.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 #include "surfit/geometry/inverse_depth_field.h"
 
 namespace surfit {
@@ -63,7 +63,7 @@ struct SequenceOptions {
                   // sequence
   int stride = 1;  // read every stride-th frame
 
-  PrepareOptions prepare;
+  RectifyOptions rectify;
 
   void Visit(OptionVisitor& visitor);
 };

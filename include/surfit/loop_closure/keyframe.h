@@ -68,8 +68,8 @@ FramePyramid PyramidOf(const PlaceView& view, const PreprocessOptions& options);
 struct KeyframeOptions {
   double max_distance_m = 0.2;  // distance from the last keyframe
   double max_angle_rad = 0.21;  // rotation from the last keyframe: 12 degrees
-  // Minimum OverlapShare() with the last keyframe. Not used if the view of that keyframe is empty.
-  double min_overlap_share = 0.7;
+  // Minimum OverlapRatio() with the last keyframe. Not used if the view of that keyframe is empty.
+  double min_overlap_ratio = 0.7;
   // Number of frames since the last keyframe.
   int max_frames = 60;
 
@@ -84,7 +84,7 @@ bool IsKeyframe(const Keyframe& last, int frame_index, const FrameLevel& surface
 // Overlap: ratio of the points of a keyframe that are visible in a camera at `world_from_camera`.
 // They project into its image, and `surface` does not occlude them. 0 if the view of the keyframe
 // is empty.
-double OverlapShare(const Keyframe& keyframe, const FrameLevel& surface,
+double OverlapRatio(const Keyframe& keyframe, const FrameLevel& surface,
                     const Rigid3d& world_from_camera);
 
 }  // namespace surfit

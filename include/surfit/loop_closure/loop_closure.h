@@ -26,9 +26,10 @@ struct EdgeNoise {
   double shared_points = kSharedPoints;
   double odometry_m = 0.0002;     // between consecutive keyframes, m
   double odometry_rad = 0.0001;   // between consecutive keyframes, rad
-  double odometry_share = 0.001;  // additional ratio of the translation and rotation between them
-  double loop_m = 0.003;          // of loop closures, in addition to FarVerdict::information, m
-  double loop_rad = 0.0015;       // of loop closures, rad
+  double odometry_ratio = 0.001;  // additional ratio of the translation and rotation between them
+  double loop_m =
+      0.003;  // of loop closures, in addition to GlobalRegistrationResult::information, m
+  double loop_rad = 0.0015;  // of loop closures, rad
 
   void Visit(OptionVisitor& visitor);
 };
@@ -76,7 +77,7 @@ struct LoopOptions {
 // Finds and verifies loop closures of keyframe `source`, a position in `keyframes`: FindLoops() or
 // another method. Runs in the background thread of loop closure, or in the thread of Slam if only
 // one thread may compute. Exceptions are thrown again by the call of Slam that applies the result.
-using LoopFinder = std::function<std::vector<LoopAttempt>(
+using LoopFinder = std::function<std::vector<LoopVerification>(
     int source, const std::vector<Keyframe>& keyframes, const PlaceIndex& index)>;
 
 // Returns the view of a keyframe. The view is computed at the first call. Safe from any thread.

@@ -25,12 +25,12 @@ struct FusionOptions {
   float max_spacing_m = 0.01f;
   // Two surfels are duplicates if they are closer across the surface than this ratio of
   // max_spacing_m and of both radii. The less confident surfel is removed. 0: off.
-  float duplicate_share = 0.7f;
-  float max_slant_scale = 2;      // radius = sqrt(2) z / f * min(1 / |n_z|, max_slant_scale)
-  float max_radius_ratio = 1.5f;  // of point to surfel; coarser points do not move the surfel
-  float lasting_confidence = 1;   // less confident surfels are noise, see max_dormant_frames
-  int max_dormant_frames = 20;    // fused frames without observation before noise is removed
-  float max_confidence = 200;     // limit that keeps the map adaptable
+  float duplicate_ratio = 0.7f;
+  float max_slant_scale = 2;          // radius = sqrt(2) z / f * min(1 / |n_z|, max_slant_scale)
+  float max_radius_ratio = 1.5f;      // of point to surfel; coarser points do not move the surfel
+  float min_inactive_confidence = 1;  // less confident surfels are noise, see max_inactive_frames
+  int max_inactive_frames = 20;       // fused frames without observation before noise is removed
+  float max_confidence = 200;         // limit that keeps the map adaptable
   // Surfels without observation in the last active_frames fused frames are inactive: points do not
   // merge with them. After drift, a revisited surface is therefore mapped again. 0: no limit.
   int active_frames = 0;
@@ -62,7 +62,7 @@ struct FusionReport {
 // Point-based fusion of frames with poses into a surfel map (Keller et al., 3DV 2013). The surfels
 // are projected into the frame, and each point merges with the nearest surfel, even if another
 // surfel occludes it. With a radius of sqrt(2) pixels, the discs of every second row and column
-// just cover a surface. Stores the indices of the fused frames: max_dormant_frames and
+// just cover a surface. Stores the indices of the fused frames: max_inactive_frames and
 // active_frames do not count skipped or lost frames. Not thread-safe.
 class Fusion {
  public:
@@ -86,7 +86,7 @@ class Fusion {
   // Surfels last observed in this frame or later are active. The minimum of int: all surfels.
   int ActiveSince() const;
   // Restores the state after the fusion of these frames (ascending indices).
-  void GoOnAfter(const std::vector<int>& fused_frames);
+  void ContinueAfter(const std::vector<int>& fused_frames);
 
  private:
   struct Workspace;
@@ -96,7 +96,7 @@ class Fusion {
 };
 
 // Selection of duplicate surfels.
-struct DoublesOptions {
+struct DuplicateOptions {
   // Duplicates have more than this number of frames between the last observation of the older and
   // the first observation of the newer surfel. Closer observations are already fused.
   int frames_apart = 100;
@@ -109,7 +109,7 @@ struct DoublesOptions {
 // surfel becomes the average weighted by confidence. Returns the number of removed newer surfels.
 // Ids become invalid. The result does not depend on the number of threads. Throws InputError for
 // invalid `options`.
-std::size_t MergeDoubles(const FusionOptions& options, const DoublesOptions& doubles,
-                         SurfelMap* map);
+std::size_t MergeDuplicates(const FusionOptions& options, const DuplicateOptions& doubles,
+                            SurfelMap* map);
 
 }  // namespace surfit

@@ -20,7 +20,7 @@ struct RenderOptions {
   // Radius of the drawn disc, relative to the radius of the surfel. A surfel of one pixel has a
   // radius of sqrt(2) pixels, so 0.5 just closes the gaps of the pixel grid. In u and v a disc
   // covers pixels up to f / z times this radius from its centre.
-  float radius_share = 1;
+  float radius_ratio = 1;
   int max_half_window_px = 4;  // limit of the pixels around a disc centre
   // Thickness of a surface: discs within this distance plus 4 sigma of the depth behind the first
   // disc of a ray belong to it. The pixel shows the disc whose centre is nearest to the ray. The

@@ -52,6 +52,6 @@ MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& rec
 
 // Reactivates surfels: sets last_seen to `now` if it is in [first, last]. Used after a loop
 // closure, see FusionOptions::active_frames. Returns the number of changed surfels.
-std::size_t WakeSurfels(int first, int last, int now, SurfelMap* map);
+std::size_t ReactivateSurfels(int first, int last, int now, SurfelMap* map);
 
 }  // namespace surfit

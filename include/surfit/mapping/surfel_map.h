@@ -57,7 +57,7 @@ class SurfelMap {
 
   // Moves surfels into the cells of their present positions. Call after changes of positions.
   // Returns the number of moved surfels.
-  std::size_t Rehome();
+  std::size_t ReassignCells();
 
   // Direct access to cells and blocks. The caller must keep masks and bounds consistent.
   std::int32_t cell_count() const { return static_cast<std::int32_t>(cells_.size()); }

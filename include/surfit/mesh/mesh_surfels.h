@@ -21,7 +21,8 @@ struct MeshOptions {
   // `trim_distance_m`, which is the distance for clouds without radii.
   double support_radii = 2;
   double trim_distance_m = 0.02;
-  double min_piece_m = 0.1;  // minimum bounding-box diagonal of connected components; 0: keep all
+  double min_component_m =
+      0.1;  // minimum bounding-box diagonal of connected components; 0: keep all
   std::size_t max_triangles = 0;  // 0: no limit
   // Fills all holes, so that each edge belongs to two triangles. Triangles that fill holes are
   // added after decimation to `max_triangles`.
@@ -31,14 +32,14 @@ struct MeshOptions {
 };
 
 struct MeshSummary {
-  std::size_t pieces_dropped = 0, triangles_dropped = 0;  // below `min_piece_m`
-  std::size_t pieces = 0;                                 // connected components of the mesh
-  std::size_t triangles_found = 0;                        // before decimation
-  double decimation_m = 0;                                // surface error of the decimation, m
+  std::size_t components_dropped = 0, triangles_dropped = 0;  // below `min_component_m`
+  std::size_t pieces = 0;                                     // connected components of the mesh
+  std::size_t triangles_found = 0;                            // before decimation
+  double decimation_m = 0;                                    // surface error of the decimation, m
   // With `watertight`: filled holes and their triangles, removed triangles at non-manifold edges,
   // and the perimeter of the largest hole.
   std::size_t holes_filled = 0, triangles_added = 0, triangles_cut = 0;
-  double longest_rim_m = 0;
+  double longest_hole_perimeter_m = 0;
   // Distances of points to the mesh before decimation, along the mesh normals: median and 90 %
   // quantile. Only points within 3 cells of a mesh vertex are included. `covered` is their ratio.
   double median_distance_m = 0, p90_distance_m = 0, covered = 0;

@@ -25,7 +25,7 @@ struct TextureOptions {
   // surfit_mesh selects the slowest frame in equal parts of the run.
   int max_texture_frames = 200;
   // Minimum sharpness of the frame of a triangle, relative to the sharpest frame of the triangle.
-  double least_sharpness = 0.6;
+  double min_sharpness = 0.6;
   // Cost of an edge between triangles of different frames, in units of relative sharpness.
   double seam_cost = 0.3;
 
@@ -55,10 +55,10 @@ struct MeshTexture {
 };
 
 struct TextureSummary {
-  int frames = 0, frames_shown = 0;  // candidate frames, and frames in the texture
+  int frames = 0, frames_used = 0;   // candidate frames, and frames in the texture
   std::size_t charts = 0;            // connected regions of the texture
   std::size_t triangles_unseen = 0;  // visible in no frame: textured by vertex colours
-  double pixel_share = 1;            // texels per frame pixel, along one axis
+  double pixel_ratio = 1;            // texels per frame pixel, along one axis
 };
 
 // Computes a texture for a mesh with normals and colours (as Lempitsky and Ivanov, "Seamless

@@ -19,7 +19,8 @@ class OptionVisitor;
 // Overrides of the prior of the input calibration. Empty members keep the value of the sensor
 // (RgbdCamera::prior).
 struct PriorOptions {
-  std::optional<double> focal_share, aspect_share, center_px, inverse_depth_sigma, readout_s;
+  std::optional<double> focal_relative_sigma, aspect_relative_sigma, center_px, inverse_depth_sigma,
+      readout_s;
 
   // Returns the prior of the sensor with these overrides.
   CalibrationPrior Over(CalibrationPrior sensor) const;
@@ -42,11 +43,11 @@ std::vector<std::string> RefinementLinearSolverNames();
 struct RefinementOptions {
   // Calibration parameters to estimate. The overall scale of depth is fixed, because it is not
   // observable.
-  bool free_intrinsics = true;    // fx fy cx cy
-  bool free_depth_offset = true;  // c0 of InverseDepthField
-  bool free_depth_field = true;   // other coefficients of InverseDepthField
-  bool free_readout = true;       // rolling-shutter readout; only if a keyframe has motion
-  PriorOptions prior;             // default: CalibrationPrior
+  bool estimate_intrinsics = true;    // fx fy cx cy
+  bool estimate_depth_offset = true;  // c0 of InverseDepthField
+  bool estimate_depth_field = true;   // other coefficients of InverseDepthField
+  bool estimate_readout = true;       // rolling-shutter readout; only if a keyframe has motion
+  PriorOptions prior;                 // default: CalibrationPrior
 
   // Number of columns of square cells of a keyframe image. Each cell has at most one surfel.
   int cells_across = 120;
@@ -71,12 +72,12 @@ struct RefinementOptions {
   // not decrease with the number of pixels. It adds standard deviations to the covariance of the
   // calibration: this ratio of the focal length for fx fy cx cy, of the inverse of 3 m for inverse
   // depth, and of 1 s for the readout.
-  double model_error_share = 0.0005;
+  double model_error_ratio = 0.0005;
   // Factors of `observation_angle_rad` and of the kernel width if the input calibration is kept.
   // Residuals of single pixels are then about half a sigma, and wider gates would accept points of
   // curved or neighbouring surfaces. The estimation of a wrong calibration needs wide gates.
-  double kept_angle_share = 1. / 3;
-  double kept_kernel_share = 0.5;
+  double kept_angle_ratio = 1. / 3;
+  double kept_kernel_ratio = 0.5;
 
   // One of RefinementSolverNames(), and for "ceres" one of RefinementLinearSolverNames().
   std::string solver = "reduced";

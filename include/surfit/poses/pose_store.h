@@ -8,7 +8,7 @@
 #include "surfit/geometry/trajectory.h"
 #include "surfit/mapping/move_map.h"
 #include "surfit/optimization/pose_graph.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 
 namespace surfit {
 
@@ -20,7 +20,7 @@ struct PosedFrame {
   double stamp_s = 0;
   Rigid3d world_from_camera;  // with all corrections so far
   int keyframe = 0;           // position of the last keyframe, or of this frame if it is a keyframe
-  int stretch = 0;            // trajectory segment: relocalisation starts a new number
+  int segment = 0;            // trajectory segment: relocalisation starts a new number
 };
 
 // Keyframe, by frame indices.
@@ -33,22 +33,22 @@ struct KeyframeLink {
 };
 
 // Loop candidate: two keyframes that may show the same place.
-struct LoopProposal {
+struct LoopCandidate {
   int source = 0, target = 0;  // positions of the later and the earlier keyframe
   double similarity = 0;       // by place recognition; 0: proposed by pose
   std::optional<Rigid3d> target_from_source_prior;  // by the estimated poses of near keyframes
 };
 
 // Loop candidate with its verification.
-struct LoopAttempt {
-  LoopProposal proposal;
-  FarVerdict verdict;
+struct LoopVerification {
+  LoopCandidate proposal;
+  GlobalRegistrationResult verdict;
 };
 
 // Loop candidate with its place in the pose graph.
 struct LoopRecord {
   int source_frame = 0, target_frame = 0;
-  LoopAttempt attempt;
+  LoopVerification attempt;
   bool in_graph = false;  // verified, and no outlier of the last optimisation
   bool is_kept = false;   // from a saved state: only pair, pose and acceptance are valid
 };
@@ -97,7 +97,7 @@ class PoseStore {
   std::size_t CountDisconnectedSubmaps() const;
 
   // Adds a frame with a larger index than all frames before. It belongs to the last keyframe.
-  void AddFrame(int index, double stamp_s, const Rigid3d& world_from_camera, int stretch);
+  void AddFrame(int index, double stamp_s, const Rigid3d& world_from_camera, int segment);
   // Makes the last frame a keyframe. Without a parent (KeyframeLink::kNone) it begins a submap.
   void MakeKeyframe(int parent);
   void AddEdge(const PoseGraphEdge& edge) { edges_.push_back(edge); }

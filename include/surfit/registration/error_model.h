@@ -69,7 +69,7 @@ struct ErrorModel {
   // correlated errors. It corresponds to a weight of at most 0.003. With a third of this weight the
   // motion prior dominates in front of textured floors. With three times this weight, shading on
   // bare walls pulls the pose.
-  double TrustedPhotometricShare() const {
+  double TrustedPhotometricRatio() const {
     constexpr double kTrustedWeight = 0.003;
     return photometric_weight > kTrustedWeight ? kTrustedWeight / photometric_weight : 1;
   }

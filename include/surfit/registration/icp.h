@@ -35,9 +35,9 @@ struct IcpOptions {
   double min_increment = 1e-5;             // a level ends at smaller steps, rad and m
   bool stop_at_rmse_increase = true;       // end a level if the RMSE rises and the inliers do not
   int min_inliers = 200;                   // minimum of correspondences, halved per coarser level
-  double min_inlier_share = 0.1;    // minimum ratio of correspondences to valid source points
-  HeldOptions held;                 // thresholds for observable directions
-  double max_free_space_share = 1;  // IcpResult::free_space_share; 1: no limit
+  double min_inlier_ratio = 0.1;  // minimum ratio of correspondences to valid source points
+  ObservabilityOptions held;      // thresholds for observable directions
+  double max_free_space_violation_ratio = 1;  // IcpResult::free_space_violation_ratio; 1: no limit
 
   void Visit(OptionVisitor& visitor);
 };
@@ -45,16 +45,16 @@ struct IcpOptions {
 std::vector<std::string> AssociationNames();
 
 enum class Termination {
-  kConverged,        // convergence on the finest level
-  kRmseIncreased,    // RMSE rose on the finest level: result is the pose before
-  kMaxIterations,    // iteration limit on the finest level
-  kTooFewInliers,    // failure: too few correspondences
-  kSingularSystem,   // failure: unobservable directions; the pose is not moved along them
-  kFreeSpaceFilled,  // failure: too many free-space violations
+  kConverged,           // convergence on the finest level
+  kRmseIncreased,       // RMSE rose on the finest level: result is the pose before
+  kMaxIterations,       // iteration limit on the finest level
+  kTooFewInliers,       // failure: too few correspondences
+  kSingularSystem,      // failure: unobservable directions; the pose is not moved along them
+  kFreeSpaceViolation,  // failure: too many free-space violations
 };
 
 // "converged", "rmse_increased", "max_iterations", "too_few_inliers", "singular_system",
-// "free_space_filled".
+// "free_space_violation".
 std::string ToString(Termination termination);
 
 // State of a level before a step, or after the last step of the level.
@@ -74,20 +74,20 @@ struct IcpResult {
   int step_count = 0;  // sum of all levels
   // Statistics at the final pose, on the last level:
   int inlier_count = 0;                     // residual within ErrorModel::kInlierSigmas
-  double inlier_share = 0;                  // inliers per valid source point
+  double inlier_ratio = 0;                  // inliers per valid source point
   double rmse_m = 0;                        // square root of the weighted mean of |r|^2
   int intensity_count = 0;                  // points with a photometric residual
   Matrix6d information = Matrix6d::Zero();  // of the left perturbation (1/rad^2, 1/m^2), robust
-  Matrix6d trusted_information = Matrix6d::Zero();  // see TrustedInformation()
+  Matrix6d trusted_information = Matrix6d::Zero();  // see ConservativeInformation()
   // Covariance (rad, m): the inverse of `information`, times the variance factor of the residuals.
   // Assumes independent residuals. std::nullopt if a direction is unobservable.
   std::optional<Matrix6d> covariance;
   Vector6d eigenvalues = Vector6d::Zero();  // of Observability: ascending, dimensionless
   // Unobservable left perturbations (rad, m). Each moves the points by about 1 m.
-  std::vector<Vector6d> free_directions;
+  std::vector<Vector6d> degenerate_directions;
   // Ratio of free-space violations on the finest level: the maximum of source in target and target
-  // in source. 0 if registration failed or max_free_space_share is 1.
-  double free_space_share = 0;
+  // in source. 0 if registration failed or max_free_space_violation_ratio is 1.
+  double free_space_violation_ratio = 0;
 
   // If false, the pose is invalid.
   bool Succeeded() const {

@@ -33,7 +33,7 @@ struct NormalSystem {
   double weighted_square_sum = 0;          // sum of w |r|^2
   double weight_sum = 0;                   // sum of w
   double normal_difference_sum = 0;        // sum of w |m - n|
-  double normal_share = 0;                 // ratio of the normal variance in the rows: 0, 0.5 or 1
+  double normal_ratio = 0;                 // ratio of the normal variance in the rows: 0, 0.5 or 1
   Eigen::Vector3d point_sum = Eigen::Vector3d::Zero();          // sum of w p'
   Eigen::Matrix3d point_product_sum = Eigen::Matrix3d::Zero();  // sum of w p' p'^T
   int row_count = 0;     // residuals: correspondences times components
@@ -64,7 +64,7 @@ struct NormalSystem {
   // a) on average. The system then seems to constrain unobservable directions. For equally noisy
   // normals of the same surface the mean of |m - n| is s sqrt(pi). The mean of squares is not used,
   // because it is dominated by a few correspondences of different surfaces.
-  Matrix6d FeignedInformation() const;
+  Matrix6d SpuriousInformation() const;
 
   // Variance factor of the residuals: sum of w |r|^2 per degree of freedom. 1 if there are at most
   // 6 rows.
@@ -78,17 +78,17 @@ struct Observability {
   Vector6d eigenvalues = Vector6d::Zero();  // ascending
   Matrix6d directions = Matrix6d::Zero();   // columns: increments (w [rad], v [m])
   Matrix6d coordinates = Matrix6d::Zero();  // rows: increment -> coordinates in `directions`
-  int free_count = 6;  // number of unobservable directions, which are the first columns
+  int degenerate_count = 6;  // number of unobservable directions, which are the first columns
 
-  bool Degenerate() const { return free_count > 0; }
+  bool Degenerate() const { return degenerate_count > 0; }
   // Projects an increment to the observable directions.
   Vector6d Held(const Vector6d& increment) const;
   // Unobservable directions. Each moves the points by about 1 m.
-  std::vector<Vector6d> FreeDirections() const;
+  std::vector<Vector6d> DegenerateDirections() const;
 };
 
 // Thresholds for a direction to be observable.
-struct HeldOptions {
+struct ObservabilityOptions {
   // Minimum eigenvalue, dimensionless. Rounding errors reach 1e-6. Normal errors that both surfaces
   // share cause up to 3e-4 in noise-free views of walls, spheres and corridors. Views of rooms have
   // 5e-3 and more, but small distant surfaces also have small eigenvalues.
@@ -103,19 +103,19 @@ struct HeldOptions {
 // Determines the unobservable directions x: x^T H x is at most the threshold of `options`, in the
 // metric of the eigenvalues. All six are unobservable without correspondences. `directions`
 // diagonalises both the Hessian and the threshold matrix.
-Observability Observe(const NormalSystem& system, const HeldOptions& options);
+Observability Observe(const NormalSystem& system, const ObservabilityOptions& options);
 
 // Least-squares increment in the subspace of observable directions.
-Vector6d SolveHeld(const NormalSystem& system, const Observability& observability);
+Vector6d SolveObservable(const NormalSystem& system, const Observability& observability);
 
 // Number of neighbouring points with fully correlated errors: the window size of the depth filter.
 inline constexpr double kSharedPoints = 25;
 
 // Conservative information of the increment (1/rad^2, 1/m^2). Subtracts the spurious information F
 // from the geometric Hessian H. For H x = mu F x, this multiplies the information along x by 1 - 1
-// / mu, or by 0 if mu < 1. Adds the photometric Hessian times `photometric_share`. Divides the sum
+// / mu, or by 0 if mu < 1. Adds the photometric Hessian times `photometric_ratio`. Divides the sum
 // by kSharedPoints and by the variance factor (at least 1e-3).
-Matrix6d TrustedInformation(const NormalSystem& system, double photometric_share);
+Matrix6d ConservativeInformation(const NormalSystem& system, double photometric_ratio);
 
 // Covariance of the increment (rad, m): inverse Hessian times the variance factor. Requires that
 // all directions are observable.

@@ -30,8 +30,8 @@ struct SlamRunOptions {
   int threads = 2;              // maximum number of threads that compute in parallel
   int queue_capacity = 8;       // size of the queue of input frames
   // Replays a recording at this rate, frames per second, as a live camera (OfferFrames()): shows
-  // whether the run is fast enough. Only lost frames are searched: `slam.sure_inlier_share` is 0.
-  // 0: as fast as possible.
+  // whether the run is fast enough. Only lost frames are searched: `slam.confident_inlier_ratio` is
+  // 0. 0: as fast as possible.
   double offered_fps = 0;
   // After the last frame, reads the sequence again. If the calibration has changed, refines it
   // jointly with the poses (`refine`). Then fuses the map again with the final poses and
@@ -79,7 +79,7 @@ struct SlamRunProgress {
   std::size_t map_points = 0;
   double elapsed_s = 0;
   int refinement_rounds = 0;            // completed rounds of the final refinement
-  int frames_fused_anew = 0;            // frames fused into the final map
+  int frames_reintegrated = 0;          // frames fused into the final map
   const SlamRunFrame* frame = nullptr;  // last frame; null if it could not be read
 };
 
@@ -129,8 +129,9 @@ struct SlamRunSummary {
   int frames_confirmed = 0;    // lost frames with a pose that the next frame has confirmed
   // Lost frames after a last tracked frame with more than 10 % moving points.
   int frames_lost_in_motion = 0;
-  // Frames in which the feature check found two motions, lost or not (FrameReport::is_apart).
-  int frames_apart = 0;
+  // Frames in which the feature check found two motions, lost or not
+  // (FrameReport::has_two_motions).
+  int frames_with_two_motions = 0;
   int frames_fused = 0;  // tracked frames that were fused
   // Indices of tracked frames that were not fused because of SlamOptions::hold_out.
   std::vector<int> held_out_frames;
@@ -138,7 +139,7 @@ struct SlamRunSummary {
   // Frames that arrived but were not processed in time. Not included in `frames_total`.
   int frames_dropped = 0;
   // Frames with a longer map period than SlamOptions::map_period, because frames arrived too fast.
-  int frames_hurried = 0;
+  int frames_with_longer_map_period = 0;
   int longest_map_period = 0;  // longest map period; 0 if frames do not arrive at a fixed rate
   int pauses = 0;              // number of times that the camera was unplugged
   double paused_s = 0;         // total time without camera
@@ -149,7 +150,7 @@ struct SlamRunSummary {
   // Final calibration of the input frames. std::nullopt if it has not changed.
   std::optional<DepthCalibration> calibration;
   // Warning if this calibration is implausible for the input sensor, else empty.
-  std::string calibration_doubt;
+  std::string calibration_warning;
   double color_latency_s = 0;  // estimated, in addition to RgbdCamera::color_latency_s
   // Frames that were registered without photometric residuals despite a photometric weight, for
   // lack of colour or texture.
@@ -159,12 +160,12 @@ struct SlamRunSummary {
   std::int64_t input_points = 0;        // pixels of all processed frames, after downsampling
   std::int64_t input_points_valid = 0;  // pixels with depth of these frames
   std::int64_t updated = 0, added = 0, removed = 0;  // surfels, sums over all frames
-  std::int64_t refused = 0;         // surfels that were not added because the map is full
-  std::int64_t merged_doubles = 0;  // duplicate surfels that were merged after loop closures
+  std::int64_t refused = 0;            // surfels that were not added because the map is full
+  std::int64_t merged_duplicates = 0;  // duplicate surfels that were merged after loop closures
   std::size_t map_points = 0;
   double compression_ratio = 0;   // input_points / map_points
-  double match_share_last = 0;    // merged points / valid points of the last fused frame
-  double match_share_median = 0;  // median over all fused frames
+  double match_ratio_last = 0;    // merged points / valid points of the last fused frame
+  double match_ratio_median = 0;  // median over all fused frames
   std::optional<TrajectoryEvaluation> evaluation;  // with ground truth only
   double sensor_latency_s = 0;  // RgbdCamera::latency_s: file timestamp minus pose timestamp
   // Other evaluations: the ATE with the file timestamps, and the ATE with a time offset fitted to
@@ -180,7 +181,7 @@ struct SlamRunSummary {
   // at a fixed rate.
   TimeStatistics latency;
   TimeStatistics pose_latency;
-  // decode (in parallel with the other stages), preprocess, predict, track, fuse, correct, write.
+  // read (in parallel with the other stages), preprocess, predict, track, fuse, correct, write.
   std::vector<StageStatistics> stages;
   std::int64_t peak_rss_bytes = 0;
   // False if fewer than half of the frames have a pose: the result is unreliable.

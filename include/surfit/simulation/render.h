@@ -29,10 +29,10 @@ struct Rendering {
   // Surface numbers are unique in the scene. Each flat face has its own number. All curved parts of
   // an object share one number.
   static std::int32_t SurfaceOf(const SceneHit& hit) {
-    return hit.object * (Shape::kMostFaces + 1) + hit.face + 1;
+    return hit.object * (Shape::kMaxFaces + 1) + hit.face + 1;
   }
   static bool IsFlat(std::int32_t surface) {
-    return surface != kNothing && surface % (Shape::kMostFaces + 1) != 0;
+    return surface != kNothing && surface % (Shape::kMaxFaces + 1) != 0;
   }
 };
 
@@ -61,7 +61,7 @@ LightImage RenderLight(const Scene& scene, const PinholeCamera& camera,
 
 // Converts linear light times the gains of the channels to colours. Gains of 1 give the colours of
 // Render().
-Image<Rgb8> Developed(const LightImage& light, const Eigen::Vector3f& gains);
+Image<Rgb8> ToSrgbImage(const LightImage& light, const Eigen::Vector3f& gains);
 
 // Renders depth and colour as a frame of a sequence.
 RgbdFrame RenderFrame(const Scene& scene, const PinholeCamera& camera,
@@ -138,7 +138,7 @@ class MovingCamera {
   Rigid3d DepthPose(int i, int v) const;
   Rigid3d ColorPose(int i, int v) const;
   // Middle of the exposure and readout of the colour of frame i, s.
-  double ColorMoment(int i) const;
+  double ColorCaptureTime(int i) const;
   // Gains of red, green and blue of frame i.
   const Eigen::Vector3f& gains(int i) const { return gains_[i]; }
 

@@ -28,7 +28,7 @@ struct ShapeHit {
 class Shape {
  public:
   static constexpr int kCurved = -1;
-  static constexpr int kMostFaces = 6;  // flat faces are numbered 0 ... kMostFaces - 1
+  static constexpr int kMaxFaces = 6;  // flat faces are numbered 0 ... kMaxFaces - 1
 
   virtual ~Shape() = default;
   // Returns the first intersection, or std::nullopt. `direction` need not have unit length.

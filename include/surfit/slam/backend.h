@@ -60,15 +60,15 @@ struct WorldCorrection {
 // Statistics of the back end.
 struct BackendCounts {
   std::size_t keyframes = 0;
-  std::size_t loops_proposed = 0;  // loop candidates
-  std::size_t loops_accepted = 0;  // verified loops that are no outliers
-  std::size_t loops_refused = 0;   // rejected candidates and outliers: LoopRecord has the reason
-  std::size_t corrections = 0;     // corrections of the world frame
+  std::size_t loop_candidates = 0;  // loop candidates
+  std::size_t loops_accepted = 0;   // verified loops that are no outliers
+  std::size_t loops_rejected = 0;   // rejected candidates and outliers: LoopRecord has the reason
+  std::size_t corrections = 0;      // corrections of the world frame
   std::size_t relocalisations = 0;
-  std::size_t submaps = 0;         // including the first
-  std::size_t submaps_apart = 0;   // submaps that no loop connects to the first submap
-  std::size_t waits = 0;           // corrections that were not ready in time
-  std::size_t given_up_views = 0;  // keyframe views removed by LoopOptions::max_view_bytes
+  std::size_t submaps = 0;               // including the first
+  std::size_t disconnected_submaps = 0;  // submaps that no loop connects to the first submap
+  std::size_t waits = 0;                 // corrections that were not ready in time
+  std::size_t removed_views = 0;         // keyframe views removed by LoopOptions::max_view_bytes
 };
 
 // Back end: adds frames to the pose store, selects keyframes, and applies the results of loop
@@ -88,7 +88,7 @@ class Backend {
 
   // Continues from a state. Requires enabled loops. Call before the first frame. Moves from the
   // state, except from its map.
-  void GoOnFrom(SlamState* state, StateUse use);
+  void ContinueFrom(SlamState* state, StateUse use);
   // Sets the callback for new keyframes. Requires enabled loops.
   void OnKeyframe(KeyframeCall call) { on_keyframe_ = std::move(call); }
 
@@ -101,7 +101,7 @@ class Backend {
   void AddFrame(const RgbdFrame& frame, const Rigid3d& world_from_camera, const IcpResult& icp,
                 const FramePyramid& pyramid);
   // Adds a duplicate frame at the pose of the last frame. It never becomes a keyframe.
-  void AddFrozenFrame(int index, double stamp_s);
+  void AddDuplicateFrame(int index, double stamp_s);
 
   // Ends calibration. The current estimate stays.
   void EndCalibration();

@@ -18,13 +18,13 @@
 
 namespace surfit {
 
-class FramePreparation;
+class FramePreprocessor;
 class Mapper;
 class OptionVisitor;
 class Relocalizer;
 class Tracker;
 struct Prediction;
-struct PreparedFrame;
+struct PreprocessedFrame;
 struct Tracked;
 
 // SLAM: the pipeline from frames to poses and a map, and its state. Depends on tracking, mapping,
@@ -55,7 +55,7 @@ struct SlamOptions : TrackingOptions {
 
 // Wall time of each stage.
 struct StageTimes {
-  double prepare_ms = 0;
+  double preprocess_ms = 0;
   double predict_ms = 0;  // rendering, for this frame or in advance for the next frame
   double track_ms = 0;
   double fuse_ms = 0;
@@ -68,15 +68,16 @@ struct FrameReport {
   double stamp_s = 0;
   FrameState state = FrameState::kLost;
   Rigid3d world_from_camera;  // undefined if lost
-  bool found_again = false;  // found by search: global registration, relocalisation or confirmation
+  bool found_by_search =
+      false;  // found by search: global registration, relocalisation or confirmation
   bool has_own_view = false;  // the reference view was rendered for this frame
   bool is_fused = false;      // fused into the map
   bool is_held_out = false;   // tracked, and excluded from fusion by SlamOptions::hold_out
   // Ratio of the points on moving objects, which are neither registered nor fused.
-  double moving_share = 0;
+  double moving_ratio = 0;
   // The feature check found two motions: the camera may be registered to a moving object. If most
   // features contradict the pose, the frame is lost.
-  bool is_apart = false;
+  bool has_two_motions = false;
   Image<std::uint8_t> moving;  // cells with moving objects: not 0; empty without moving objects
   IcpResult icp;               // last registration of a tracked or lost frame
   FusionReport fusion;         // if fused
@@ -143,7 +144,7 @@ class Slam {
   // The map changes with each frame. The reference is valid until this object is destroyed.
   const SurfelMap& map() const;
   // Number of duplicate surfels that corrections have merged.
-  std::size_t merged_doubles() const;
+  std::size_t merged_duplicates() const;
   // Number of map changes other than fusion: corrections by loop closures and calibrations.
   int corrections_of_map() const;
   // Sensor with the estimated calibration.
@@ -158,14 +159,15 @@ class Slam {
   void MakeBackend(LoopFinder finder);
   void Correct(const RgbdFrame& frame, StageTimes* times);
   void Apply(const WorldCorrection& correction, int frame_index);
-  PreparedFrame Prepare(const RgbdFrame& frame, const CameraMotion& motion, StageTimes* times);
-  Prediction Predict(const PreparedFrame& frame, StageTimes* times);
+  PreprocessedFrame Preprocess(const RgbdFrame& frame, const CameraMotion& motion,
+                               StageTimes* times);
+  Prediction Predict(const PreprocessedFrame& frame, StageTimes* times);
   void PredictAhead(const RgbdFrame& frame, StageTimes* times);
-  Tracked Track(const PreparedFrame& frame, const Prediction& prediction, StageTimes* times);
+  Tracked Track(const PreprocessedFrame& frame, const Prediction& prediction, StageTimes* times);
   FrameReport ReportDuplicate(const RgbdFrame& frame, const StageTimes& times);
-  FrameReport Integrate(PreparedFrame frame, Tracked tracked, StageTimes* times);
+  FrameReport Integrate(PreprocessedFrame frame, Tracked tracked, StageTimes* times);
   std::optional<PosedFrame> AddConfirmed(const Tracked& tracked);
-  void Fuse(const PreparedFrame& frame, const Tracked& tracked, FrameReport* report,
+  void Fuse(const PreprocessedFrame& frame, const Tracked& tracked, FrameReport* report,
             StageTimes* times);
   bool IsHeldOut(const Tracked& tracked) const;
   // Back end that stores the frames: null without loops and calibration, and for localisation.
@@ -174,7 +176,7 @@ class Slam {
   const DepthSensor sensor_;  // input sensor
   const SlamOptions options_;
   const StateUse use_;
-  std::unique_ptr<FramePreparation> preparation_;
+  std::unique_ptr<FramePreprocessor> preprocessor_;
   std::unique_ptr<Mapper> mapper_;
   std::unique_ptr<Tracker> tracker_;
   std::unique_ptr<Backend> backend_;          // null without loops and calibration

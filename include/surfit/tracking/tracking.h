@@ -36,27 +36,27 @@ struct TrackingOptions {
   double min_turn_eigenvalue = 2e-3;
   // ErrorModel::photometric_weight of weakly constrained frames. 0: geometric residuals only. Not
   // used if icp.error_model has a photometric weight.
-  double poorly_held_photometric_weight = 0;
+  double weakly_constrained_photometric_weight = 0;
   // Initial pose: constant_velocity, constant_pose, or so3: the last pose with the rotation of
   // AlignRotation().
   std::string motion_model = "constant_velocity";
   // Standard deviation of each component of the acceleration, for the motion prior. Hand-held
   // recordings have 1 to 4 m/s^2. Requires constant_velocity. 0: no motion prior.
   double acceleration_m_per_s2 = 0;
-  double turn_acceleration_rad_per_s2 = 4;
+  double angular_acceleration_rad_per_s2 = 4;
   // Bounds of an accepted registration.
-  double min_inlier_share = 0.3;
+  double min_inlier_ratio = 0.3;
   double max_rmse_m = 0.03;
   // Frames below this inlier ratio are verified by global registration, as are frames after a jump
   // or a loss. 0: only lost frames are searched.
-  double sure_inlier_share = 0.4;
+  double confident_inlier_ratio = 0.4;
   // Global registration of lost frames to the last frame with a pose: InitializeOptions::method.
   // identity: none. The map must agree with the found pose.
   std::string initialize = "features";
 
   bool IsFrameToFrame() const { return tracking == "frame_to_frame"; }
   // Uncertain frames are searched as well as lost frames.
-  bool VerifiesBySearch() const { return sure_inlier_share > 0 && initialize != "identity"; }
+  bool VerifiesBySearch() const { return confident_inlier_ratio > 0 && initialize != "identity"; }
 };
 
 // Outcome of a frame.
@@ -64,14 +64,14 @@ enum class FrameState {
   kFirst,        // first frame with sufficient depth, at the initial pose
   kTracked,      // registered
   kDegenerate,   // registered, and unobservable directions keep the predicted pose
-  kFrozen,       // duplicate depth image: pose of the last frame, not fused
+  kDuplicate,    // duplicate depth image: pose of the last frame, not fused
   kGiven,        // fused at a given pose, not tracked
   kLost,         // no pose, not fused
   kRelocalized,  // found by a keyframe
   kNewMap,       // first frame of a new submap: see LoopOptions::new_map_after
 };
 
-// "first", "tracked", "degenerate", "frozen", "given", "lost", "relocalised", "new_map".
+// "first", "tracked", "degenerate", "duplicate", "given", "lost", "relocalised", "new_map".
 std::string ToString(FrameState state);
 
 // A lost frame with its failed registration. The references are valid during the call only.

@@ -6,8 +6,8 @@
 
 #include "apps/doctor/recording_checks.h"
 #include "core/repeated_warning.h"
-#include "finishing/known_sequence.h"
-#include "io/sequences/depth_scale.h"
+#include "finishing/posed_sequence.h"
+#include "io/sequences/recording_warnings.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
@@ -38,10 +38,10 @@ class RecordingTracker {
     const Backend& backend = *slam_.backend();
     if (backend.is_recalibrated()) {
       tracked_.calibration = *backend.calibration();
-      tracked_.calibration_doubt = DoubtOfGiven(info_.sensor(), *tracked_.calibration);
+      tracked_.calibration_warning = CalibrationWarning(info_.sensor(), *tracked_.calibration);
     }
     // Latencies estimated with a wrong calibration are unreliable.
-    if (!tracked_.calibration_doubt.empty()) return tracked_;
+    if (!tracked_.calibration_warning.empty()) return tracked_;
     if (has_color_ && !backend.calibrations().empty())
       tracked_.color_latency_s = backend.color_latency_s();
     tracked_.late_s = LatenessByTruth(backend.poses().trajectory());
@@ -67,9 +67,9 @@ class RecordingTracker {
   bool has_color_ = false;
 };
 
-class RecordingLook {
+class RecordingChecker {
  public:
-  explicit RecordingLook(const RecordingCheckOptions& options)
+  explicit RecordingChecker(const RecordingCheckOptions& options)
       : sequence_(OpenRawSequence(options.sequence)),
         figures_(sequence_.info.camera.depth_units_per_metre),
         sample_every_(std::max(1, sequence_.info.frame_count / kSamples)) {
@@ -128,7 +128,7 @@ class RecordingLook {
   }
 
   RawSequence sequence_;
-  RecordingFigures figures_;
+  RecordingStatistics figures_;
   RepeatedWarning unreadable_{"unreadable frames"};
   const int sample_every_;
   int count_ = 0, sampled_depths_ = 0;
@@ -148,7 +148,7 @@ RecordingReport CheckRecording(const RecordingCheckOptions& options,
                                const std::function<void(int frames)>& progress) {
   Validate(options);
   const ThreadLimit limit(options.threads);
-  RecordingLook look(options);
+  RecordingChecker look(options);
   for (int frames = 1; !interrupted && look.Next(); ++frames) progress(frames);
   RecordingReport report = look.Report();
   report.interrupted = interrupted;

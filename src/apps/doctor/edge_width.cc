@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include "apps/doctor/recording_figures.h"
+#include "apps/doctor/recording_statistics.h"
 #include "surfit/frame/frame_pyramid.h"
 
 namespace surfit {

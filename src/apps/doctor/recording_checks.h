@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "apps/doctor/check_recording.h"
-#include "apps/doctor/recording_figures.h"
-#include "io/sequences/registration_doubt.h"
+#include "apps/doctor/recording_statistics.h"
+#include "io/sequences/recording_warnings.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/inverse_depth_field.h"
 
@@ -15,7 +15,7 @@ namespace surfit {
 
 struct TrackedRecording {
   int frames = 0, lost = 0;
-  std::string calibration_doubt;                // message of DoubtOfGiven(); empty: no doubt
+  std::string calibration_warning;              // message of CalibrationWarning(); empty: no doubt
   std::optional<DepthCalibration> calibration;  // std::nullopt: as configured
   // Added to the configured latency; std::nullopt: unknown.
   std::optional<double> color_latency_s;
@@ -26,10 +26,10 @@ struct TrackedRecording {
 // Input of the checks.
 struct RecordingEvidence {
   const SequenceInfo& info;
-  const std::vector<FrameFigures>& frames;
+  const std::vector<FrameStatistics>& frames;
   int sampled_depths = 0;                       // frames that were sampled for the depth scale
   std::vector<std::string> doubted_scales;      // messages of DepthScaleWarning()
-  std::optional<double> inverse_depth_step;     // RecordingFigures::InverseDepthStep()
+  std::optional<double> inverse_depth_step;     // RecordingStatistics::InverseDepthStep()
   std::optional<RegistrationFit> registration;  // std::nullopt: not observable
   std::optional<TrackedRecording> tracked;      // std::nullopt: tracking is off
 };

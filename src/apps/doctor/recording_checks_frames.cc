@@ -8,23 +8,23 @@
 namespace surfit {
 namespace {
 
-constexpr double kLeastValid = 0.4;  // minimum median ratio of pixels with depth
+constexpr double kMinValid = 0.4;  // minimum median ratio of pixels with depth
 // Limits of the median depth, and maximum ratio of frames outside of these limits.
-constexpr double kNear_m = 0.5, kFar_m = 4, kMostOff = 0.2;
+constexpr double kNear_m = 0.5, kFar_m = 4, kMaxOff = 0.2;
 // Minimum brightness, and maximum ratio of saturated pixels in a frame.
-constexpr double kDark = 0.12, kMostSaturated = 0.25;
+constexpr double kDark = 0.12, kMaxSaturated = 0.25;
 // Relative change of the brightness between two frames, and maximum ratio of such changes.
-constexpr double kJump = 0.1, kMostJumps = 0.05;
+constexpr double kJump = 0.1, kMaxJumps = 0.05;
 // Edge width of a blurred frame relative to the image width (7 px of 640 px), and maximum ratio of
 // blurred frames. A Kinect at rest has edges of 4 px.
-constexpr double kBlurred = 0.011, kMostBlurred = 0.25;
-constexpr int kLeastWidth_px = 300, kLeastHeight_px = 220;
+constexpr double kBlurred = 0.011, kMaxBlurred = 0.25;
+constexpr int kMinWidth_px = 300, kMinHeight_px = 220;
 
-using FigureOf = std::function<std::optional<double>(const FrameFigures&)>;
+using FigureOf = std::function<std::optional<double>(const FrameStatistics&)>;
 
 std::vector<double> All(const RecordingEvidence& evidence, const FigureOf& figure) {
   std::vector<double> values;
-  for (const FrameFigures& frame : evidence.frames) {
+  for (const FrameStatistics& frame : evidence.frames) {
     if (!frame.error.empty()) continue;
     if (const auto value = figure(frame)) values.push_back(*value);
   }
@@ -56,7 +56,7 @@ RecordingCheck AtMost(const char* name, std::optional<double> percent, double mo
 RecordingCheck Unreadable(const RecordingEvidence& evidence) {
   RecordingCheck check = {"unreadable_frames", 0., "", "0", "", ""};
   std::string first;
-  for (const FrameFigures& frame : evidence.frames) {
+  for (const FrameStatistics& frame : evidence.frames) {
     if (frame.error.empty()) continue;
     if (first.empty()) first = frame.error;
     ++*check.value;
@@ -72,22 +72,22 @@ RecordingCheck Resolution(const RecordingEvidence& evidence) {
   RecordingCheck check = {"depth_width",
                           static_cast<double>(depth.width),
                           "px",
-                          Concat("at least ", kLeastWidth_px),
+                          Concat("at least ", kMinWidth_px),
                           "",
                           ""};
-  if (depth.width >= kLeastWidth_px && depth.height >= kLeastHeight_px) return check;
+  if (depth.width >= kMinWidth_px && depth.height >= kMinHeight_px) return check;
   check.fault = Concat("depth images are ", depth.width, " x ", depth.height,
-                       " pixels, must be at least ", kLeastWidth_px, " x ", kLeastHeight_px);
+                       " pixels, must be at least ", kMinWidth_px, " x ", kMinHeight_px);
   check.advice = "choose a camera mode with a higher resolution";
   return check;
 }
 
 RecordingCheck ValidDepth(const RecordingEvidence& evidence) {
-  const auto valid = MedianOf(All(evidence, [](const auto& f) { return f.valid_share; }));
-  RecordingCheck check = {"valid_depth", {}, "%", Concat("at least ", 100 * kLeastValid), "", ""};
+  const auto valid = MedianOf(All(evidence, [](const auto& f) { return f.valid_ratio; }));
+  RecordingCheck check = {"valid_depth", {}, "%", Concat("at least ", 100 * kMinValid), "", ""};
   if (!valid) return check;
   check.value = 100 * *valid;
-  if (*valid >= kLeastValid) return check;
+  if (*valid >= kMinValid) return check;
   check.fault = Concat("the median ratio of pixels with depth is ", Rounded(*check.value),
                        " %, must be ", check.constraint, " %");
   check.advice =
@@ -97,20 +97,20 @@ RecordingCheck ValidDepth(const RecordingEvidence& evidence) {
 }
 
 std::vector<RecordingCheck> Distances(const RecordingEvidence& evidence) {
-  const auto depths_m = All(evidence, [](const FrameFigures& f) {
+  const auto depths_m = All(evidence, [](const FrameStatistics& f) {
     return f.median_depth_m > 0 ? std::optional<double>(f.median_depth_m) : std::nullopt;
   });
   return {
-      AtMost("too_close", PercentOf(depths_m, [](double z) { return z < kNear_m; }), kMostOff,
+      AtMost("too_close", PercentOf(depths_m, [](double z) { return z < kNear_m; }), kMaxOff,
              Concat("the frames have a median depth below ", kNear_m, " m"),
              "increase the distance: near surfaces have depth holes and fill the field of view"),
-      AtMost("too_far", PercentOf(depths_m, [](double z) { return z > kFar_m; }), kMostOff,
+      AtMost("too_far", PercentOf(depths_m, [](double z) { return z > kFar_m; }), kMaxOff,
              Concat("the frames have a median depth above ", kFar_m, " m"),
              "reduce the distance: depth noise grows with the square of the distance")};
 }
 
 RecordingCheck Darkness(const RecordingEvidence& evidence) {
-  const auto bright = MedianOf(All(evidence, [](const FrameFigures& f) {
+  const auto bright = MedianOf(All(evidence, [](const FrameStatistics& f) {
     return f.color ? std::optional<double>(f.color->brightness) : std::nullopt;
   }));
   RecordingCheck check = {"brightness", {}, "%", Concat("at least ", 100 * kDark), "", ""};
@@ -124,12 +124,11 @@ RecordingCheck Darkness(const RecordingEvidence& evidence) {
 }
 
 RecordingCheck Saturation(const RecordingEvidence& evidence) {
-  const auto shares = All(evidence, [](const FrameFigures& f) {
-    return f.color ? std::optional<double>(f.color->saturated_share) : std::nullopt;
+  const auto shares = All(evidence, [](const FrameStatistics& f) {
+    return f.color ? std::optional<double>(f.color->saturated_ratio) : std::nullopt;
   });
-  return AtMost("saturated", PercentOf(shares, [](double s) { return s > kMostSaturated; }),
-                kMostOff,
-                Concat("the frames have more than ", 100 * kMostSaturated, " % saturated pixels"),
+  return AtMost("saturated", PercentOf(shares, [](double s) { return s > kMaxSaturated; }), kMaxOff,
+                Concat("the frames have more than ", 100 * kMaxSaturated, " % saturated pixels"),
                 "use a shorter exposure, or keep windows and lamps out of view");
 }
 
@@ -143,17 +142,18 @@ RecordingCheck ExposureChanges(const RecordingEvidence& evidence) {
         std::max(a->brightness, b->brightness) / std::min(a->brightness, b->brightness) - 1);
   }
   return AtMost("exposure_changes", PercentOf(changes, [](double c) { return c > kJump; }),
-                kMostJumps,
+                kMaxJumps,
                 Concat("the frames differ in brightness from the previous frame by more than ",
                        100 * kJump, " %"),
                 "lock exposure and white balance (--device_lock_exposure of surfit_record)");
 }
 
 RecordingCheck Blur(const RecordingEvidence& evidence) {
-  const auto widths = All(
-      evidence, [](const FrameFigures& f) { return f.color ? f.color->edge_width : std::nullopt; });
+  const auto widths = All(evidence, [](const FrameStatistics& f) {
+    return f.color ? f.color->edge_width : std::nullopt;
+  });
   return AtMost(
-      "blurred", PercentOf(widths, [](double w) { return w > kBlurred; }), kMostBlurred,
+      "blurred", PercentOf(widths, [](double w) { return w > kBlurred; }), kMaxBlurred,
       Concat("the frames have colour edges wider than ", 100 * kBlurred, " % of the image width"),
       "move the camera more slowly, use more light and a shorter exposure, and check the focus of "
       "the lens");

@@ -15,12 +15,12 @@ constexpr double kStepOfKinect = 1 / (8 * 580 * 0.075);  // 1/m
 constexpr double kStepTolerance = 0.05;
 constexpr std::array<double, 6> kScales = {1000, 2000, 4000, 5000, 6553.5, 10000};
 constexpr double kMostLatency_s = 0.01;  // maximum colour latency
-constexpr double kMostLate_s = 0.02;     // maximum depth latency by ground truth
-constexpr double kMostLost = 0.1;
+constexpr double kMaxLate_s = 0.02;      // maximum depth latency by ground truth
+constexpr double kMaxLost = 0.1;
 
 RecordingCheck DepthScale(const RecordingEvidence& evidence) {
   std::vector<double> depths_m;
-  for (const FrameFigures& frame : evidence.frames)
+  for (const FrameStatistics& frame : evidence.frames)
     if (frame.median_depth_m > 0) depths_m.push_back(frame.median_depth_m);
   RecordingCheck check = {"median_depth", {}, "m", "0.4 to 5", "", ""};
   if (depths_m.empty()) return check;
@@ -99,8 +99,8 @@ RecordingCheck Calibration(const RecordingEvidence& evidence) {
   const TrackedRecording& tracked = *evidence.tracked;
   const PinholeCamera& given = evidence.info.pinhole;
   if (tracked.calibration) check.value = 100 * (given.fx / tracked.calibration->camera.fx - 1);
-  if (!tracked.calibration_doubt.empty()) {
-    check.fault = tracked.calibration_doubt;
+  if (!tracked.calibration_warning.empty()) {
+    check.fault = tracked.calibration_warning;
     check.advice =
         "set the intrinsics of the sensor for this image size: camera.yaml, --intrinsics or "
         "--camera";
@@ -123,10 +123,10 @@ RecordingCheck Lost(const TrackedRecording& tracked) {
   RecordingCheck check = {"lost_frames",
                           100. * tracked.lost / std::max(1, tracked.frames),
                           "%",
-                          Concat("at most ", 100 * kMostLost),
+                          Concat("at most ", 100 * kMaxLost),
                           "",
                           ""};
-  if (*check.value <= 100 * kMostLost) return check;
+  if (*check.value <= 100 * kMaxLost) return check;
   check.fault = Concat("tracking lost ", tracked.lost, " of ", tracked.frames, " frames (",
                        Rounded(*check.value), " %, must be ", check.constraint, " %)");
   check.advice = "fix the other faults first, then move more slowly, with more structure in view";
@@ -146,7 +146,7 @@ std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence) {
                            "set the colour latency relative to depth: --color_latency_s=",
                            camera.color_latency_s, kMostLatency_s));
   checks.push_back(Latency("stamps_late", "by ground truth, depth was captured", tracked.late_s,
-                           "set the depth latency: --latency_s=", camera.latency_s, kMostLate_s));
+                           "set the depth latency: --latency_s=", camera.latency_s, kMaxLate_s));
   checks.push_back(Lost(tracked));
   return checks;
 }

@@ -9,15 +9,15 @@ namespace surfit {
 namespace {
 
 // Maximum ratios.
-constexpr double kMostMissing = 0.05, kMostRepeated = 0.05, kMostUnpaired = 0.1;
-constexpr double kGap = 1.5;  // minimum interval with a missing frame, in median intervals
-constexpr double kMostApart_s = 0.015;  // maximum offset between depth and colour timestamps
+constexpr double kMaxMissing = 0.05, kMaxRepeated = 0.05, kMaxUnpaired = 0.1;
+constexpr double kGap = 1.5;           // minimum interval with a missing frame, in median intervals
+constexpr double kMaxApart_s = 0.015;  // maximum offset between depth and colour timestamps
 
 double Percent(double part, std::size_t whole) {
   return whole == 0 ? 0 : 100 * part / static_cast<double>(whole);
 }
 
-std::vector<double> IntervalsOf(const std::vector<FrameFigures>& frames) {
+std::vector<double> IntervalsOf(const std::vector<FrameStatistics>& frames) {
   std::vector<double> intervals_s;
   for (std::size_t i = 1; i < frames.size(); ++i)
     intervals_s.push_back(frames[i].stamps.depth_s - frames[i - 1].stamps.depth_s);
@@ -26,8 +26,7 @@ std::vector<double> IntervalsOf(const std::vector<FrameFigures>& frames) {
 
 // Missing frames, estimated from timestamp intervals, relative to the expected number of frames.
 RecordingCheck MissingFrames(const RecordingEvidence& evidence) {
-  RecordingCheck check = {
-      "missing_frames", {}, "%", Concat("at most ", 100 * kMostMissing), "", ""};
+  RecordingCheck check = {"missing_frames", {}, "%", Concat("at most ", 100 * kMaxMissing), "", ""};
   const std::vector<double> intervals_s = IntervalsOf(evidence.frames);
   const double usual_s = Quantile(intervals_s, 0.5);
   if (!(usual_s > 0)) return check;
@@ -37,7 +36,7 @@ RecordingCheck MissingFrames(const RecordingEvidence& evidence) {
     longest_s = std::max(longest_s, interval_s);
   }
   check.value = Percent(missing, evidence.frames.size() + static_cast<std::size_t>(missing));
-  if (*check.value <= 100 * kMostMissing) return check;
+  if (*check.value <= 100 * kMaxMissing) return check;
   check.fault = Concat(missing, " frames are missing (", Rounded(*check.value), " %, must be ",
                        check.constraint, "): the longest interval between timestamps is ",
                        Rounded(longest_s), " s, the median is ", Rounded(usual_s), " s");
@@ -58,12 +57,12 @@ RecordingCheck StampOrder(const RecordingEvidence& evidence) {
 
 RecordingCheck Unpaired(const RecordingEvidence& evidence) {
   RecordingCheck check = {"unpaired_images",
-                          100 * evidence.info.unpaired_share,
+                          100 * evidence.info.unpaired_ratio,
                           "%",
-                          Concat("at most ", 100 * kMostUnpaired),
+                          Concat("at most ", 100 * kMaxUnpaired),
                           "",
                           ""};
-  if (*check.value <= 100 * kMostUnpaired) return check;
+  if (*check.value <= 100 * kMaxUnpaired) return check;
   check.fault = Concat(Rounded(*check.value), " % of the depth and colour images, must be ",
                        check.constraint, " %, have no colour or depth image within ",
                        1000 * kMaxBetweenImages_s, " ms, and are skipped");
@@ -75,9 +74,9 @@ RecordingCheck Unpaired(const RecordingEvidence& evidence) {
 RecordingCheck Repeated(const std::string& name, const char* what, std::size_t repeated,
                         const RecordingEvidence& evidence) {
   RecordingCheck check = {name, Percent(static_cast<double>(repeated), evidence.frames.size()),
-                          "%",  Concat("at most ", 100 * kMostRepeated),
+                          "%",  Concat("at most ", 100 * kMaxRepeated),
                           "",   ""};
-  if (*check.value <= 100 * kMostRepeated) return check;
+  if (*check.value <= 100 * kMaxRepeated) return check;
   check.fault = Concat(repeated, " ", what, " images (", Rounded(*check.value), " %, must be ",
                        check.constraint, ") are bitwise identical to the previous image");
   check.advice =
@@ -90,15 +89,15 @@ RecordingCheck ColorStamps(const RecordingEvidence& evidence) {
   RecordingCheck check = {"color_stamp_after_depth",
                           {},
                           "ms",
-                          Concat("-", 1000 * kMostApart_s, " to ", 1000 * kMostApart_s),
+                          Concat("-", 1000 * kMaxApart_s, " to ", 1000 * kMaxApart_s),
                           "",
                           ""};
   std::vector<double> after_ms;
-  for (const FrameFigures& frame : evidence.frames)
+  for (const FrameStatistics& frame : evidence.frames)
     if (frame.color) after_ms.push_back(1000 * (frame.stamps.color_s - frame.stamps.depth_s));
   if (after_ms.empty()) return check;
   check.value = Quantile(after_ms, 0.5);
-  if (std::abs(*check.value) <= 1000 * kMostApart_s) return check;
+  if (std::abs(*check.value) <= 1000 * kMaxApart_s) return check;
   check.fault = Concat("colour timestamps are ", Rounded(std::abs(*check.value)), " ms ",
                        *check.value > 0 ? "later" : "earlier",
                        " than depth timestamps (median, must be ", check.constraint, " ms)");
@@ -110,7 +109,7 @@ RecordingCheck ColorStamps(const RecordingEvidence& evidence) {
 
 std::vector<RecordingCheck> ChecksOfStamps(const RecordingEvidence& evidence) {
   std::size_t depths = 0, colors = 0;
-  for (const FrameFigures& frame : evidence.frames) {
+  for (const FrameStatistics& frame : evidence.frames) {
     depths += frame.repeats_depth;
     colors += frame.repeats_color;
   }

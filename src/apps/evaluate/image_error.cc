@@ -24,8 +24,9 @@ std::array<cv::Mat, 3> ChannelsOf(const Image<Rgb8>& image) {
 }
 
 // Per-channel sums over the compared pixels. All terms are integers, so the sums are exact.
-struct ChannelSums {
-  ChannelSums(const Image<Rgb8>& image, const Image<Rgb8>& reference, const PixelMask& compared) {
+struct ChannelMoments {
+  ChannelMoments(const Image<Rgb8>& image, const Image<Rgb8>& reference,
+                 const PixelMask& compared) {
     CHECK_EQ(image.size(), reference.size());
     CHECK_EQ(image.size(), compared.size());
     for (std::size_t i = 0; i < image.size(); ++i) {
@@ -44,7 +45,7 @@ struct ChannelSums {
 double PsnrOf(double squares, std::size_t pixels) {
   if (pixels == 0) return 0;
   const double mse = squares / (3. * static_cast<double>(pixels));
-  return mse > 0 ? std::min(kMostPsnr_db, 10 * std::log10(kPeak * kPeak / mse)) : kMostPsnr_db;
+  return mse > 0 ? std::min(kMaxPsnr_db, 10 * std::log10(kPeak * kPeak / mse)) : kMaxPsnr_db;
 }
 
 cv::Mat Smoothed(const cv::Mat& values) {
@@ -67,14 +68,14 @@ cv::Mat SimilarityOf(const cv::Mat& x, const cv::Mat& y) {
 }  // namespace
 
 double Psnr(const Image<Rgb8>& image, const Image<Rgb8>& reference, const PixelMask& compared) {
-  const ChannelSums sums(image, reference, compared);
+  const ChannelMoments sums(image, reference, compared);
   return PsnrOf((sums.xx - 2 * sums.xy + sums.yy).sum(), CountOf(compared));
 }
 
 // With the best gain, sum (g x - y)^2 = sum y^2 - (sum x y)^2 / sum x^2.
 double PsnrByGain(const Image<Rgb8>& image, const Image<Rgb8>& reference,
                   const PixelMask& compared) {
-  const ChannelSums sums(image, reference, compared);
+  const ChannelMoments sums(image, reference, compared);
   const Eigen::Array3d explained = (sums.xx > 0).select(sums.xy.square() / sums.xx, 0);
   return PsnrOf((sums.yy - explained).sum(), CountOf(compared));
 }

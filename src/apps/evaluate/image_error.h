@@ -11,10 +11,10 @@ namespace surfit {
 using PixelMask = Image<std::uint8_t>;
 
 // Upper limit of the PSNR, which is infinite for equal images.
-inline constexpr double kMostPsnr_db = 100;
+inline constexpr double kMaxPsnr_db = 100;
 
 // Peak signal-to-noise ratio in dB: 10 log10(255^2 / MSE). The MSE is the mean over all channels of
-// the compared pixels. At most kMostPsnr_db; 0 without compared pixels. Aborts if the sizes of the
+// the compared pixels. At most kMaxPsnr_db; 0 without compared pixels. Aborts if the sizes of the
 // images and the mask differ.
 double Psnr(const Image<Rgb8>& image, const Image<Rgb8>& reference, const PixelMask& compared);
 

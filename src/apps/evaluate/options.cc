@@ -28,8 +28,8 @@ void ViewEvaluationOptions::Visit(OptionVisitor& v) {
   v.Add(every, "every",
         "evaluate every n-th frame with a pose; for a run with --hold_out: all held-out frames",
         AtLeast(1), Everyday());
-  v.Add(pictures, "pictures", "number of pictures, worst views first",
-        Between(0, kMostViewPictures), AsFlag("view_pictures"), Everyday());
+  v.Add(pictures, "pictures", "number of pictures, worst views first", Between(0, kMaxViewPictures),
+        AsFlag("view_pictures"), Everyday());
   v.Add(threads, SharedOption("threads", Everyday()));
 }
 

@@ -70,7 +70,7 @@ struct Errors {
     icp_translation_m.push_back(errors.icp_translation_m);
     icp_rotation_deg.push_back(errors.icp_rotation_deg);
   }
-  RevisitAgreement Summary() const {
+  SurfaceAgreement Summary() const {
     return {Summarize(surface_m), Summarize(icp_translation_m), Summarize(icp_rotation_deg)};
   }
 };

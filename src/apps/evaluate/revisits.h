@@ -26,7 +26,7 @@ struct RevisitOptions {
 
 // Agreement of the surfaces of two visits under the poses of a trajectory. The trajectory is not
 // aligned to ground truth.
-struct RevisitAgreement {
+struct SurfaceAgreement {
   // Median of |n . (p' - q)| over projected pixels, per pair of frames.
   ErrorStatistics surface_m;
   // Change of the relative pose by dense ICP.
@@ -39,7 +39,7 @@ struct RevisitReport {
   int unregistered = 0;  // skipped pairs: no overlap, or ICP failed
   int without_pose = 0;  // skipped frames
   // 0 if no pair has a result.
-  RevisitAgreement ground_truth, estimate;
+  SurfaceAgreement ground_truth, estimate;
 };
 
 // Compares the surface agreement of estimate and ground truth at revisits. A good agreement does

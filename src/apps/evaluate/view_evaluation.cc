@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "apps/evaluate/image_error.h"
-#include "apps/evaluate/rolled_view.h"
+#include "apps/evaluate/rolling_shutter_view.h"
 #include "apps/evaluate/view_files.h"
 #include "finishing/color_registration.h"
 #include "io/files/output_folder.h"
@@ -17,7 +17,7 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/evaluation/error_statistics.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"
@@ -62,14 +62,14 @@ void CompareDepth(const Image<float>& frame_m, const Image<float>& drawn_m, View
   error->depth_error_mean_m = statistics.mean;
 }
 
-ViewError MeanOf(const std::vector<JudgedView>& views) {
+ViewError MeanOf(const std::vector<EvaluatedView>& views) {
   ViewError mean;
   for (const auto field :
        {&ViewError::psnr_covered_db, &ViewError::ssim_covered, &ViewError::psnr_db,
         &ViewError::ssim, &ViewError::psnr_covered_by_gain_db, &ViewError::psnr_registered_db,
         &ViewError::ssim_registered, &ViewError::coverage, &ViewError::depth_error_median_m,
         &ViewError::depth_error_mean_m}) {
-    for (const JudgedView& view : views) mean.*field += view.error.*field;
+    for (const EvaluatedView& view : views) mean.*field += view.error.*field;
     mean.*field /= static_cast<double>(views.size());
   }
   return mean;
@@ -124,11 +124,11 @@ class Judge {
     const double offset_s = frame.color_stamp_s - frame.stamp_s;
     const BlendedView of_color = Rolled(drawn, sensor.camera, motion, {offset_s, sensor.readout_s});
     const BlendedView of_depth = Rolled(drawn, sensor.camera, motion, {0, sensor.readout_s});
-    JudgedView view;
+    EvaluatedView view;
     view.frame = frame.index;
     CompareColor(frame.color, of_color, &view.error);
     CompareDepth(frame.depth_m, of_depth.depth_m, &view.error);
-    CompareRegistered(frame, sensor, motion, PoseAfter(world_from_camera, motion, offset_s),
+    CompareRegistered(frame, sensor, motion, ExtrapolatePose(world_from_camera, motion, offset_s),
                       &view.error);
     result_.views.push_back(view);
     return {view, frame.color, of_color.color};

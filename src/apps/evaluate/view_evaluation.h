@@ -33,7 +33,7 @@ struct ViewError {
   double depth_error_median_m = 0, depth_error_mean_m = 0;
 };
 
-struct JudgedView {
+struct EvaluatedView {
   int frame = 0;
   ViewError error;
 };
@@ -41,7 +41,7 @@ struct JudgedView {
 // Results, which are also written to views.json and views.csv.
 struct ViewEvaluation {
   bool held_out = false;  // the frames are not part of the map
-  std::vector<JudgedView> views;
+  std::vector<EvaluatedView> views;
   ViewError mean;
   int without_color = 0;   // skipped frames
   std::string worst_view;  // path of its picture; empty: no picture

@@ -22,7 +22,7 @@ bool IsWorse(const ComparedView& a, const ComparedView& b) {
   return a.view.error.psnr_covered_db < b.view.error.psnr_covered_db;
 }
 
-std::string Caption(const JudgedView& view) {
+std::string Caption(const EvaluatedView& view) {
   std::array<char, 200> text;
   std::snprintf(
       text.data(), text.size(),
@@ -74,7 +74,7 @@ void WriteCsv(const ViewEvaluation& evaluation, std::ostream& file) {
   file << "frame";
   for (const auto& [name, value] : Figures(evaluation.mean)) file << ',' << name;
   file << '\n' << std::fixed << std::setprecision(6);
-  for (const JudgedView& view : evaluation.views) {
+  for (const EvaluatedView& view : evaluation.views) {
     file << view.frame;
     for (const auto& [name, value] : Figures(view.error)) file << ',' << value;
     file << '\n';

@@ -10,7 +10,7 @@ namespace surfit {
 
 // Evaluated view with the frame and the rendered image.
 struct ComparedView {
-  JudgedView view;
+  EvaluatedView view;
   Image<Rgb8> frame, drawn;
 };
 

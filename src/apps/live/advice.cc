@@ -7,12 +7,12 @@ namespace surfit {
 namespace {
 
 // Statistics of a depth image, from every eighth pixel of every eighth row.
-struct DepthLook {
-  double valid_share = 0;
+struct DepthStatistics {
+  double valid_ratio = 0;
   double median_m = 0;  // 0: no valid pixel
 };
 
-DepthLook LookAtDepth(const Image<float>& depth_m) {
+DepthStatistics LookAtDepth(const Image<float>& depth_m) {
   constexpr int kStep = 8;
   std::vector<float> depths;
   int pixels = 0;
@@ -44,9 +44,9 @@ std::vector<Advice> Advise(const SlamRunFrame& frame, const Rigid3d* world_from_
   constexpr double kFast = 0.05;
   constexpr double kClose_m = 0.45;     // minimum range of most sensors
   constexpr double kLittleDepth = 0.3;  // ratio of pixels
-  constexpr double kMuchMoves = 0.1;    // ratio of points
+  constexpr double kMuchMotion = 0.1;   // ratio of points
   const FrameReport& report = frame.report;
-  const DepthLook depth = LookAtDepth(frame.frame.depth_m);
+  const DepthStatistics depth = LookAtDepth(frame.frame.depth_m);
   std::vector<Advice> all;
   if (!report.HasPose()) {
     all.push_back({"lost", "Lost: go back to the last tracked view"});
@@ -57,13 +57,13 @@ std::vector<Advice> Advise(const SlamRunFrame& frame, const Rigid3d* world_from_
   }
   if (depth.median_m > 0 && depth.median_m < kClose_m) {
     all.push_back({"too_close", "Too close: step back"});
-  } else if (depth.valid_share < kLittleDepth) {
+  } else if (depth.valid_ratio < kLittleDepth) {
     all.push_back({"little_depth", "Little depth: surfaces are too close, too far or too shiny"});
   }
   if (report.state == FrameState::kDegenerate) {
     all.push_back({"little_shape", "Little structure: keep corners or furniture in view"});
   }
-  if (report.is_apart || report.moving_share > kMuchMoves) {
+  if (report.has_two_motions || report.moving_ratio > kMuchMotion) {
     all.push_back({"moving", "Moving objects: keep them out of view"});
   }
   return all;

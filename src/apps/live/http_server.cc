@@ -32,7 +32,7 @@ using boost::system::error_code;
 
 // Lowers the priority of the calling thread only (Linux). At nice 15 it gets about 1/30 of a busy
 // core. With SCHED_BATCH it does not preempt other threads.
-void TakeLessPriority() {
+void LowerThreadPriority() {
   constexpr int kThisThread = 0, kLessPriority = 15;
   const sched_param no_priority = {};
   setpriority(PRIO_PROCESS, kThisThread, kLessPriority);
@@ -79,7 +79,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   HttpSession(const HttpSession&) = delete;
   HttpSession& operator=(const HttpSession&) = delete;
 
-  bool is_stranger() const { return !knows_token_ && !is_closed_; }
+  bool is_unauthenticated() const { return !knows_token_ && !is_closed_; }
   bool is_client() const { return knows_token_ && !is_closed_; }
 
   void Read() {
@@ -135,9 +135,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     waits_ = !answer;
     if (waits_) return;
     hold_.cancel();
-    const bool is_new = answer->knows_token && !knows_token_;
+    const bool is_new = answer->has_token && !knows_token_;
     if (is_new && IsFull()) return Refuse(http::status::service_unavailable);
-    knows_token_ = knows_token_ || answer->knows_token;
+    knows_token_ = knows_token_ || answer->has_token;
     Write(static_cast<http::status>(answer->status), answer->type, answer->body);
   }
 
@@ -222,7 +222,7 @@ void HttpServer::State::Accept() {
 void HttpServer::State::Add(tcp::socket socket) {
   std::vector<std::shared_ptr<HttpSession>> strangers;
   for (auto& session : Open()) {
-    if (session->is_stranger()) strangers.push_back(std::move(session));
+    if (session->is_unauthenticated()) strangers.push_back(std::move(session));
   }
   if (strangers.size() >= limits.strangers) strangers.front()->Close();
   const std::uint64_t id = next_session++;
@@ -264,7 +264,7 @@ HttpServer::HttpServer(const std::string& address, int port, const HttpLimits& l
   }
   state_->Accept();
   state_->thread = std::thread([this] {
-    TakeLessPriority();
+    LowerThreadPriority();
     state_->Run();
   });
 }

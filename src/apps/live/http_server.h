@@ -19,7 +19,7 @@ struct HttpAnswer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::shared_ptr<const std::string> body;
-  bool knows_token = false;  // the request has the valid token
+  bool has_token = false;  // the request has the valid token
 };
 
 // Resource limits of the server.

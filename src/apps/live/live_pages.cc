@@ -51,7 +51,7 @@ std::optional<HttpAnswer> LivePages::Answer(const HttpRequest& request, bool mus
     answer = request.method == "POST" ? Post(target->page) : Bare(405);
   }
   if (!answer) return std::nullopt;
-  answer->knows_token = true;
+  answer->has_token = true;
   answered_at_s_ = Now_s();
   return answer;
 }

@@ -17,7 +17,7 @@ void LiveRun::Update(const SlamRunProgress& progress) {
   progress_ = progress;
   progress_.frame = nullptr;
   if (!progress.frame) {
-    is_at_result_ = progress.frames_fused_anew > 0 || progress.refinement_rounds > 0;
+    is_at_result_ = progress.frames_reintegrated > 0 || progress.refinement_rounds > 0;
     for (const auto& viewer : viewers_) viewer->ShowWork();
     left_ = Clock::now();
     return;
@@ -27,7 +27,7 @@ void LiveRun::Update(const SlamRunProgress& progress) {
   steps_ = false;
   for (const auto& viewer : viewers_) viewer->Show(frame);
   constexpr int kWait_ms = 30;
-  while (!MayGoOn()) {
+  while (!MayContinue()) {
     for (const auto& viewer : viewers_) viewer->Wait(frame, kWait_ms);
   }
   left_ = Clock::now();
@@ -101,8 +101,8 @@ void LiveRun::NoteLoops(const Backend& backend) {
 
 std::string LiveRun::Status() const {
   if (is_done_) return "done";
-  if (progress_.frames_fused_anew > 0) {
-    return Concat("re-integrating frames: ", progress_.frames_fused_anew, "/",
+  if (progress_.frames_reintegrated > 0) {
+    return Concat("re-integrating frames: ", progress_.frames_reintegrated, "/",
                   progress_.frames_done);
   }
   if (progress_.refinement_rounds > 0) {

@@ -21,9 +21,9 @@ namespace surfit {
 
 // Limits the rate of a periodic task: at least min_gap_s between two calls, and at most a ratio
 // `share` of the time.
-class Pace {
+class RateLimiter {
  public:
-  Pace(double min_gap_s, double share) : min_gap_(min_gap_s), share_(share) {}
+  RateLimiter(double min_gap_s, double share) : min_gap_(min_gap_s), share_(share) {}
 
   // Calls act() if it is due, or if `must` is true.
   template <typename Act>
@@ -97,7 +97,7 @@ class LiveRun {
   void Stop();
   bool is_paused() const { return pauses_ && !is_at_result_; }
   bool is_interrupted() const { return interrupted_; }
-  bool MayGoOn() const { return !pauses_ || steps_ || interrupted_; }
+  bool MayContinue() const { return !pauses_ || steps_ || interrupted_; }
 
   // Functions for the thread of the run only.
   const SlamRunProgress& progress() const { return progress_; }  // without frame

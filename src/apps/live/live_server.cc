@@ -27,10 +27,10 @@ constexpr std::array kViews = {Shown::kFrame, Shown::kModel, Shown::kNormals};
 
 // Limits the numbers of poses and loops. The last pose and the last loops are kept.
 ShownPath Thinned(const LiveRun& run) {
-  constexpr std::size_t kMostPlaces = 2000, kMostLoops = 1000;
+  constexpr std::size_t kMaxPlaces = 2000, kMaxLoops = 1000;
   ShownPath thin;
   const Trajectory& path = run.path();
-  const std::size_t step = path.size() / kMostPlaces + 1;
+  const std::size_t step = path.size() / kMaxPlaces + 1;
   for (std::size_t i = 0; i < path.size(); i += step) {
     thin.places.emplace_back(path[i].world_from_camera.translation.cast<float>());
   }
@@ -38,7 +38,7 @@ ShownPath Thinned(const LiveRun& run) {
     thin.places.emplace_back(path.back().world_from_camera.translation.cast<float>());
   }
   const std::vector<LoopSegment>& loops = run.loops();
-  const std::size_t count = std::min(kMostLoops, loops.size());
+  const std::size_t count = std::min(kMaxLoops, loops.size());
   thin.loops.assign(loops.end() - static_cast<std::ptrdiff_t>(count), loops.end());
   return thin;
 }
@@ -76,7 +76,7 @@ struct LiveServer::Parts {
   }
 
   template <typename Act>
-  void Give(Shown what, Pace* pace, bool must, const Act& act);
+  void Give(Shown what, RateLimiter* pace, bool must, const Act& act);
   void GiveState(bool must);
   void GiveStateIfDue(bool must);
   Image<Rgb8> ModelPicture(const SurfelMap& map, ModelColors colors);
@@ -92,7 +92,8 @@ struct LiveServer::Parts {
   std::optional<LivePictures> pictures;  // empty before the first frame
   PinholeCamera camera;
   // Time limits: together at most 4 % of the run time, and only for requested data.
-  Pace state_pace{0.1, 0.005}, path_pace{1, 0.003}, views_pace{0.1, 0.024}, map_pace{0, 0.008};
+  RateLimiter state_pace{0.1, 0.005}, path_pace{1, 0.003}, views_pace{0.1, 0.024},
+      map_pace{0, 0.008};
   std::array<bool, kShownCount> is_exact{};  // in the state of the last frame
   bool is_state_exact = false;
   int map_rounds = 0;                          // complete rounds since the last frame
@@ -102,7 +103,7 @@ struct LiveServer::Parts {
 
 // During a pause, `must` is true and all data are sent once.
 template <typename Act>
-void LiveServer::Parts::Give(Shown what, Pace* pace, bool must, const Act& act) {
+void LiveServer::Parts::Give(Shown what, RateLimiter* pace, bool must, const Act& act) {
   bool& exact = is_exact[static_cast<std::size_t>(what)];
   if (exact || !shown.IsWanted(what)) return;
   pace->ActIfDue(must, [&] { exact = act() && must; });

@@ -6,7 +6,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kRadius = 14, kConfidence = 15;  // byte positions in ShownSurfel
+constexpr int kRadius = 14, kConfidence = 15;  // byte positions in PackedSurfel
 constexpr std::uint32_t kBlock = 256;          // slots per block
 
 std::uint64_t Millimetres(float metres) {
@@ -19,11 +19,11 @@ std::size_t BlockCount(std::size_t slots) { return (slots + kBlock - 1) / kBlock
 
 }  // namespace
 
-ShownSurfel PackSurfel(const Surfel& surfel) {
+PackedSurfel PackSurfel(const Surfel& surfel) {
   const Eigen::Vector3f& p = surfel.position_in_world;
   const std::uint64_t place =
       Millimetres(p.x()) | Millimetres(p.y()) << 21 | Millimetres(p.z()) << 42;
-  ShownSurfel packed;
+  PackedSurfel packed;
   for (int i = 0; i < 8; ++i) packed[i] = static_cast<std::uint8_t>(place >> (8 * i));
   for (int i = 0; i < 3; ++i) {
     const float n = std::clamp(std::round(127.f * surfel.normal_in_world[i]), -127.f, 127.f);
@@ -61,10 +61,10 @@ void MapSample::Fit(const SurfelMap& map) {
     next_ /= 2;
     shown_ = static_cast<std::size_t>(
         std::count_if(surfels_.begin(), surfels_.end(),
-                      [](const ShownSurfel& surfel) { return surfel[kRadius] != 0; }));
+                      [](const PackedSurfel& surfel) { return surfel[kRadius] != 0; }));
   }
   if (needed() <= surfels_.size()) return;
-  surfels_.resize(needed(), ShownSurfel{});
+  surfels_.resize(needed(), PackedSurfel{});
   versions_.resize(needed(), 0);
   newest_.resize(BlockCount(needed()), 0);
 }
@@ -72,8 +72,8 @@ void MapSample::Fit(const SurfelMap& map) {
 void MapSample::Look(const SurfelMap& map, std::uint32_t slot) {
   const auto id = static_cast<std::int32_t>(std::uint64_t{slot} << level_);
   const bool is_there = id < map.id_end() && map.Has(id);
-  const ShownSurfel now = is_there ? PackSurfel(map[id]) : ShownSurfel{};
-  ShownSurfel& before = surfels_[slot];
+  const PackedSurfel now = is_there ? PackSurfel(map[id]) : PackedSurfel{};
+  PackedSurfel& before = surfels_[slot];
   if (now == before) return;
   shown_ += (now[kRadius] != 0 ? 1 : 0);
   shown_ -= (before[kRadius] != 0 ? 1 : 0);
@@ -131,7 +131,7 @@ SampleChanges MapSample::ChangesFrom(SamplePlace place, std::size_t most) const 
 
 std::uint8_t MapSample::Dust() const {
   std::array<std::size_t, 256> counts{};
-  for (const ShownSurfel& surfel : surfels_) {
+  for (const PackedSurfel& surfel : surfels_) {
     if (surfel[kRadius] != 0) ++counts[surfel[kConfidence]];
   }
   std::size_t below = 0;

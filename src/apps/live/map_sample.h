@@ -15,9 +15,9 @@ namespace surfit {
 //   color        3 x uint8
 //   radius       uint8: half millimetres, at least 1; 0: no surfel
 //   confidence   uint8: WeightByte
-using ShownSurfel = std::array<std::uint8_t, 16>;
+using PackedSurfel = std::array<std::uint8_t, 16>;
 
-ShownSurfel PackSurfel(const Surfel& surfel);
+PackedSurfel PackSurfel(const Surfel& surfel);
 
 // Position of a page in the stream of changes. A round goes through all slots, and transfers the
 // changes since `version`. The next round transfers the changes since the start of this round.
@@ -35,7 +35,7 @@ struct SampleChanges {
   std::uint32_t version = 0;  // current version of the sample
   std::uint32_t next = 0;     // first slot of the next request; 0: the round is complete
   std::vector<std::uint32_t> slot;
-  std::vector<ShownSurfel> surfel;
+  std::vector<PackedSurfel> surfel;
 };
 
 // Subset of a map for display, with limited size. Slot s is the surfel with id s * 2^level, if
@@ -53,7 +53,7 @@ class MapSample {
   // Returns at most `most` changes.
   SampleChanges ChangesFrom(SamplePlace place, std::size_t most) const;
 
-  // DustConfidence() of the sample, as a WeightByte.
+  // NoiseConfidence() of the sample, as a WeightByte.
   std::uint8_t Dust() const;
 
   std::size_t shown() const { return shown_; }  // number of surfels
@@ -66,7 +66,7 @@ class MapSample {
   std::uint32_t epoch_ = 1, level_ = 0, version_ = 0;
   std::uint32_t next_ = 0;  // next slot to update
   std::size_t shown_ = 0;
-  std::vector<ShownSurfel> surfels_;
+  std::vector<PackedSurfel> surfels_;
   std::vector<std::uint32_t> versions_;  // version of the last change
   std::vector<std::uint32_t> newest_;    // upper bound of versions_ per block of kBlock slots
 };

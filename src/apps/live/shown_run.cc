@@ -185,7 +185,7 @@ ShownRun::Text ShownRun::Map(const SamplePlace& place, std::size_t most) {
       changes.version, changes.next,  static_cast<std::uint32_t>(changes.slot.size())};
   const auto bytes = std::make_shared<std::string>();
   bytes->reserve(sizeof(head) +
-                 changes.slot.size() * (sizeof(std::uint32_t) + sizeof(ShownSurfel)));
+                 changes.slot.size() * (sizeof(std::uint32_t) + sizeof(PackedSurfel)));
   AppendBytes(head.data(), head.size(), bytes.get());
   AppendBytes(changes.slot.data(), changes.slot.size(), bytes.get());
   AppendBytes(changes.surfel.data(), changes.surfel.size(), bytes.get());

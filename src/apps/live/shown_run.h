@@ -70,7 +70,7 @@ class ShownRun {
   // JPEG; null if the number of the picture is not `asked`. 0: any number.
   Text Picture(Shown which, std::uint32_t asked);
   // SampleChanges, little endian: epoch, level, slots, version, next and count as uint32, then
-  // `count` slots as uint32, then `count` ShownSurfel.
+  // `count` slots as uint32, then `count` PackedSurfel.
   Text Map(const SamplePlace& place, std::size_t most);
   void Want(Shown what);
   // Marks the state as changed.

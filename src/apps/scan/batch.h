@@ -58,6 +58,6 @@ std::vector<BatchRow> ReportBatch(const std::string& batch);
 
 // Deletes the receipts of runs to repeat: runs with missing results and, with `retry_failed`,
 // failed runs.
-void ForgetRuns(const std::string& batch, bool retry_failed);
+void DeleteStaleRunReceipts(const std::string& batch, bool retry_failed);
 
 }  // namespace surfit

@@ -60,13 +60,13 @@ std::vector<BatchRun> FindSequences(const BatchOptions& options) {
 std::vector<BatchRun> PlanBatch(const BatchOptions& options) {
   Validate(options);
   const std::vector<BatchRun> runs = FindSequences(options);
-  MakeFolder(options.output + "/flags");
+  CreateFolder(options.output + "/flags");
   Json names = Json::array();
   for (const BatchRun& each : runs) {
     SlamRunOptions run = options.run;
     run.sequence.path = each.path;
     run.sequence = WithAbsolutePaths(run.sequence);
-    WriteUnlessSame(FlagFileOf(run), Concat(options.output, "/flags/", each.name, ".flags"));
+    WriteIfChanged(FlagFileOf(run), Concat(options.output, "/flags/", each.name, ".flags"));
     names.push_back(each.name);
   }
   const Json json = {{"sequences", AbsolutePath(options.sequences)},
@@ -74,8 +74,8 @@ std::vector<BatchRun> PlanBatch(const BatchOptions& options) {
                      {"threads", options.run.threads},
                      {"memory_mb", options.memory_mb},
                      {"minutes", options.minutes}};
-  WriteUnlessSame(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
-                  options.output + "/batch.json");
+  WriteIfChanged(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
+                 options.output + "/batch.json");
   return runs;
 }
 

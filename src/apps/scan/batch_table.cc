@@ -173,8 +173,8 @@ std::vector<BatchRow> ReportBatch(const std::string& batch) {
   return rows;
 }
 
-void ForgetRuns(const std::string& batch, bool retry_failed) {
-  ForgetReceipts(batch, retry_failed);
+void DeleteStaleRunReceipts(const std::string& batch, bool retry_failed) {
+  DeleteReceipts(batch, retry_failed);
 }
 
 }  // namespace surfit

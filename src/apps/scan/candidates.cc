@@ -73,7 +73,7 @@ class CandidateSearch {
   // The later keyframe of a pair is the source.
   void Propose(int source) {
     const Place& from = places_[source];
-    const auto found = index_.Query(from.view, options_.max_alike, [&](int p) {
+    const auto found = index_.Query(from.view, options_.max_similar, [&](int p) {
       const Place& to = places_[p];
       return to.fragment < from.fragment &&
              (to.recording < from.recording || from.frame - to.frame >= options_.min_gap);
@@ -86,7 +86,7 @@ class CandidateSearch {
 
   // Files of former pairs are deleted, because the next jobs would use them.
   void Write() const {
-    MakeFolder(options_.output);
+    CreateFolder(options_.output);
     std::set<std::string> written;
     for (const auto& [fragments, proposals] : pairs_) {
       const std::string& target = plan_.fragments[fragments.first].name;

@@ -10,7 +10,7 @@
 #include "apps/scan/link_truth.h"
 #include "apps/scan/scan_graph.h"
 #include "apps/scan/tile_files.h"
-#include "finishing/known_sequence.h"
+#include "finishing/posed_sequence.h"
 #include "io/files/output_folder.h"
 #include "output/output_files.h"
 #include "output/pictures/pictures.h"
@@ -49,7 +49,7 @@ class LinkReader {
   std::vector<GraphLink> Read(const std::vector<std::string>& paths) const {
     std::vector<GraphLink> links;
     for (const std::string& path : paths) {
-      const PairLinks pair = ReadLinks(path);
+      const FragmentLinks pair = ReadLinks(path);
       for (const ScanLink& link : pair.links) {
         if (!link.verdict.accepted()) continue;
         GraphLink accepted;
@@ -59,7 +59,7 @@ class LinkReader {
             Find(path, pair.target, link.target_frame);
         accepted.target_from_source = link.verdict.target_from_source;
         accepted.information = link.verdict.information;
-        accepted.overlap_share = link.verdict.overlap_share;
+        accepted.overlap_ratio = link.verdict.overlap_ratio;
         links.push_back(accepted);
       }
     }
@@ -173,7 +173,7 @@ std::vector<ScanTile> FindTiles(const std::string& scan, const ScanPlan& plan,
                                 const ScanGraph& graph, double tile_m) {
   TileFinder finder(tile_m, plan.recordings.size());
   for (std::size_t i = 0; i < plan.fragments.size(); ++i) {
-    if (!graph.fragments()[i] || graph.IsApart(i)) continue;
+    if (!graph.fragments()[i] || graph.IsDisconnected(i)) continue;
     const auto places = PlacesOf(scan, plan.fragments[i], PlacesPart::kAll);
     if (!places) continue;
     finder.Add(*places, graph.fragments()[i]->solved,
@@ -243,16 +243,16 @@ std::optional<PoseError> ErrorOf(const ScanPlan& plan, const ScanGraph& graph,
 void FindWorst(const ScanPlan& plan, const ScanGraph& graph,
                const std::vector<RecordingResult>& results, GraphResult* result) {
   for (const GraphLink& link : graph.links()) {
-    if (!link.is_left_out) KeepWorse(ErrorOf(plan, graph, results, link), &result->worst_link);
+    if (!link.is_rejected) UpdateMaximum(ErrorOf(plan, graph, results, link), &result->worst_link);
   }
   for (std::size_t i = 0; i < plan.fragments.size(); ++i) {
     const std::optional<GraphFragment>& fragment = graph.fragments()[i];
     if (!fragment) continue;
     const Trajectory& truth = results[plan.fragments[i].recording].info.ground_truth;
     for (const PoseGraphEdge& edge : fragment->kept_loops) {
-      KeepWorse(ErrorOfLink(truth, fragment->places, static_cast<int>(edge.b), fragment->places,
-                            static_cast<int>(edge.a), edge.a_from_b),
-                &result->worst_loop);
+      UpdateMaximum(ErrorOfLink(truth, fragment->places, static_cast<int>(edge.b), fragment->places,
+                                static_cast<int>(edge.a), edge.a_from_b),
+                    &result->worst_loop);
     }
   }
 }
@@ -269,9 +269,9 @@ Json ToJson(const ScanPlan& plan, const ScanGraph& graph,
     const auto& fragment = graph.fragments()[i];
     fragments.push_back({{"name", plan.fragments[i].name},
                          {"recording", plan.fragments[i].recording},
-                         {"state", !fragment          ? "missing"
-                                   : graph.IsApart(i) ? "apart"
-                                                      : "joined"},
+                         {"state", !fragment                 ? "missing"
+                                   : graph.IsDisconnected(i) ? "disconnected"
+                                                             : "joined"},
                          {"frames", fragment ? fragment->places.frames.size() : 0},
                          {"keyframes", fragment ? fragment->places.keyframes.size() : 0}});
   }
@@ -286,7 +286,7 @@ Json ToJson(const ScanPlan& plan, const ScanGraph& graph,
          {"target", plan.fragments[link.target].name},
          {"source_frame", frame(link.source, link.source_keyframe)},
          {"target_frame", frame(link.target, link.target_keyframe)},
-         {"left_out", link.is_left_out},
+         {"left_out", link.is_rejected},
          {"residual_m", residual ? Json(residual->translation.norm()) : Json(nullptr)},
          {"residual_rad", residual ? Json(RotationAngle(residual->rotation)) : Json(nullptr)},
          {"error", ToJson(ErrorOf(plan, graph, results, link))}});
@@ -295,7 +295,7 @@ Json ToJson(const ScanPlan& plan, const ScanGraph& graph,
           {"frames_total", result.frames_total},
           {"keyframes", result.keyframes},
           {"links_accepted", result.links_accepted},
-          {"links_left_out", result.links_left_out},
+          {"links_rejected", result.links_rejected},
           {"ate_rmse_m", result.ate_rmse_m ? Json(*result.ate_rmse_m) : Json(nullptr)},
           {"worst_link", ToJson(result.worst_link)},
           {"worst_loop", ToJson(result.worst_loop)},
@@ -341,13 +341,13 @@ GraphResult BuildScanGraph(const GraphOptions& options) {
   for (std::size_t i = 0; i < plan.fragments.size(); ++i) {
     ++result.fragments;
     result.missing += !graph.fragments()[i];
-    result.apart += graph.IsApart(i);
+    result.apart += graph.IsDisconnected(i);
     if (graph.fragments()[i]) {
       result.keyframes += static_cast<int>(graph.fragments()[i]->solved.size());
     }
   }
   for (const GraphLink& link : graph.links()) {
-    ++(link.is_left_out ? result.links_left_out : result.links_accepted);
+    ++(link.is_rejected ? result.links_rejected : result.links_accepted);
   }
   std::vector<RecordingResult> results;
   std::vector<MatchedPose> matched;

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 }  // namespace
 
-void WriteUnlessSame(const std::string& text, const std::string& path) {
+void WriteIfChanged(const std::string& text, const std::string& path) {
   if (fs::is_regular_file(path) && ReadFile(path) == text) return;
   WriteFileAtomically(path, [&](std::ostream& file) { file << text; });
 }
@@ -67,7 +67,7 @@ JobReceipt ReadReceipt(const std::string& path) {
   }
 }
 
-void ForgetReceipts(const std::string& folder, bool retry_failed) {
+void DeleteReceipts(const std::string& folder, bool retry_failed) {
   for (const std::string& path : FilesIn(folder + "/jobs", ".json")) {
     const JobReceipt receipt = ReadReceipt(path);
     const bool has_failed = receipt.exit != 0;

@@ -12,7 +12,7 @@ namespace surfit {
 
 // Writes a file atomically. An unchanged file keeps its modification time, so that jobs that depend
 // on it are not repeated.
-void WriteUnlessSame(const std::string& text, const std::string& path);
+void WriteIfChanged(const std::string& text, const std::string& path);
 
 // Files of a folder with this extension, sorted by name; empty if the folder does not exist.
 std::vector<std::string> FilesIn(const std::string& folder, const std::string& extension);
@@ -44,6 +44,6 @@ JobReceipt ReadReceipt(const std::string& path);
 
 // Deletes the receipts of jobs to repeat: successful jobs with missing product and, with
 // `retry_failed`, failed jobs. Jobs that depend on them are not included.
-void ForgetReceipts(const std::string& folder, bool retry_failed);
+void DeleteReceipts(const std::string& folder, bool retry_failed);
 
 }  // namespace surfit

@@ -25,10 +25,11 @@ int RecordingOf(const ScanPlan& plan, const std::string& fragment) {
   throw InputError("fragment '", fragment, "' is not in the plan");
 }
 
-class Linker {
+class FragmentLinker {
  public:
   // Frames of the same recording must be at least min_gap apart.
-  Linker(const FindLoopsOptions& options, RunPlaces source, RunPlaces target, bool of_one_recording)
+  FragmentLinker(const FindLoopsOptions& options, RunPlaces source, RunPlaces target,
+                 bool of_one_recording)
       : options_(options),
         source_(std::move(source)),
         target_(std::move(target)),
@@ -102,11 +103,11 @@ std::vector<ScanLink> LinkFragments(const LinkOptions& options) {
   Validate(options);
   const ThreadLimit limit(options.threads);
   const ScanPlan plan = ReadScanPlan(options.scan);
-  const PairCandidates pair = ReadCandidates(options.candidates);
-  const std::vector<ScanLink> links = WithPlace(options.candidates, [&] {
+  const FragmentCandidates pair = ReadCandidates(options.candidates);
+  const std::vector<ScanLink> links = WithContext(options.candidates, [&] {
     const bool of_one_recording = RecordingOf(plan, pair.source) == RecordingOf(plan, pair.target);
-    return Linker(plan.run.slam.loops.find, PlacesNamed(options.scan, pair.source),
-                  PlacesNamed(options.scan, pair.target), of_one_recording)
+    return FragmentLinker(plan.run.slam.loops.find, PlacesNamed(options.scan, pair.source),
+                          PlacesNamed(options.scan, pair.target), of_one_recording)
         .Run(pair.proposals);
   });
   WriteLinks({pair.target, pair.source, links}, options.output);

@@ -15,8 +15,8 @@ Rigid3d PoseFrom(const Json& json) {
   return {Eigen::Quaterniond(n[6], n[3], n[4], n[5]).normalized(), {n[0], n[1], n[2]}};
 }
 
-FarReason ReasonFrom(const std::string& name) {
-  for (const FarReason reason : FarReasons()) {
+GlobalRegistrationReason ReasonFrom(const std::string& name) {
+  for (const GlobalRegistrationReason reason : GlobalRegistrationReasons()) {
     if (ToString(reason) == name) return reason;
   }
   throw InputError("reason is '", name, "', must be a verification result");
@@ -36,17 +36,17 @@ void ReadPair(const std::string& path, const Read& read) {
 
 }  // namespace
 
-void WriteCandidates(const PairCandidates& pair, const std::string& path) {
+void WriteCandidates(const FragmentCandidates& pair, const std::string& path) {
   Json proposals = Json::array();
   for (const PlaceProposal& proposal : pair.proposals) {
     proposals.push_back({proposal.source_frame, proposal.target_frame, proposal.similarity});
   }
   const Json json = {{"target", pair.target}, {"source", pair.source}, {"proposals", proposals}};
-  WriteUnlessSame(json.dump() + "\n", path);
+  WriteIfChanged(json.dump() + "\n", path);
 }
 
-PairCandidates ReadCandidates(const std::string& path) {
-  PairCandidates pair;
+FragmentCandidates ReadCandidates(const std::string& path) {
+  FragmentCandidates pair;
   ReadPair(path, [&](const Json& json) {
     json.at("target").get_to(pair.target);
     json.at("source").get_to(pair.source);
@@ -57,16 +57,16 @@ PairCandidates ReadCandidates(const std::string& path) {
   return pair;
 }
 
-void WriteLinks(const PairLinks& pair, const std::string& path) {
+void WriteLinks(const FragmentLinks& pair, const std::string& path) {
   Json links = Json::array();
   for (const ScanLink& link : pair.links) {
-    const FarVerdict& verdict = link.verdict;
+    const GlobalRegistrationResult& verdict = link.verdict;
     Json json = {{"source_frame", link.source_frame},
                  {"target_frame", link.target_frame},
                  {"reason", ToString(verdict.reason)},
                  {"agreeing_features", verdict.agreeing_features},
-                 {"overlap_share", verdict.overlap_share},
-                 {"inlier_share", verdict.inlier_share},
+                 {"overlap_ratio", verdict.overlap_ratio},
+                 {"inlier_ratio", verdict.inlier_ratio},
                  {"rmse_m", verdict.rmse_m}};
     if (verdict.accepted()) {
       json["target_from_source"] = ToJson(verdict.target_from_source);
@@ -78,15 +78,15 @@ void WriteLinks(const PairLinks& pair, const std::string& path) {
   WriteJson({{"target", pair.target}, {"source", pair.source}, {"links", links}}, path, -1);
 }
 
-PairLinks ReadLinks(const std::string& path) {
-  PairLinks pair;
+FragmentLinks ReadLinks(const std::string& path) {
+  FragmentLinks pair;
   ReadPair(path, [&](const Json& json) {
     json.at("target").get_to(pair.target);
     json.at("source").get_to(pair.source);
     for (const Json& entry : json.at("links")) {
       ScanLink link = {entry.at("source_frame"), entry.at("target_frame"), {}};
       link.verdict.reason = ReasonFrom(entry.at("reason"));
-      link.verdict.overlap_share = entry.at("overlap_share");
+      link.verdict.overlap_ratio = entry.at("overlap_ratio");
       if (link.verdict.accepted()) {
         link.verdict.target_from_source = PoseFrom(entry.at("target_from_source"));
         const auto numbers = entry.at("information").get<std::array<double, 36>>();

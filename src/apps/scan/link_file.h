@@ -17,23 +17,23 @@ struct PlaceProposal {
 };
 
 // Loop candidates between two fragments.
-struct PairCandidates {
+struct FragmentCandidates {
   std::string target, source;  // names of fragments
   std::vector<PlaceProposal> proposals;
 };
 
 // All functions throw InputError with the name of the file.
-void WriteCandidates(const PairCandidates& pair, const std::string& path);
-PairCandidates ReadCandidates(const std::string& path);
+void WriteCandidates(const FragmentCandidates& pair, const std::string& path);
+FragmentCandidates ReadCandidates(const std::string& path);
 
 // Links between two fragments. ReadLinks() reads only the members that the graph needs: frames,
 // reason, overlap, pose and information.
-struct PairLinks {
+struct FragmentLinks {
   std::string target, source;
   std::vector<ScanLink> links;
 };
-void WriteLinks(const PairLinks& pair, const std::string& path);
-PairLinks ReadLinks(const std::string& path);
+void WriteLinks(const FragmentLinks& pair, const std::string& path);
+FragmentLinks ReadLinks(const std::string& path);
 
 // Keyframes of a fragment; std::nullopt if it has no places.bin.
 std::optional<RunPlaces> PlacesOf(const std::string& scan, const ScanFragment& fragment,

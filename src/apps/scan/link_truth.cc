@@ -29,7 +29,7 @@ std::optional<PoseError> ErrorOfLink(const Trajectory& ground_truth, const RunPl
   return ErrorOf(target_from_source, to->Inverse() * *from);
 }
 
-void KeepWorse(const std::optional<PoseError>& error, std::optional<PoseError>* worst) {
+void UpdateMaximum(const std::optional<PoseError>& error, std::optional<PoseError>* worst) {
   if (!error || (*worst && (*worst)->translation_m >= error->translation_m)) return;
   *worst = error;
 }

@@ -14,6 +14,6 @@ std::optional<PoseError> ErrorOfLink(const Trajectory& ground_truth, const RunPl
                                      int target_keyframe, const Rigid3d& target_from_source);
 
 // Replaces `worst` if it is empty or has a smaller translation error.
-void KeepWorse(const std::optional<PoseError>& error, std::optional<PoseError>* worst);
+void UpdateMaximum(const std::optional<PoseError>& error, std::optional<PoseError>* worst);
 
 }  // namespace surfit

@@ -53,7 +53,8 @@ void CandidatesOptions::Visit(OptionVisitor& v) {
   v.Group("places");
   v.Add(min_gap, "min_gap", "minimum number of frames between two keyframes of a recording",
         AtLeast(1), AsFlag());
-  v.Add(max_alike, "max_alike", "maximum number of candidates per keyframe", AtLeast(1), AsFlag());
+  v.Add(max_similar, "max_similar", "maximum number of candidates per keyframe", AtLeast(1),
+        AsFlag());
   v.Add(max_index_bytes, "max_index_bytes",
         "memory limit of the keyframe index; above, only every n-th keyframe is used", AtLeast(1),
         AsFlag());

@@ -102,24 +102,24 @@ std::vector<ScanFragment> CutRecordings(const ScanPlan& plan, const ScanPlanOpti
 
 // Writes the flag files of surfit_slam for the fragments and for the calibration of the cameras.
 void WriteFlagFiles(const ScanPlan& plan, const std::string& scan) {
-  MakeFolder(scan + "/fragments");
+  CreateFolder(scan + "/fragments");
   for (const ScanFragment& fragment : plan.fragments) {
     SlamRunOptions run = plan.run;
     run.sequence = plan.recordings[fragment.recording];
     run.sequence.first = fragment.first;
     run.sequence.last = fragment.last;
-    WriteUnlessSame(FlagFileOf(run), Concat(scan, "/fragments/", fragment.name, ".flags"));
+    WriteIfChanged(FlagFileOf(run), Concat(scan, "/fragments/", fragment.name, ".flags"));
   }
   for (std::size_t r = 0; r < plan.recordings.size(); ++r) {
     SlamRunOptions run = plan.run;
     run.sequence = plan.recordings[r];
     if (plan.camera_frames > 0) {
-      WriteUnlessSame(FlagFileOf(CameraRunOf(run, plan.camera_frames)),
-                      Concat(scan, "/camera_", r, ".flags"));
+      WriteIfChanged(FlagFileOf(CameraRunOf(run, plan.camera_frames)),
+                     Concat(scan, "/camera_", r, ".flags"));
     }
     SlamRunOptions found = run;
     found.sequence = WithCamera(found.sequence, AbsolutePath(FoundCamera(scan, r)));
-    WriteUnlessSame(FlagFileOf(found, run), Concat(scan, "/found_camera_", r, ".flags"));
+    WriteIfChanged(FlagFileOf(found, run), Concat(scan, "/found_camera_", r, ".flags"));
   }
 }
 
@@ -152,8 +152,8 @@ ScanPlan PlanScan(const ScanPlanOptions& options) {
   plan.fragments = CutRecordings(plan, options);
   const std::string& scan = options.run.output;
   WriteFlagFiles(plan, scan);
-  WriteUnlessSame(ToJson(plan).dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
-                  scan + "/plan.json");
+  WriteIfChanged(ToJson(plan).dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
+                 scan + "/plan.json");
   return plan;
 }
 

@@ -41,14 +41,14 @@ std::string Hex(const Fnv1a& hash) {
   return text.str();
 }
 
-// Uniform sample of the map with at most kMostSurfels surfels. Radii are scaled to keep the covered
+// Uniform sample of the map with at most kMaxSurfels surfels. Radii are scaled to keep the covered
 // area.
 SurfelMap ThinnedMap(const std::vector<std::string>& paths) {
-  constexpr std::size_t kMostSurfels = 2000000;
+  constexpr std::size_t kMaxSurfels = 2000000;
   constexpr std::uintmax_t kBytesOfSurfel = 43;  // WriteSurfelPly()
   std::uintmax_t count = 0;
   for (const std::string& path : paths) count += fs::file_size(path) / kBytesOfSurfel;
-  const std::size_t step = count / kMostSurfels + 1;
+  const std::size_t step = count / kMaxSurfels + 1;
   const float growth = std::sqrt(static_cast<float>(step));
   SurfelMap map;
   for (const std::string& path : paths) {
@@ -170,7 +170,7 @@ class ScanReporter {
                {"frames", summary.frames},
                {"fragments", summary.fragments},
                {"links_accepted", summary.links_accepted},
-               {"links_left_out", graph_.is_null() ? Json(0) : graph_.at("links_left_out")},
+               {"links_rejected", graph_.is_null() ? Json(0) : graph_.at("links_rejected")},
                {"worst_link", graph_.is_null() ? Json(nullptr) : graph_.at("worst_link")},
                {"worst_loop", graph_.is_null() ? Json(nullptr) : graph_.at("worst_loop")},
                {"tiles", summary.tiles},

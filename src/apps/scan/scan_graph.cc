@@ -76,10 +76,10 @@ std::vector<ScanGraph::Connection> ScanGraph::Connections() const {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const GraphLink& link = links_[i];
-    if (!link.is_left_out && fragments_[link.source] && fragments_[link.target]) order.push_back(i);
+    if (!link.is_rejected && fragments_[link.source] && fragments_[link.target]) order.push_back(i);
   }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) {
-    return links_[x].overlap_share > links_[y].overlap_share;
+    return links_[x].overlap_ratio > links_[y].overlap_ratio;
   });
   for (const std::size_t i : order) {
     const GraphLink& link = links_[i];
@@ -173,7 +173,7 @@ bool ScanGraph::Solve() {
   for (const std::size_t edge : summary.outlier_edges) {
     is_wrong[edge] = true;
     const auto link = link_of_edge.find(edge);
-    if (link != link_of_edge.end()) links_[link->second].is_left_out = true;
+    if (link != link_of_edge.end()) links_[link->second].is_rejected = true;
   }
   // Fragments that were connected by outlier links only are disconnected now.
   connections = Connections();
@@ -192,7 +192,7 @@ bool ScanGraph::Solve() {
     }
   }
   for (GraphLink& link : links_) {
-    link.is_left_out |= IsApart(link.source) || IsApart(link.target);
+    link.is_rejected |= IsDisconnected(link.source) || IsDisconnected(link.target);
   }
   return true;
 }

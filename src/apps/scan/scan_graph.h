@@ -22,8 +22,8 @@ struct GraphLink {
   int source_keyframe = 0, target_keyframe = 0;
   Rigid3d target_from_source;
   Matrix6d information = Matrix6d::Zero();  // from the verification
-  double overlap_share = 0;
-  bool is_left_out = false;  // outlier, or link of a disconnected fragment
+  double overlap_ratio = 0;
+  bool is_rejected = false;  // outlier, or link of a disconnected fragment
 };
 
 // Pose graph of the keyframes of all fragments.
@@ -42,7 +42,7 @@ class ScanGraph {
   const std::vector<GraphLink>& links() const { return links_; }
   // Residual of a link at the optimised poses; std::nullopt for a disconnected fragment.
   std::optional<Rigid3d> Residual(const GraphLink& link) const;
-  bool IsApart(std::size_t fragment) const {
+  bool IsDisconnected(std::size_t fragment) const {
     return fragments_[fragment] && fragments_[fragment]->solved.empty();
   }
   // Poses of all frames of a recording in the largest part, ascending. In frames that two fragments

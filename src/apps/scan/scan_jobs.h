@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "surfit/evaluation/trajectory_evaluation.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 
 namespace surfit {
 
@@ -32,8 +32,8 @@ struct CandidatesOptions {
   // Output folder for A_B.json, created if missing. Unchanged files keep their modification time.
   // Files of other pairs are deleted.
   std::string output;
-  int min_gap = 100;  // minimum index difference of two keyframes of a recording
-  int max_alike = 3;  // maximum number of candidates per keyframe
+  int min_gap = 100;    // minimum index difference of two keyframes of a recording
+  int max_similar = 3;  // maximum number of candidates per keyframe
   // Memory limit of the keyframe index. Above this limit, only every n-th keyframe is used.
   std::size_t max_index_bytes = std::size_t{500} << 20;
 
@@ -59,7 +59,7 @@ struct LinkOptions {
 // Verified keyframe pair of two fragments, by frame index.
 struct ScanLink {
   int source_frame = 0, target_frame = 0;
-  FarVerdict verdict;
+  GlobalRegistrationResult verdict;
 };
 // Verifies all candidates of two fragments (VerifyLoop()). Then verifies further keyframe pairs
 // that are close to each other according to an accepted link.
@@ -77,7 +77,7 @@ struct GraphResult {
   int apart = 0;  // fragments that are not connected to the largest part
   int keyframes = 0, frames = 0;
   int frames_total = 0;                        // of all recordings
-  int links_accepted = 0, links_left_out = 0;  // inlier and outlier links
+  int links_accepted = 0, links_rejected = 0;  // inlier and outlier links
   int tiles = 0;
   // ATE after one alignment of all recordings. Their ground truths must have the same frame.
   std::optional<double> ate_rmse_m;
@@ -135,6 +135,6 @@ ScanSummary ReadScanSummary(const std::string& scan);
 
 // Deletes the receipts of jobs to repeat: successful jobs with missing product, failed jobs if
 // `retry_failed` is set, and the jobs that depend on them.
-void ForgetJobs(const std::string& scan, bool retry_failed);
+void DeleteStaleReceipts(const std::string& scan, bool retry_failed);
 
 }  // namespace surfit

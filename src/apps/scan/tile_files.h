@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/scan/scan_plan.h"
-#include "finishing/known_sequence.h"
+#include "finishing/posed_sequence.h"
 #include "surfit/slam/backend.h"
 
 namespace surfit {

@@ -122,7 +122,7 @@ class PosedRecordings {
         indices_[r].push_back(frame.index);
       }
       known_.push_back({plan.recordings[r], plan.run.slam, trajectories_[r], indices_[r], all_stay_,
-                        nothing_moves_, FoundSensor()});
+                        nothing_moves_, EstimatedSensor()});
     }
   }
   PosedRecordings(const PosedRecordings&) = delete;
@@ -143,7 +143,7 @@ class PosedRecordings {
   std::vector<std::vector<int>> indices_;
   std::set<int> all_stay_;
   std::map<int, Image<std::uint8_t>> nothing_moves_;
-  std::vector<KnownSequence> known_;  // refers to the members above
+  std::vector<PosedSequence> known_;  // refers to the members above
 };
 
 }  // namespace

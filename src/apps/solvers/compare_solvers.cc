@@ -24,10 +24,10 @@ PoseProblems ProblemsOf(const CompareOptions& options) {
   return FramePairProblems(options);
 }
 
-class ComparisonRun {
+class ComparisonRunner {
  public:
-  ComparisonRun(const CompareOptions& options, const std::atomic<bool>& interrupted,
-                const std::function<void(const CompareProgress&)>& progress)
+  ComparisonRunner(const CompareOptions& options, const std::atomic<bool>& interrupted,
+                   const std::function<void(const CompareProgress&)>& progress)
       : options_(options),
         interrupted_(interrupted),
         progress_(progress),
@@ -37,13 +37,13 @@ class ComparisonRun {
     for (const SolverCombination& combination : SolverCombinations(options)) {
       for (const int threads : options.threads) all_.push_back({combination, threads, {}});
     }
-    ForEach([&](int, const GridCell&, ComparedRuns*) { ++total_; });
+    ForEach([&](int, const PerturbationCell&, ComparedRuns*) { ++total_; });
   }
 
   std::vector<ComparedRuns> Run() {
     std::optional<PoseProblem> problem;
     int made = -1;
-    ForEach([&](int i, const GridCell& cell, ComparedRuns* runs) {
+    ForEach([&](int i, const PerturbationCell& cell, ComparedRuns* runs) {
       if (i != made) {
         problem = problems_.make(i);
         made = i;
@@ -60,7 +60,7 @@ class ComparisonRun {
   template <typename F>
   void ForEach(const F& f) {
     for (int i = 0; i < problems_.count; ++i) {
-      for (const GridCell& cell : cells_) {
+      for (const PerturbationCell& cell : cells_) {
         for (ComparedRuns& runs : all_) {
           if (IsSlow(runs.combination) && (i > 0 || !cell.on_diagonal())) continue;
           if (interrupted_) return;
@@ -70,7 +70,8 @@ class ComparisonRun {
     }
   }
 
-  void RunOne(const PoseProblem& problem, int i, const GridCell& cell, ComparedRuns* runs) const {
+  void RunOne(const PoseProblem& problem, int i, const PerturbationCell& cell,
+              ComparedRuns* runs) const {
     const ThreadLimit limit(runs->threads);
     const auto seed = options_.seed + static_cast<std::uint64_t>(i) * cells_.size() +
                       cell.rotation * options_.translations_m.size() + cell.translation;
@@ -87,7 +88,7 @@ class ComparisonRun {
   const std::atomic<bool>& interrupted_;
   const std::function<void(const CompareProgress&)>& progress_;
   const PoseProblems problems_;
-  const std::vector<GridCell> cells_;
+  const std::vector<PerturbationCell> cells_;
   const Stopwatch time_;
   std::vector<ComparedRuns> all_;
   int total_ = 0, done_ = 0;
@@ -140,7 +141,7 @@ Comparison CompareSolvers(const CompareOptions& given, const std::atomic<bool>& 
     options.rotations_deg = options.translations_m = {0};
   }
   const ThreadLimit limit(*std::max_element(options.threads.begin(), options.threads.end()));
-  ComparisonRun run(options, interrupted, progress);
+  ComparisonRunner run(options, interrupted, progress);
   const OutputFolder owned(options.output,
                            {"comparison.csv", "comparison.json", "comparison.html", "slam.csv"});
   const std::vector<ComparedRuns> all = run.Run();

@@ -91,7 +91,7 @@ struct ComparisonRow {
   std::optional<double> iteration_ms, memory_bytes;
   std::optional<double> final_cost;  // 1/2 sum of rho(s)
   std::optional<double> rotation_error_deg, translation_error_m;
-  std::optional<double> converged_share;  // ratio of all runs
+  std::optional<double> converged_ratio;  // ratio of all runs
   std::string termination;  // most frequent value of all runs; empty for known correspondences
 };
 

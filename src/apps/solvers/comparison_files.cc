@@ -54,7 +54,7 @@ Json ToJson(const ComparisonRow& row) {
           {"final_cost", ToJson(row.final_cost)},
           {"rotation_error_deg", ToJson(row.rotation_error_deg)},
           {"translation_error_m", ToJson(row.translation_error_m)},
-          {"converged_share", ToJson(row.converged_share)},
+          {"converged_ratio", ToJson(row.converged_ratio)},
           {"termination", ToJson(row.termination)}};
 }
 

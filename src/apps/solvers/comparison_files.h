@@ -11,7 +11,7 @@ namespace surfit {
 
 struct ComparedRun {
   int problem = 0;
-  GridCell cell;
+  PerturbationCell cell;
   SolveOutcome outcome;
   // std::nullopt if the truth is unknown.
   std::optional<double> rotation_error_deg, translation_error_m;
@@ -31,7 +31,7 @@ ComparedRun Compare(SolveOutcome outcome, const std::optional<Rigid3d>& truth,
 ComparisonRow RowOf(const ComparedRuns& runs);
 
 // Ratio of converged runs from a grid cell. std::nullopt without runs or if the truth is unknown.
-std::optional<double> ConvergedShare(const ComparedRuns& runs, const GridCell& cell);
+std::optional<double> ConvergedRatio(const ComparedRuns& runs, const PerturbationCell& cell);
 
 // Runs SLAM on the sequence with each combination, into folders of <output>/slam.
 std::vector<SlamComparisonRow> CompareSlam(

@@ -7,9 +7,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Second cell of the diagonal, from which slow combinations run as well.
-GridCell ShownStart(const CompareOptions& options) {
+PerturbationCell ShownStart(const CompareOptions& options) {
   const bool has_second = options.rotations_deg.size() > 1 && options.translations_m.size() > 1;
-  return has_second ? GridCell{1, 1} : GridCell{0, 0};
+  return has_second ? PerturbationCell{1, 1} : PerturbationCell{0, 0};
 }
 
 // Rows are rotations, columns are translations of the initial pose; null if the truth is unknown.
@@ -19,7 +19,7 @@ Json SharesOf(const ComparedRuns& runs, const CompareOptions& options) {
   for (std::size_t i = 0; i < options.rotations_deg.size(); ++i) {
     Json row = Json::array();
     for (std::size_t j = 0; j < options.translations_m.size(); ++j) {
-      const auto share = ConvergedShare(runs, {static_cast<int>(i), static_cast<int>(j)});
+      const auto share = ConvergedRatio(runs, {static_cast<int>(i), static_cast<int>(j)});
       row.push_back(share ? Json(*share) : Json(nullptr));
     }
     shares.push_back(row);
@@ -27,7 +27,7 @@ Json SharesOf(const ComparedRuns& runs, const CompareOptions& options) {
   return shares;
 }
 
-Json LossesOf(const ComparedRuns& runs, const GridCell& start) {
+Json LossesOf(const ComparedRuns& runs, const PerturbationCell& start) {
   for (const ComparedRun& run : runs.runs) {
     if (run.problem == 0 && run.cell == start) return run.outcome.losses;
   }
@@ -36,7 +36,7 @@ Json LossesOf(const ComparedRuns& runs, const GridCell& start) {
 
 Json DataOf(const std::vector<ComparedRuns>& all, const std::vector<std::string>& notes,
             const CompareOptions& options) {
-  const GridCell start = ShownStart(options);
+  const PerturbationCell start = ShownStart(options);
   Json rows = Json::array();
   for (const ComparedRuns& runs : all) {
     if (runs.runs.empty()) continue;

@@ -87,12 +87,12 @@ ComparisonRow RowOf(const ComparedRuns& compared) {
   row.final_cost = Median(good, [](auto& run) { return Optional(run.outcome.final_cost); });
   row.rotation_error_deg = Median(good, [](auto& run) { return run.rotation_error_deg; });
   row.translation_error_m = Median(good, [](auto& run) { return run.translation_error_m; });
-  row.converged_share = ShareConverged(compared.runs, [](auto&) { return true; });
+  row.converged_ratio = ShareConverged(compared.runs, [](auto&) { return true; });
   row.termination = MostFrequentTermination(compared.runs);
   return row;
 }
 
-std::optional<double> ConvergedShare(const ComparedRuns& runs, const GridCell& cell) {
+std::optional<double> ConvergedRatio(const ComparedRuns& runs, const PerturbationCell& cell) {
   return ShareConverged(runs.runs, [&](const ComparedRun& run) { return run.cell == cell; });
 }
 

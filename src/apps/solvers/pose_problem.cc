@@ -26,8 +26,8 @@ std::optional<double> MedianOf(const std::vector<SolveReport>& reports, double S
 
 }  // namespace
 
-std::vector<GridCell> AllCells(int rotations, int translations) {
-  std::vector<GridCell> cells;
+std::vector<PerturbationCell> AllCells(int rotations, int translations) {
+  std::vector<PerturbationCell> cells;
   for (int i = 0; i < rotations; ++i) {
     for (int j = 0; j < translations; ++j) cells.push_back({i, j});
   }

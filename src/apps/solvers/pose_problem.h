@@ -23,17 +23,17 @@ std::vector<SolverCombination> SolverCombinations(const CompareOptions& options)
 // True for slow combinations, which run on few problems.
 bool IsSlow(const SolverCombination& combination);
 
-struct GridCell {
+struct PerturbationCell {
   int rotation = 0;  // indices in rotations_deg and translations_m
   int translation = 0;
   bool on_diagonal() const { return rotation == translation; }
-  friend bool operator==(const GridCell& a, const GridCell& b) {
+  friend bool operator==(const PerturbationCell& a, const PerturbationCell& b) {
     return a.rotation == b.rotation && a.translation == b.translation;
   }
 };
 
 // All cells, row by row; a row has one rotation.
-std::vector<GridCell> AllCells(int rotations, int translations);
+std::vector<PerturbationCell> AllCells(int rotations, int translations);
 
 // Pose after a rotation about the origin of the target and a translation, about and along random
 // axes. The axes depend on `seed` only.

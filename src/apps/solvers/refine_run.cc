@@ -9,7 +9,7 @@
 #include "apps/solvers/result_json.h"
 #include "apps/solvers/run_keyframes.h"
 #include "finishing/final_map.h"
-#include "finishing/known_sequence.h"
+#include "finishing/posed_sequence.h"
 #include "io/files/output_folder.h"
 #include "output/output_files.h"
 #include "run/posed_views.h"
@@ -65,7 +65,7 @@ class RefineRun {
     summary_.refinement = Refine(options_.refinement, given, &run_.keyframes,
                                  [&](const RefinementRound& round) { Tell(round); });
     summary_.calibration =
-        OfMeasuredDepth(run_.info, summary_.given.field, summary_.refinement.calibration);
+        CalibrationOfRawDepth(run_.info, summary_.given.field, summary_.refinement.calibration);
     if (summary_.refinement.Succeeded()) failures_.Try([&] { Apply(); });
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     summary_.total_s = elapsed.count();
@@ -99,7 +99,8 @@ class RefineRun {
   }
 
   void Apply() {
-    const std::string doubt = DoubtOfGiven(run_.info.sensor(), summary_.refinement.calibration);
+    const std::string doubt =
+        CalibrationWarning(run_.info.sensor(), summary_.refinement.calibration);
     if (!doubt.empty()) progress_("warning: " + doubt);
     std::vector<Rigid3d> poses;
     for (const RefinementKeyframe& keyframe : run_.keyframes)
@@ -110,8 +111,8 @@ class RefineRun {
                          options_.output + "/trajectory.txt");
     });
     failures_.Try([&] {
-      WriteFoundCamera(run_.info, summary_.given.field, summary_.refinement.calibration,
-                       options_.output + "/camera.yaml");
+      WriteEstimatedCamera(run_.info, summary_.given.field, summary_.refinement.calibration,
+                           options_.output + "/camera.yaml");
     });
     failures_.Try([&] { Evaluate(refined); });
     Trajectory of_frames;
@@ -129,7 +130,7 @@ class RefineRun {
   }
 
   void WritePoses(const Trajectory& refined) {
-    const FoundSensor found = {summary_.refinement.calibration};
+    const EstimatedSensor found = {summary_.refinement.calibration};
     WritePosesJson({summary_.refinement.calibration.camera,
                     found,
                     refined,
@@ -148,10 +149,10 @@ class RefineRun {
     const std::set<int> left_out;
     const std::map<int, Image<std::uint8_t>> moving;
     progress_("fusing the map");
-    const FoundSensor found = {summary_.refinement.calibration};
-    const KnownSequence known = {options_.sequence, slam,   refined, run_.frames,
+    const EstimatedSensor found = {summary_.refinement.calibration};
+    const PosedSequence known = {options_.sequence, slam,   refined, run_.frames,
                                  left_out,          moving, found};
-    const std::optional<SurfelMap> map = FuseAnew(known, false, [](int, std::size_t) {});
+    const std::optional<SurfelMap> map = IntegrateFinalMap(known, false, [](int, std::size_t) {});
     summary_.map_points = map->size();
     WriteSurfelPly(*map, options_.output + "/map.ply");
   }

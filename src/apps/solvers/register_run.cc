@@ -75,7 +75,7 @@ AlignRunResult RunAlign(const AlignRunOptions& options) {
 
   AlignRunResult result;
   result.registration =
-      RegisterFar(pair.source.view, pair.target.view, options.initialize, options.icp);
+      RegisterGlobally(pair.source.view, pair.target.view, options.initialize, options.icp);
   const Rigid3d& estimated = result.registration.icp.target_from_source;
   if (const std::optional<Rigid3d> truth = pair.TargetFromSource()) {
     result.initial_error = ErrorOf(Rigid3d(), *truth);

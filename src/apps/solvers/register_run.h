@@ -7,7 +7,7 @@
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/io/sequence.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 #include "surfit/registration/register_clouds.h"
 
 namespace surfit {
@@ -21,14 +21,14 @@ struct AlignRunOptions {
   std::string output;  // output folder, created if missing
   PreprocessOptions preprocess;
   InitializeOptions initialize;
-  IcpOptions icp = FarIcpOptions();
+  IcpOptions icp = GlobalIcpOptions();
   int threads = 2;
 
   void Visit(OptionVisitor& visitor);
 };
 
 struct AlignRunResult {
-  FarVerdict registration;
+  GlobalRegistrationResult registration;
   // Error of the identity; std::nullopt without ground truth.
   std::optional<PoseError> initial_error;
   std::optional<PoseError> final_error;

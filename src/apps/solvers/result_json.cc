@@ -71,12 +71,12 @@ void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOpt
   j["succeeded"] = icp.Succeeded();
   j["rmse_m"] = icp.rmse_m;
   j["inlier_count"] = icp.inlier_count;
-  j["inlier_share"] = icp.inlier_share;
+  j["inlier_ratio"] = icp.inlier_ratio;
   j["step_count"] = icp.step_count;
   j["information"] = Rows(icp.information);
   j["covariance"] = icp.covariance ? Rows(*icp.covariance) : Json();
   j["eigenvalues"] = icp.eigenvalues;
-  j["free_directions"] = icp.free_directions;
+  j["degenerate_directions"] = icp.degenerate_directions;
   j["source"] = ToJson(result.source, options.source);
   j["target"] = ToJson(result.target, options.target);
   j["residual"] = options.registration.icp.residual;

@@ -4,14 +4,14 @@
 #include <optional>
 
 #include "core/repeated_warning.h"
-#include "finishing/known_sequence.h"
+#include "finishing/posed_sequence.h"
 #include "run/posed_views.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
 
 RunKeyframes ReadRunKeyframes(const RefineRunOptions& options) {
-  const auto source = OpenAgain(options.sequence);
+  const auto source = ReopenSequence(options.sequence);
   RunKeyframes run;
   run.info = source->info();
   run.trajectory = ReadEstimate(options.trajectory, run.info);

@@ -16,7 +16,7 @@ std::vector<std::string> Chosen(const char* option, const std::vector<std::strin
                                 const std::vector<std::string>& all) {
   for (const std::string& name : named) {
     if (std::find(all.begin(), all.end(), name) != all.end()) continue;
-    throw InputError(option, " contains '", name, "', must be one of: ", Listed(all));
+    throw InputError(option, " contains '", name, "', must be one of: ", JoinNames(all));
   }
   return named.empty() ? all : named;
 }
@@ -50,7 +50,7 @@ std::vector<std::string> ChosenSolvers(const CompareOptions& options) {
 std::vector<std::string> ChosenAssociations(const CompareOptions& options) {
   if (options.synthetic_points > 0) {
     if (options.associations.empty()) return {kKnownAssociation};
-    throw InputError("associations is ", Listed(options.associations),
+    throw InputError("associations is ", JoinNames(options.associations),
                      ", must be empty with synthetic_points, whose correspondences are known");
   }
   const bool clouds = !options.source.empty();
@@ -66,7 +66,7 @@ void RequirePossible(const std::string& solver, const std::string& residual) {
   if (IsPossible(solver, residual)) return;
   throw InputError("solvers contains 'svd' and residuals contains '", residual,
                    "', which are incompatible: svd supports point_to_point only, ",
-                   "all other solvers support ", Listed(ResidualTypeNames()));
+                   "all other solvers support ", JoinNames(ResidualTypeNames()));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-// Bag that the recorder split into several files. MessagePlace::part is an index of `origins_`.
+// Bag that the recorder split into several files. MessageLocation::part is an index of `origins_`.
 class BagFolder : public MessageLog {
  public:
   BagFolder(std::string folder, const std::string& ending) : folder_(std::move(folder)) {
@@ -24,15 +24,15 @@ class BagFolder : public MessageLog {
   const std::vector<Topic>& topics() const override { return topics_; }
   const std::vector<std::string>& warnings() const override { return warnings_; }
 
-  std::string Read(const MessagePlace& place) const override {
+  std::string Read(const MessageLocation& place) const override {
     const Origin& origin = origins_[place.part];
-    MessagePlace inner = place;
+    MessageLocation inner = place;
     inner.part = origin.part;
     return files_[origin.file]->Read(inner);
   }
 
  private:
-  // File index, and MessagePlace::part in that file.
+  // File index, and MessageLocation::part in that file.
   struct Origin {
     std::size_t file = 0;
     int part = -1;
@@ -43,7 +43,7 @@ class BagFolder : public MessageLog {
     warnings_.insert(warnings_.end(), file.warnings().begin(), file.warnings().end());
     for (const Topic& from : file.topics()) {
       Topic& topic = SameTopic(from);
-      for (MessagePlace place : from.messages) {
+      for (MessageLocation place : from.messages) {
         if (origins_.empty() || origins_.back().file != number ||
             origins_.back().part != place.part) {
           origins_.push_back({number, place.part});

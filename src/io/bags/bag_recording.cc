@@ -153,7 +153,7 @@ class BagRecording : public Recording {
     if (topics_.color.topic == nullptr) return camera;
     const auto color = Pinhole(topics_.color);
     const bool one_frame = topics_.color.frame == topics_.depth.frame;
-    if (one_frame && (!depth || !color || HaveSamePixels(*depth, *color))) return camera;
+    if (one_frame && (!depth || !color || HaveEqualIntrinsics(*depth, *color))) return camera;
     if (!color && !known.color) {
       throw InputError(log_->path(), " has no CameraInfo for ", topics_.color.topic->name,
                        ": set color_intrinsics, or a camera.yaml");
@@ -167,18 +167,18 @@ class BagRecording : public Recording {
  private:
   struct Stamped {
     std::int64_t stamp_ns = 0;
-    MessagePlace place;
+    MessageLocation place;
   };
   struct Frame {
     FrameStamps stamps;
-    MessagePlace depth, color;
+    MessageLocation depth, color;
   };
 
   std::vector<Stamped> InOrder(const Topic& topic) {
     const std::string name = Concat(log_->path(), ": a message of ", topic.name);
     std::vector<Stamped> messages;
     messages.reserve(topic.messages.size());
-    for (const MessagePlace& place : topic.messages)
+    for (const MessageLocation& place : topic.messages)
       messages.push_back({StampOf(place, topic, name), place});
     const bool has_stamps =
         std::any_of(messages.begin(), messages.end(),
@@ -217,7 +217,7 @@ class BagRecording : public Recording {
                        kMaxBetweenImages_s, " s of a timestamp of ", topics_.depth.topic->name);
     }
   }
-  ImageMessage ReadImage(const Topic& topic, const MessagePlace& place,
+  ImageMessage ReadImage(const Topic& topic, const MessageLocation& place,
                          const std::string& name) const {
     return ReadImageMessage(log_->Read(place), topic, name);
   }
@@ -236,7 +236,7 @@ class BagRecording : public Recording {
     for (const Topic& topic : log_->topics()) {
       if (topic.type != "tf2_msgs/TFMessage" && topic.type != "tf/tfMessage") continue;
       const std::string name = Concat(log_->path(), ": a message of ", topic.name);
-      for (const MessagePlace& place : topic.messages)
+      for (const MessageLocation& place : topic.messages)
         tree.Add(ReadTransforms(log_->Read(place), topic, name));
     }
     if (const auto transform = tree.Transform(target, source)) return *transform;
@@ -264,8 +264,8 @@ OpenedRecording OpenBag(const SequenceOptions& options, const std::string& forma
   opened.has_clock = true;
   opened.warnings = bag->warnings();
   opened.unpaired_images = bag->unpaired_images();
-  opened.tell_camera = [known, recording = bag.get()] {
-    return ToldCamera{recording->Camera(known), "CameraInfo of the bag"};
+  opened.read_camera = [known, recording = bag.get()] {
+    return SourceCamera{recording->Camera(known), "CameraInfo of the bag"};
   };
   opened.frames = std::move(bag);
   return opened;

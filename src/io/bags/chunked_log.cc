@@ -35,7 +35,7 @@ const std::string& ChunkedLog::ChunkBytes(int number) const {
 
 void ChunkedLog::AddMessage(std::size_t topic, std::int64_t recorded_ns, int part, std::uint64_t at,
                             std::string_view bytes) {
-  MessagePlace place{recorded_ns, part, at, bytes.size(), {}};
+  MessageLocation place{recorded_ns, part, at, bytes.size(), {}};
   bytes.copy(place.head.data(), place.head.size());
   topics_[topic].messages.push_back(place);
 }
@@ -50,7 +50,7 @@ std::size_t ChunkedLog::AddTopic(const std::string& name, const std::string& typ
   return number;
 }
 
-std::string ChunkedLog::Read(const MessagePlace& place) const {
+std::string ChunkedLog::Read(const MessageLocation& place) const {
   if (place.part < 0) return file_.Read(place.at, place.size);
   return ChunkBytes(place.part).substr(place.at, place.size);
 }

@@ -22,7 +22,7 @@ class ChunkedLog : public MessageLog {
   const std::string& path() const override { return file_.path(); }
   const std::vector<Topic>& topics() const override { return topics_; }
   const std::vector<std::string>& warnings() const override { return warnings_; }
-  std::string Read(const MessagePlace& place) const override;
+  std::string Read(const MessageLocation& place) const override;
 
  protected:
   struct Chunk {

@@ -32,7 +32,7 @@ class Db3 : public MessageLog {
   const std::vector<Topic>& topics() const override { return topics_; }
   const std::vector<std::string>& warnings() const override { return warnings_; }
 
-  std::string Read(const MessagePlace& place) const override {
+  std::string Read(const MessageLocation& place) const override {
     MoveTo(static_cast<sqlite3_int64>(place.at));
     std::string bytes(sqlite3_blob_bytes(blob_.get()), '\0');
     Require(sqlite3_blob_read(blob_.get(), bytes.data(), static_cast<int>(bytes.size()), 0));
@@ -101,7 +101,7 @@ class Db3 : public MessageLog {
     while (Step(rows.get())) {
       const auto topic = topic_of_.find(sqlite3_column_int64(rows.get(), 1));
       if (topic == topic_of_.end()) continue;
-      MessagePlace place;
+      MessageLocation place;
       place.at = static_cast<std::uint64_t>(sqlite3_column_int64(rows.get(), 0));
       place.recorded_ns = sqlite3_column_int64(rows.get(), 2);
       ReadHead(&place);
@@ -109,7 +109,7 @@ class Db3 : public MessageLog {
     }
   }
 
-  void ReadHead(MessagePlace* place) const {
+  void ReadHead(MessageLocation* place) const {
     MoveTo(static_cast<sqlite3_int64>(place->at));
     place->size = static_cast<std::uint64_t>(sqlite3_blob_bytes(blob_.get()));
     const int count = static_cast<int>(std::min<std::uint64_t>(place->size, place->head.size()));

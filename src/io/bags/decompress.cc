@@ -14,7 +14,7 @@ namespace surfit {
 namespace {
 
 // Maximum size of a chunk, bytes. Typical chunks have a few megabytes.
-constexpr std::uint64_t kMostOfChunk = std::uint64_t{256} << 20;
+constexpr std::uint64_t kMaxOfChunk = std::uint64_t{256} << 20;
 constexpr std::uint64_t kStep = std::uint64_t{1} << 18;  // minimum growth of the output, bytes
 
 // Input and output buffers of a decompressor.
@@ -131,7 +131,7 @@ std::string Run(const std::string& bytes, std::uint64_t size, const std::string&
 
 }  // namespace
 
-Compression CompressionOf(const std::string& word, const std::string& name) {
+Compression ParseCompression(const std::string& word, const std::string& name) {
   if (word.empty() || word == "none") return Compression::kNone;
   if (word == "lz4") return Compression::kLz4;
   if (word == "zstd") return Compression::kZstd;
@@ -141,7 +141,7 @@ Compression CompressionOf(const std::string& word, const std::string& name) {
 
 std::string Decompress(Compression compression, const std::string& bytes, std::uint64_t size,
                        const std::string& name) {
-  ThrowIf(size > kMostOfChunk, name, " claims ", size, " bytes, must have at most ", kMostOfChunk);
+  ThrowIf(size > kMaxOfChunk, name, " claims ", size, " bytes, must have at most ", kMaxOfChunk);
   switch (compression) {
     case Compression::kLz4:
       return Run<Lz4Stream>(bytes, size, name);

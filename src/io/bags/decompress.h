@@ -9,7 +9,7 @@ enum class Compression { kNone, kLz4, kZstd, kBz2 };
 
 // Parses the compression of a bag; "" and "none": kNone. Throws InputError with `name` for an
 // unknown compression.
-Compression CompressionOf(const std::string& word, const std::string& name);
+Compression ParseCompression(const std::string& word, const std::string& name);
 
 // Decompresses `bytes` to exactly `size` bytes, at most 256 MiB. LZ4 data must be frames. Memory
 // grows with the actual output, so a wrong `size` cannot exhaust it. Throws InputError with `name`

@@ -65,7 +65,7 @@ class Mcap : public ChunkedLog {
     Chunk chunk;
     chunk.expanded_size = cursor.Take<std::uint64_t>();
     cursor.Bytes(4);  // checksum
-    chunk.compression = CompressionOf(std::string(cursor.Counted()), name);
+    chunk.compression = ParseCompression(std::string(cursor.Counted()), name);
     chunk.size = cursor.Take<std::uint64_t>();
     chunk.at = at + cursor.at();
     ThrowIf(chunk.size > size - cursor.at(), name,

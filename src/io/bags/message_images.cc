@@ -42,7 +42,7 @@ void RequireRows(const ImageMessage& message, int bytes, const std::string& name
   constexpr std::uint32_t kMost = 1u << 30;
   const ImageSize size{static_cast<int>(std::min(message.width, kMost)),
                        static_cast<int>(std::min(message.height, kMost))};
-  RequireUsualSize(size, name);
+  RequireValidSize(size, name);
   const std::uint64_t row = std::uint64_t{message.width} * bytes;
   ThrowIf(message.step < row || std::uint64_t{message.step} * message.height > message.data.size(),
           name, " has ", message.data.size(), " bytes in rows of ", message.step, ", must have ",

@@ -4,7 +4,7 @@
 
 #include "io/bags/messages.h"
 #include "surfit/core/image.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 
 namespace surfit {
 

@@ -12,7 +12,7 @@ namespace surfit {
 enum class Serialization { kRos1, kCdr, kOther };
 
 // Position of a message in the file, and its first bytes, which contain the timestamp.
-struct MessagePlace {
+struct MessageLocation {
   std::int64_t recorded_ns = 0;  // recording time
   int part = -1;                 // chunk with the message; -1: not in a chunk
   std::uint64_t at = 0;          // position of the first byte in the part; SQLite: row id
@@ -24,7 +24,7 @@ struct Topic {
   std::string name;
   std::string type;  // package/Name, also for package/msg/Name of ROS 2
   Serialization serialization = Serialization::kOther;
-  std::vector<MessagePlace> messages;  // in file order
+  std::vector<MessageLocation> messages;  // in file order
 };
 
 // Bag file: recorded messages of topics. Not thread-safe.
@@ -36,7 +36,7 @@ class MessageLog {
   // Descriptions of damaged or missing parts that were skipped.
   virtual const std::vector<std::string>& warnings() const = 0;
   // Throws InputError with the path if the message cannot be read.
-  virtual std::string Read(const MessagePlace& place) const = 0;
+  virtual std::string Read(const MessageLocation& place) const = 0;
 };
 
 // The functions below read the file once to index its messages. They throw InputError with the path

@@ -69,7 +69,7 @@ class MessageFields {
 
 }  // namespace
 
-std::int64_t StampOf(const MessagePlace& place, const Topic& topic, const std::string& name) {
+std::int64_t StampOf(const MessageLocation& place, const Topic& topic, const std::string& name) {
   return MessageFields({place.head.data(), place.head.size()}, topic.serialization, name).Stamp();
 }
 

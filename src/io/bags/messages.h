@@ -20,7 +20,7 @@ struct MessageHeader {
 };
 
 // Timestamp in ns from the first bytes of a message; 0: not set.
-std::int64_t StampOf(const MessagePlace& place, const Topic& topic, const std::string& name);
+std::int64_t StampOf(const MessageLocation& place, const Topic& topic, const std::string& name);
 
 // sensor_msgs/Image or sensor_msgs/CompressedImage. For compressed images, `encoding` is the field
 // `format`, and size and step are 0.

@@ -98,7 +98,7 @@ class RosBag : public ChunkedLog {
     Chunk chunk;
     chunk.at = at;
     chunk.size = size;
-    chunk.compression = CompressionOf(Text(fields, "compression"), name);
+    chunk.compression = ParseCompression(Text(fields, "compression"), name);
     chunk.expanded_size = Value<std::uint32_t>(fields, "size", name);
     AddChunk(chunk, at, name, [&](int number, Cursor* cursor) {
       const RecordFields inner = ParseFields(cursor->Counted(), name);

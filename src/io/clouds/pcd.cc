@@ -30,7 +30,7 @@ struct PcdHeader {
   std::size_t size = 0;  // bytes of the header, including the line DATA
 };
 
-constexpr std::int64_t kMostValuesInField = 1 << 16;
+constexpr std::int64_t kMaxValuesInField = 1 << 16;
 
 // Header lines: the first word is the key, the other words are the value.
 using Entries = std::map<std::string_view, Words, std::less<>>;
@@ -77,8 +77,8 @@ std::vector<PlyProperty> ParseFields(const Entries& entries, PcdHeader::Data dat
       property.type = PlyType::kUint32;
     }
     const std::int64_t count = has_counts ? ParseCount(Find(entries, "COUNT", names.size())[k]) : 1;
-    ThrowIf(count > kMostValuesInField, "COUNT of a field is ", count, ", must be at most ",
-            kMostValuesInField);
+    ThrowIf(count > kMaxValuesInField, "COUNT of a field is ", count, ", must be at most ",
+            kMaxValuesInField);
     properties.insert(properties.end(), count, property);
   }
   return properties;
@@ -118,7 +118,7 @@ Entries ParseLines(std::string_view file, std::size_t* size) {
 
 // Throws InputError with `path` and reason.
 PcdHeader ParsePcdHeader(std::string_view file, const std::string& path) {
-  return WithPlace(path, [&] {
+  return WithContext(path, [&] {
     PcdHeader header;
     const Entries entries = ParseLines(file, &header.size);
     header.data = ParseData(Find(entries, "DATA", 1));
@@ -138,10 +138,10 @@ std::size_t NextUint32(std::string_view* bytes) {
 // Decompresses LZF data (M. Lehmann) to exactly `size` bytes. Throws InputError if the size
 // differs.
 std::string ExpandLzf(std::string_view compressed, std::size_t size) {
-  constexpr std::size_t kMostExpansion = 88;  // the longest match is 264 bytes, stored in 3 bytes
+  constexpr std::size_t kMaxExpansion = 88;  // the longest match is 264 bytes, stored in 3 bytes
   std::string bytes;
   std::size_t expanded = 0;
-  if (!compressed.empty() && size / kMostExpansion <= compressed.size()) {
+  if (!compressed.empty() && size / kMaxExpansion <= compressed.size()) {
     bytes.resize(size);
     expanded = lzf_decompress(compressed.data(), static_cast<unsigned>(compressed.size()),
                               bytes.data(), static_cast<unsigned>(size));
@@ -229,7 +229,7 @@ PointCloud ParsePcd(std::string_view file, const std::string& path) {
   PlyHeader table{header.data == PcdHeader::Data::kAscii, {header.points}, header.size};
   std::string rows;
   if (header.data == PcdHeader::Data::kBinaryCompressed) {
-    rows = WithPlace(path, [&] { return ExpandToRows(file.substr(header.size), header.points); });
+    rows = WithContext(path, [&] { return ExpandToRows(file.substr(header.size), header.points); });
     file = rows;
     table.size = 0;
   }

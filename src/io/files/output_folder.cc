@@ -104,7 +104,7 @@ void RemovePartials(const std::string& folder, const std::vector<std::string>& f
 
 }  // namespace
 
-void MakeFolder(const std::string& folder) {
+void CreateFolder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder)) {
@@ -115,7 +115,7 @@ void MakeFolder(const std::string& folder) {
 OutputFolder::OutputFolder(const std::string& folder, const std::vector<std::string>& former_files,
                            const std::vector<std::string>& inputs)
     : lock_path_(folder + kLockName) {
-  MakeFolder(folder);
+  CreateFolder(folder);
   lock_ = Lock(folder, lock_path_);
   WriteOwner(folder, lock_);
   try {

@@ -6,7 +6,7 @@
 namespace surfit {
 
 // Creates a folder and its parents if they do not exist. Throws InputError with the path.
-void MakeFolder(const std::string& folder);
+void CreateFolder(const std::string& folder);
 
 // Output folder, locked by one process. A lock file in the folder stores the process id and is
 // removed by the destructor. The lock of a killed process is taken over with a warning.

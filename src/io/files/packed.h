@@ -99,7 +99,7 @@ class Unpacker {
     if (!is_wanted) return {};
     const auto bytes = static_cast<std::uint64_t>(width) * height * sizeof(T);
     // The compression ratio of zlib is at most 1032.
-    if (width < 0 || height < 0 || width > 16384 || height > 16384 || bytes > kMostImageBytes ||
+    if (width < 0 || height < 0 || width > 16384 || height > 16384 || bytes > kMaxImageBytes ||
         bytes > 1100 * (count + 1)) {
       Fail(Concat("has an image of invalid size ", width, " x ", height));
     }
@@ -114,7 +114,7 @@ class Unpacker {
 
  private:
   // Maximum size of an image, so that a damaged size does not exhaust the memory.
-  static constexpr std::uint64_t kMostImageBytes = std::uint64_t{64} << 20;
+  static constexpr std::uint64_t kMaxImageBytes = std::uint64_t{64} << 20;
 
   const char* Skip(std::size_t count) {
     if (count > bytes_.size() - at_) Fail("ends too early");

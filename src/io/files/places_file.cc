@@ -11,7 +11,7 @@ namespace surfit {
 namespace {
 
 constexpr char kPlacesMagic[] = "surfit places 1\n";
-constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // maximum file size
+constexpr std::size_t kMaxBytes = std::size_t{4} << 30;  // maximum file size
 
 void PutEdge(const PoseGraphEdge& edge, Packer* writer) {
   writer->PutCount(edge.a);
@@ -42,7 +42,7 @@ void WritePlaces(const RunPlaces& places, const std::string& path) {
     writer.Put(frame.stamp_s);
     writer.Put(frame.world_from_camera);
     writer.Put(frame.keyframe);
-    writer.Put(frame.stretch);
+    writer.Put(frame.segment);
   }
   writer.PutCount(places.keyframes.size());
   for (const Keyframe& keyframe : places.keyframes) {
@@ -58,7 +58,7 @@ void WritePlaces(const RunPlaces& places, const std::string& path) {
 
 RunPlaces ReadPlaces(const std::string& path, PlacesPart part) {
   constexpr std::size_t kPoseBytes = 7 * sizeof(double);
-  Unpacker reader(ReadFile(path, kMostBytes), path);
+  Unpacker reader(ReadFile(path, kMaxBytes), path);
   reader.TakeMagic(kPlacesMagic, "places");
   RunPlaces places;
   places.frames.resize(reader.TakeCount(kPoseBytes));
@@ -68,7 +68,7 @@ RunPlaces ReadPlaces(const std::string& path, PlacesPart part) {
     frame.stamp_s = reader.Take<double>();
     frame.world_from_camera = reader.TakePose();
     frame.keyframe = reader.Take<int>();
-    frame.stretch = reader.Take<int>();
+    frame.segment = reader.Take<int>();
     if (i > 0 && frame.index <= places.frames[i - 1].index)
       reader.Fail("has frames in wrong order");
   }

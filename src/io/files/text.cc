@@ -41,7 +41,7 @@ double FiniteNumber(std::string_view word) {
 }
 
 double ParseNumber(const std::string& text, const std::string& place) {
-  return WithPlace(place, [&] { return FiniteNumber(text); });
+  return WithContext(place, [&] { return FiniteNumber(text); });
 }
 
 static void RequireNear(const Eigen::Vector3d& position) {
@@ -66,7 +66,7 @@ Rigid3d RigidFromMatrix(const Eigen::Matrix4d& matrix, const std::string& place)
   const Eigen::Matrix3d r = matrix.topLeftCorner<3, 3>();
   ThrowIf(!((r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.01 && r.determinant() > 0),
           place, ": the matrix is not a rigid transform");
-  WithPlace(place, [&] { RequireNear(matrix.topRightCorner<3, 1>()); });
+  WithContext(place, [&] { RequireNear(matrix.topRightCorner<3, 1>()); });
   return Rigid3d(r, matrix.topRightCorner<3, 1>());
 }
 

@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-constexpr std::size_t kMostKeys = 100;  // maximum per map
+constexpr std::size_t kMaxKeys = 100;  // maximum per map
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
@@ -103,7 +103,7 @@ class YamlParser {
   void AddKey(YamlNode* map) {
     const std::string key = ParseScalar(":,{}[]\n");
     if (key.empty() || Now() != ':') Fail("has no key with a colon");
-    if (map->keys.size() == kMostKeys) Fail("has too many keys");
+    if (map->keys.size() == kMaxKeys) Fail("has too many keys");
     if (map->Find(key) != nullptr) Fail(Concat("has the key '", key, "' twice"));
     ++at_;
     map->keys.push_back(key);

@@ -11,7 +11,7 @@
 namespace surfit {
 namespace {
 
-constexpr std::size_t kMostOfImage = std::size_t{1} << 30;  // maximum file size, bytes
+constexpr std::size_t kMaxOfImage = std::size_t{1} << 30;  // maximum file size, bytes
 
 struct Closer {
   void operator()(void* handle) const { tjDestroy(handle); }
@@ -40,11 +40,11 @@ InputError DamagedImage(const std::string& path) {
 }
 
 RawDepth ReadDepthImage(const std::string& path) {
-  return DecodeDepthImage(ReadFile(path, kMostOfImage), path);
+  return DecodeDepthImage(ReadFile(path, kMaxOfImage), path);
 }
 
 RawDepth DecodeDepthImage(const std::string& bytes, const std::string& path) {
-  ClaimedSize(bytes, path);
+  SizeInHeader(bytes, path);
   if (IsPng(bytes)) return DecodeDepthPng(bytes, path);
   if (IsTiff(bytes)) return DecodeDepthTiff(bytes, path);
   if (IsPnm(bytes)) return DecodeDepthPnm(bytes, path);
@@ -52,11 +52,11 @@ RawDepth DecodeDepthImage(const std::string& bytes, const std::string& path) {
 }
 
 Image<Rgb8> ReadColorImage(const std::string& path) {
-  return DecodeColorImage(ReadFile(path, kMostOfImage), path);
+  return DecodeColorImage(ReadFile(path, kMaxOfImage), path);
 }
 
 Image<Rgb8> DecodeColorImage(const std::string& bytes, const std::string& path) {
-  ClaimedSize(bytes, path);
+  SizeInHeader(bytes, path);
   if (IsPng(bytes)) return DecodeColorPng(bytes, path);
   if (IsTiff(bytes)) return DecodeColorTiff(bytes, path);
   if (IsPnm(bytes)) return DecodeColorPnm(bytes, path);
@@ -66,7 +66,7 @@ Image<Rgb8> DecodeColorImage(const std::string& bytes, const std::string& path) 
 Image<Rgb8> DecodeJpeg(const std::string& bytes, const std::string& path) {
   static_assert(sizeof(Rgb8) == 3);
   const Handle decoder(tjInitDecompress());
-  const ImageSize size = ClaimedSize(bytes, path);
+  const ImageSize size = SizeInHeader(bytes, path);
   Image<Rgb8> image(size.width, size.height);
   Require(tjDecompress2(decoder.get(), Data(bytes), bytes.size(), &image.data()->r, size.width, 0,
                         size.height, TJPF_RGB, TJFLAG_STOPONWARNING) == 0,

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "surfit/core/image.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 
 namespace surfit {
 
@@ -22,7 +22,7 @@ struct ImageSize {
 
 // Throws InputError with `path` if width or height is below 1 or above 16384. Prevents huge
 // allocations for damaged headers.
-void RequireUsualSize(ImageSize size, const std::string& path);
+void RequireValidSize(ImageSize size, const std::string& path);
 
 // Readers of image files: PNG, JPEG, TIFF, PGM and PPM of up to 1 GiB. All functions throw
 // InputError with the path if the file is missing, truncated, visibly damaged or of another format.
@@ -40,9 +40,9 @@ bool IsJpeg(const std::string& bytes);
 
 // Image size from the header, without decoding. Throws InputError with `path` for an unknown
 // format, an invalid size, or more pixels than the file size permits.
-ImageSize ClaimedSize(const std::string& bytes, const std::string& path);
+ImageSize SizeInHeader(const std::string& bytes, const std::string& path);
 
-// ClaimedSize() of a JPEG file that may be truncated after its header.
+// SizeInHeader() of a JPEG file that may be truncated after its header.
 ImageSize JpegSize(const std::string& bytes, const std::string& path);
 
 // Throws InputError with `path` if the image is truncated or damaged. The decoder would fill in
@@ -60,7 +60,7 @@ std::string EncodePng(const Image<std::uint16_t>& image);
 
 bool IsPng(const std::string& bytes);
 
-// ClaimedSize() of a PNG file that may be truncated after its header.
+// SizeInHeader() of a PNG file that may be truncated after its header.
 ImageSize PngSize(const std::string& bytes, const std::string& path);
 
 }  // namespace surfit

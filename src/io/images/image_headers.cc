@@ -93,17 +93,17 @@ bool IsPnm(const std::string& bytes) {
          std::string("2356").find(bytes[1]) != std::string::npos;
 }
 
-void RequireUsualSize(ImageSize size, const std::string& path) {
+void RequireValidSize(ImageSize size, const std::string& path) {
   constexpr int kMax = 16384;  // px
   if (size.width >= 1 && size.height >= 1 && size.width <= kMax && size.height <= kMax) return;
   throw InputError(path, " is ", size.width, " x ", size.height, " pixels, must be from 1 x 1 to ",
                    kMax, " x ", kMax);
 }
 
-ImageSize ClaimedSize(const std::string& bytes, const std::string& path) {
+ImageSize SizeInHeader(const std::string& bytes, const std::string& path) {
   constexpr std::size_t kMaxRatio = 1032;  // maximum compression ratio of deflate; JPEG: less
   const ImageSize size = SizeByKind(bytes, path);
-  RequireUsualSize(size, path);
+  RequireValidSize(size, path);
   if (size.pixels() / kMaxRatio / PixelsOfByte(bytes) <= bytes.size()) return size;
   throw InputError(path, " is truncated or damaged: its ", bytes.size(), " bytes cannot hold ",
                    size.width, " x ", size.height, " pixels");
@@ -122,7 +122,7 @@ ImageSize JpegSize(const std::string& bytes, const std::string& path) {
                           &subsampling, &color_space) != 0) {
     throw InputError(path, " is truncated or damaged: ", tjGetErrorStr2(decoder.get()));
   }
-  RequireUsualSize(size, path);
+  RequireValidSize(size, path);
   return size;
 }
 
@@ -155,7 +155,7 @@ ImageSize PngSize(const std::string& bytes, const std::string& path) {
   const std::uint8_t* const data = BytesOf(bytes);
   const ImageSize size{static_cast<int>(BigEndian(data + kSizeAt)),
                        static_cast<int>(BigEndian(data + kSizeAt + 4))};
-  RequireUsualSize(size, path);
+  RequireValidSize(size, path);
   return size;
 }
 

@@ -12,7 +12,7 @@
 namespace surfit {
 
 // Decoders of the image formats, called by image_files.h. `bytes` must have the right format and
-// pass ClaimedSize(). All functions throw InputError with `path`.
+// pass SizeInHeader(). All functions throw InputError with `path`.
 RawDepth DecodeDepthPng(const std::string& bytes, const std::string& path);
 Image<Rgb8> DecodeColorPng(const std::string& bytes, const std::string& path);
 RawDepth DecodeDepthTiff(const std::string& bytes, const std::string& path);

@@ -54,8 +54,8 @@ class TiffFile {
   TiffFile(const std::string& bytes, const std::string& path) : path_(path), source_{bytes} {
     const std::unique_ptr<TIFFOpenOptions, TiffOptionsFreer> options(TIFFOpenOptionsAlloc());
     if (options == nullptr) throw std::bad_alloc();
-    constexpr tmsize_t kMostAtOnce = tmsize_t{1} << 30;  // bytes, enough for the largest image
-    TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), kMostAtOnce);
+    constexpr tmsize_t kMaxAtOnce = tmsize_t{1} << 30;  // bytes, enough for the largest image
+    TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), kMaxAtOnce);
     TIFFOpenOptionsSetErrorHandlerExtR(options.get(), TiffSilent, nullptr);
     TIFFOpenOptionsSetWarningHandlerExtR(options.get(), TiffSilent, nullptr);
     tiff_.reset(TIFFClientOpenExt(path.c_str(), "rm", &source_, TiffReadBytes, TiffRefuseToWrite,
@@ -64,7 +64,7 @@ class TiffFile {
     Require(tiff_ != nullptr);
     size_ = {static_cast<int>(Tag<std::uint32_t>(TIFFTAG_IMAGEWIDTH)),
              static_cast<int>(Tag<std::uint32_t>(TIFFTAG_IMAGELENGTH))};
-    RequireUsualSize(size_, path);
+    RequireValidSize(size_, path);
   }
 
   int channels() const { return Tag<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL); }
@@ -119,7 +119,7 @@ class TiffFile {
   Image<T> ReadTiles() const {
     const int width = static_cast<int>(Tag<std::uint32_t>(TIFFTAG_TILEWIDTH));
     const int height = static_cast<int>(Tag<std::uint32_t>(TIFFTAG_TILELENGTH));
-    RequireUsualSize({width, height}, path_);
+    RequireValidSize({width, height}, path_);
     Image<T> image(size_.width, size_.height), tile(width, height);
     const auto bytes = static_cast<tmsize_t>(sizeof(T) * tile.size());
     Require(TIFFTileSize(tiff_.get()) == bytes);

@@ -192,8 +192,8 @@ OpenedRecording OpenOni(const SequenceOptions& options) {
   opened.has_clock = true;
   opened.warnings = recording->warnings();
   opened.unpaired_images = recording->unpaired_images();
-  opened.tell_camera = [played = recording.get()] {
-    return ToldCamera{played->Camera(), "the field of view in the file"};
+  opened.read_camera = [played = recording.get()] {
+    return SourceCamera{played->Camera(), "the field of view in the file"};
   };
   opened.frames = std::move(recording);
   return opened;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/repeated_warning.h"
-#include "io/openni/camera_link.h"
+#include "io/openni/camera_connection.h"
 #include "io/openni/image_pairs.h"
 #include "io/sequences/raw_frames.h"
 #include "io/sequences/sequence_camera.h"
@@ -38,7 +38,7 @@ class FrameQueue {
   ~FrameQueue() { Stop(); }
 
   // Call before Start() only: afterwards, the thread uses the link.
-  const CameraLink& link() const { return link_; }
+  const CameraConnection& link() const { return link_; }
 
   void Start() {
     thread_ = std::thread([this] {
@@ -117,7 +117,7 @@ class FrameQueue {
     queue_.front().paused_before_s += paused_s;
   }
 
-  CameraLink link_;
+  CameraConnection link_;
   ImagePairs pairs_;
   const std::size_t capacity_;
   double paused_before_s_ = 0;
@@ -232,7 +232,7 @@ RawSequence OpenOpenNiCamera(const SequenceOptions& options, int capacity,
   info.frame_count = -1;
   ResolveCamera(
       options,
-      [&]() -> ToldCamera {
+      [&]() -> SourceCamera {
         return {queue->link().device().Camera(options), queue->link().name() + " (field of view)"};
       },
       &info);

@@ -50,8 +50,8 @@ RgbdCamera PrimeSense() {
   RgbdCamera rgbd = Registered(Vga(525, 525, 319.5, 239.5), 1000);
   rgbd.latency_s = 0.02;
   rgbd.readout_s = kKinectReadout_s;
-  rgbd.prior.focal_share = 0.017;
-  rgbd.prior.aspect_share = 0.004;
+  rgbd.prior.focal_relative_sigma = 0.017;
+  rgbd.prior.aspect_relative_sigma = 0.004;
   rgbd.prior.center_px = 9;
   return rgbd;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/files.h"
+#include "core/shared_options.h"
 #include "io/files/text.h"
 #include "io/files/yaml.h"
 #include "io/sequences/folder.h"
@@ -84,10 +85,15 @@ CalibrationPrior ReadPrior(const Node& node) {
   CalibrationPrior prior;
   std::vector<std::string> names;
   const Numbers numbers = NumbersOf(&prior);
-  for (const auto& [name, number] : numbers.all) names.push_back(name);
+  // Files of version 0.1 have old names.
+  for (const auto& [name, number] : numbers.all) {
+    names.push_back(name);
+    if (OldName(name) != name) names.push_back(OldName(name));
+  }
   node.RequireKeysAmong(names);
   for (const auto& [name, number] : numbers.all) {
-    if (node[name].Exists()) *number = node[name].Number();
+    const Node present = node[name], old = node[OldName(name)];
+    if (present.Exists() || old.Exists()) *number = (present.Exists() ? present : old).Number();
   }
   return prior;
 }
@@ -216,7 +222,7 @@ void WritePrior(cv::FileStorage& file, CalibrationPrior prior) {
 // file has about 12.
 std::string ReadShallowText(const std::string& path) {
   constexpr std::size_t kMost = 1 << 16;  // bytes, enough for 360 levels of indentation
-  constexpr int kMostOpened = 200;
+  constexpr int kMaxOpened = 200;
   ThrowIf(!HasFile(path), path, " does not exist");
   std::string text = ReadFile(path, kMost);
   int opened = 0;
@@ -224,8 +230,8 @@ std::string ReadShallowText(const std::string& path) {
     const char c = text[i];
     opened += c == '[' || c == '{' || (c == '-' && text[i + 1] == ' ');
   }
-  if (opened <= kMostOpened) return text;
-  throw InputError(path, " has ", opened, " lists and maps, must have at most ", kMostOpened);
+  if (opened <= kMaxOpened) return text;
+  throw InputError(path, " has ", opened, " lists and maps, must have at most ", kMaxOpened);
 }
 
 }  // namespace

@@ -137,7 +137,7 @@ std::string ColorBytes(const Image<Rgb8>& color, int jpeg_quality) {
 void WriteFrame(const RgbdFrame& frame, const KlgOptions& options, std::ostream& out,
                 KlgSummary* summary) {
   const std::string depth =
-      DepthBytes(Millimetres(frame.depth_m, &summary->depths_beyond), options.compress_depth);
+      DepthBytes(Millimetres(frame.depth_m, &summary->depths_out_of_range), options.compress_depth);
   const std::string color = ColorBytes(frame.color, options.jpeg_quality);
   Put(static_cast<std::int64_t>(std::llround(1e6 * frame.stamp_s)), out);
   Put(static_cast<std::int32_t>(depth.size()), out);

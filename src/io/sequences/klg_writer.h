@@ -20,8 +20,8 @@ struct KlgOptions {
 // Statistics of a written file.
 struct KlgSummary {
   int frames_written = 0;
-  int frames_skipped = 0;          // unreadable frames
-  std::int64_t depths_beyond = 0;  // pixels beyond 65.534 m, written as missing depth
+  int frames_skipped = 0;                // unreadable frames
+  std::int64_t depths_out_of_range = 0;  // pixels beyond 65.534 m, written as missing depth
 };
 
 // Writes the remaining frames of `source` atomically as a .klg file (format of ElasticFusion, see

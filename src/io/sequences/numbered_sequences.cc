@@ -26,7 +26,8 @@ bool IsImage(const std::string& name) {
 
 // Images of a folder by number. If two images have the same number, calls `twice` with a message
 // and keeps the image with the shorter name.
-std::map<long, std::string> NumberedImages(const std::string& folder, const TwiceCall& twice) {
+std::map<long, std::string> NumberedImages(const std::string& folder,
+                                           const DuplicateCallback& twice) {
   std::map<long, std::string> images;
   for (const std::string& name : NamesIn(folder)) {
     const auto number = NumberInName(name);
@@ -130,7 +131,7 @@ std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
 
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
                                            const std::string& color_folder,
-                                           const TwiceCall& twice) {
+                                           const DuplicateCallback& twice) {
   const auto depth = NumberedImages(depth_folder, twice);
   const auto color = color_folder.empty() ? depth : NumberedImages(color_folder, twice);
   std::map<long, FrameFiles> frames;

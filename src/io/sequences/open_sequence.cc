@@ -115,7 +115,7 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
   OpenedRecording opened;
   if (IsBag(info.format)) opened = OpenBag(options, info.format, /*is_folder=*/!is_file);
   if (info.format == "oni") opened = OpenOni(options);
-  ResolveCamera(options, opened.tell_camera, &info);
+  ResolveCamera(options, opened.read_camera, &info);
 
   if (!opened.frames) opened = OpenRecording(info.format, options.path, info.camera);
   if (!opened.has_clock) DropLatency(options, &info.camera);
@@ -123,7 +123,7 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
   info.ground_truth = std::move(opened.ground_truth);
   info.has_clock = opened.has_clock;
   if (opened.unpaired_images > 0) {
-    info.unpaired_share = static_cast<double>(opened.unpaired_images) /
+    info.unpaired_ratio = static_cast<double>(opened.unpaired_images) /
                           (opened.unpaired_images + 2 * opened.frames->frame_count());
   }
   std::vector<int> indices = SelectFrames(opened.frames->frame_count(), options);

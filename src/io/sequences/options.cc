@@ -84,7 +84,7 @@ void SequenceOptions::Visit(OptionVisitor& v) {
   v.Add(last, "last", "index of the last frame to read, inclusive; -1: all frames", AtLeast(-1),
         Everyday());
   v.Add(stride, "stride", "read every n-th frame", AtLeast(1), Everyday());
-  v.AddPart(prepare, "prepare", "preparation of frames from images");
+  v.AddPart(rectify, "rectify", "preparation of frames from images");
   v.Check([this] {
     if (last == -1 || last >= first) return;
     throw InputError("last is ", last, ", must be -1 or at least first (", first, ")");

@@ -30,7 +30,7 @@ class SequenceSource : public FrameSource {
     result.stamp_s = CaptureTimes(raw->stamps, info().camera).depth_s;
     if (!result.error.empty()) return result;
     try {
-      const StageTimer timer("decode", result.index, &result.decode_ms);
+      const StageTimer timer("read", result.index, &result.read_ms);
       result.frame = sequence_.MakeFrame(*raw, sequence_.frames->Read());
     } catch (const InputError& error) {
       result.error = error.what();
@@ -46,7 +46,7 @@ class SequenceSource : public FrameSource {
 
 RgbdFrame RawSequence::MakeFrame(const RawFrame& raw, FrameImages images) const {
   RgbdFrame frame =
-      PrepareFrame(info.camera, preparer, std::move(images), raw.head.index, raw.stamps);
+      RectifyFrame(info.camera, rectifier, std::move(images), raw.head.index, raw.stamps);
   if (!field.IsZero()) CorrectDepth(info.pinhole, field, &frame.depth_m);
   return frame;
 }
@@ -73,10 +73,10 @@ void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images) {
   }
 }
 
-RgbdFrame PrepareFrame(const RgbdCamera& camera, const FramePreparer& preparer, FrameImages images,
-                       int index, const FrameStamps& stamps) {
+RgbdFrame RectifyFrame(const RgbdCamera& camera, const FrameRectifier& rectifier,
+                       FrameImages images, int index, const FrameStamps& stamps) {
   RequireSizeOf(camera, images);
-  RgbdFrame frame = preparer.Prepare(images.depth, std::move(images.color));
+  RgbdFrame frame = rectifier.Rectify(images.depth, std::move(images.color));
   const FrameStamps captured = CaptureTimes(stamps, camera);
   frame.index = index;
   frame.stamp_s = captured.depth_s;
@@ -86,9 +86,9 @@ RgbdFrame PrepareFrame(const RgbdCamera& camera, const FramePreparer& preparer, 
 
 RawSequence MakeRawSequence(SequenceInfo info, std::unique_ptr<RawFrames> frames,
                             const SequenceOptions& options) {
-  FramePreparer preparer = CompleteInfo(frames->FirstImages(), options.prepare, &info);
+  FrameRectifier rectifier = CompleteInfo(frames->FirstImages(), options.rectify, &info);
   InverseDepthField field = ReadDepthField(options, info.format);
-  return {std::move(info), std::move(frames), std::move(preparer), field};
+  return {std::move(info), std::move(frames), std::move(rectifier), field};
 }
 
 std::unique_ptr<FrameSource> MakeFrameSource(RawSequence sequence) {

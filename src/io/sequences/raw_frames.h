@@ -7,7 +7,7 @@
 
 #include "io/sequences/recording.h"
 #include "surfit/frame/frame_source.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 #include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/io/sequence.h"
 
@@ -36,10 +36,10 @@ class RawFrames {
 struct RawSequence {
   SequenceInfo info;
   std::unique_ptr<RawFrames> frames;
-  FramePreparer preparer;
+  FrameRectifier rectifier;
   InverseDepthField field;  // ReadDepthField()
 
-  // Rectifies the images and applies the depth correction. Throws InputError like PrepareFrame().
+  // Rectifies the images and applies the depth correction. Throws InputError like RectifyFrame().
   RgbdFrame MakeFrame(const RawFrame& raw, FrameImages images) const;
 };
 
@@ -52,8 +52,8 @@ void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images);
 
 // Checks the image sizes and rectifies the images. `stamps` are timestamps as recorded. Throws
 // InputError like RequireSizeOf().
-RgbdFrame PrepareFrame(const RgbdCamera& camera, const FramePreparer& preparer, FrameImages images,
-                       int index, const FrameStamps& stamps);
+RgbdFrame RectifyFrame(const RgbdCamera& camera, const FrameRectifier& rectifier,
+                       FrameImages images, int index, const FrameStamps& stamps);
 
 // Open the frames of OpenSequence() and of OpenLive(), without conversion. Throw InputError like
 // these functions.

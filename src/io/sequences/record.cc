@@ -45,7 +45,7 @@ Image<std::uint16_t> ToCounts(const Image<float>& depth_m, RecordSummary* summar
     const double count = std::round(depth_m[i] * kUnitsOfMetres);
     if (!(count > 0)) continue;
     const bool fits = count < std::numeric_limits<std::uint16_t>::max();
-    summary->depths_beyond += !fits;
+    summary->depths_out_of_range += !fits;
     if (fits) counts[i] = static_cast<std::uint16_t>(count);
   }
   return counts;
@@ -161,9 +161,9 @@ void RecordOptions::Visit(OptionVisitor& v) {
   v.Add(queue_capacity, "queue_capacity",
         "maximum number of frames of a live camera that wait for writing", AtLeast(1), AsFlag());
   v.Check([this] {
-    const PrepareOptions as_they_come;
-    if (sequence.prepare.downsample == as_they_come.downsample &&
-        sequence.prepare.max_depth_m == as_they_come.max_depth_m)
+    const RectifyOptions as_they_come;
+    if (sequence.rectify.downsample == as_they_come.downsample &&
+        sequence.rectify.max_depth_m == as_they_come.max_depth_m)
       return;
     throw InputError(
         "downsample and max_depth_m must have their default values: images are recorded unchanged");

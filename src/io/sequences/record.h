@@ -24,13 +24,13 @@ struct RecordOptions {
 // Statistics of a recording.
 struct RecordSummary {
   int frames_written = 0;
-  int frames_skipped = 0;          // unreadable frames
-  int frames_dropped = 0;          // live camera: frames that were not written in time
-  int pauses = 0;                  // live camera: number of disconnections
-  double seconds = 0;              // duration by the timestamps, s
-  std::int64_t bytes = 0;          // total size of the images
-  std::int64_t depths_beyond = 0;  // depth values above 16 bits, written as missing
-  bool depth_is_rounded = false;   // depth in m was converted to counts of 1 / 5000 m
+  int frames_skipped = 0;                // unreadable frames
+  int frames_dropped = 0;                // live camera: frames that were not written in time
+  int pauses = 0;                        // live camera: number of disconnections
+  double seconds = 0;                    // duration by the timestamps, s
+  std::int64_t bytes = 0;                // total size of the images
+  std::int64_t depths_out_of_range = 0;  // depth values above 16 bits, written as missing
+  bool depth_is_rounded = false;         // depth in m was converted to counts of 1 / 5000 m
   bool interrupted = false;
 };
 

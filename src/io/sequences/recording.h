@@ -7,7 +7,7 @@
 
 #include "io/images/image_files.h"
 #include "surfit/core/image.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/sequence.h"
@@ -42,14 +42,14 @@ class Recording {
 };
 
 // Camera of a recording or device, and the source of its parameters.
-struct ToldCamera {
+struct SourceCamera {
   RgbdCamera camera;
   std::string from;
   bool is_guessed = false;  // default of the format
 };
 
 // Returns the camera that a recording or device contains. Empty function: it contains none.
-using TellCamera = std::function<ToldCamera()>;
+using CameraReader = std::function<SourceCamera()>;
 
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
@@ -57,7 +57,7 @@ struct OpenedRecording {
   bool has_clock = false;             // SequenceInfo::has_clock
   std::vector<std::string> warnings;  // SequenceInfo::warnings
   int unpaired_images = 0;            // number of images without a partner for a frame
-  TellCamera tell_camera = {};        // valid as long as `frames`
+  CameraReader read_camera = {};      // valid as long as `frames`
 };
 
 struct FrameFiles {
@@ -111,9 +111,10 @@ std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
 
 // Calls `twice` with a message instead of throwing if two images have the same number. The image
 // with the shorter name is used.
-using TwiceCall = std::function<void(const std::string&)>;
+using DuplicateCallback = std::function<void(const std::string&)>;
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
-                                           const std::string& color_folder, const TwiceCall& twice);
+                                           const std::string& color_folder,
+                                           const DuplicateCallback& twice);
 
 // Returns the path of color/, rgb/ or image/ in `folder`, or "" without such a folder.
 std::string FindColorFolder(const std::string& folder);

@@ -53,7 +53,7 @@ PinholeCamera Pinhole(const Eigen::Matrix4d& intrinsics) {
 void TakeSize(Cursor* reader, const std::string& name, PinholeCamera* camera) {
   camera->width = reader->Take<std::int32_t>();
   camera->height = reader->Take<std::int32_t>();
-  RequireUsualSize({camera->width, camera->height}, name);
+  RequireValidSize({camera->width, camera->height}, name);
 }
 
 SensHeader::DepthCoding ToDepthCoding(std::int32_t coding, const std::string& path) {
@@ -105,7 +105,7 @@ SensHeader ReadSensHeader(const BinaryFile& file) {
   header.size = begin + kAfterName;
 
   camera.color_is_registered =
-      HaveSamePixels(camera.color, camera.depth) && color_extrinsics == depth_extrinsics;
+      HaveEqualIntrinsics(camera.color, camera.depth) && color_extrinsics == depth_extrinsics;
   camera.color_from_depth =
       RigidFromMatrix(color_extrinsics, file.path() + ": extrinsics of colour") *
       RigidFromMatrix(depth_extrinsics, file.path() + ": extrinsics of depth").Inverse();

@@ -43,13 +43,13 @@ RgbdCamera RosDefault() {
   return camera;
 }
 
-ToldCamera Preset(const std::string& name, const std::string& why = "") {
+SourceCamera Preset(const std::string& name, const std::string& why = "") {
   return {CameraPreset(name), "the preset " + name + why};
 }
 
-ToldCamera Guessed(const RgbdCamera& camera) { return {camera, "GUESSED", true}; }
+SourceCamera Guessed(const RgbdCamera& camera) { return {camera, "GUESSED", true}; }
 
-ToldCamera RedwoodCamera(const std::string& folder) {
+SourceCamera RedwoodCamera(const std::string& folder) {
   RgbdCamera camera = CameraPreset("redwood");
   for (const char* name : {"/camera_intrinsic.json", "/intrinsic.json"}) {
     if (!HasFile(folder + name)) continue;
@@ -80,7 +80,7 @@ RgbdCamera ReadCamParams(const std::string& path) {
 // Reads cam_params.json in the folder or in its parent folder (as in the NICE-SLAM download).
 // Without this file: the preset `replica`. Throws InputError with the path if the file is
 // malformed.
-ToldCamera ReplicaCamera(const std::string& folder) {
+SourceCamera ReplicaCamera(const std::string& folder) {
   for (const char* name : {"/cam_params.json", "/../cam_params.json"}) {
     if (HasFile(folder + name)) return {ReadCamParams(folder + name), folder + name};
   }
@@ -88,7 +88,7 @@ ToldCamera ReplicaCamera(const std::string& folder) {
 }
 
 // Any camera may have numbered frames. Only a ground-truth file *.gt.freiburg proves ICL-NUIM.
-ToldCamera IclNuimCamera(const SequenceOptions& options) {
+SourceCamera IclNuimCamera(const SequenceOptions& options) {
   const auto names = NamesIn(options.path);
   const bool is_named = std::any_of(names.begin(), names.end(), [](const std::string& name) {
     return EndsWith(name, ".gt.freiburg");
@@ -113,7 +113,7 @@ std::string PresetInHead(const std::string& list) {
 }
 
 // Camera by the recording name in rgb.txt or depth.txt; std::nullopt without such a name.
-std::optional<ToldCamera> TumCamera(const std::string& folder) {
+std::optional<SourceCamera> TumCamera(const std::string& folder) {
   for (const char* name : {"/rgb.txt", "/depth.txt"}) {
     const std::string list = folder + name;
     const std::string preset = HasFile(list) ? PresetInHead(list) : "";
@@ -125,7 +125,7 @@ std::optional<ToldCamera> TumCamera(const std::string& folder) {
 
 std::string GuessWarning(const std::string& path, const RgbdCamera& camera) {
   std::string text =
-      Concat(path, " does not specify its camera, which is GUESSED: ", DepthFigures(camera),
+      Concat(path, " does not specify its camera, which is GUESSED: ", FormatDepthCamera(camera),
              ". A wrong camera distorts poses and map. ");
   if (camera.depth.fy < 0) text += "The guess is ICL-NUIM, whose images are mirrored. ";
   return text +
@@ -133,8 +133,8 @@ std::string GuessWarning(const std::string& path, const RgbdCamera& camera) {
          "with intrinsics and depth_scale, or with a preset as camera";
 }
 
-ToldCamera BaseCamera(const SequenceOptions& options, const std::string& format,
-                      const TellCamera& tell) {
+SourceCamera BaseCamera(const SequenceOptions& options, const std::string& format,
+                        const CameraReader& tell) {
   const std::string yaml = CameraFile(options, format);
   if (!yaml.empty()) return {ReadCameraYaml(yaml), yaml};
   if (!options.camera.empty()) return Preset(options.camera);
@@ -190,7 +190,7 @@ std::string OwnCameraFile(const SequenceOptions& options, const std::string& for
 }
 
 // Origin of the camera after the values of the options are applied.
-std::string OriginWithFigures(const SequenceOptions& options, const ToldCamera& base) {
+std::string OriginWithFigures(const SequenceOptions& options, const SourceCamera& base) {
   const bool scale = options.depth_units_per_metre.has_value();
   if (options.intrinsics && scale) return "the options";
   if (options.intrinsics) return "the options, depth scale: " + base.from;
@@ -203,11 +203,11 @@ void AddOverrideWarning(const SequenceOptions& options, const std::string& own,
                         const RgbdCamera& camera, std::vector<std::string>* warnings) {
   std::string told;
   try {
-    if (!own.empty() && HasFile(own)) told = DepthFigures(ReadCameraYaml(own));
+    if (!own.empty() && HasFile(own)) told = FormatDepthCamera(ReadCameraYaml(own));
   } catch (const InputError& error) {
     told = error.what();
   }
-  const std::string taken = DepthFigures(camera);
+  const std::string taken = FormatDepthCamera(camera);
   if (told.empty() || told == taken) return;
   const bool is_named = !options.camera.empty() && !options.intrinsics;
   warnings->push_back(Concat("the depth camera is ", taken, ", from ",
@@ -217,7 +217,7 @@ void AddOverrideWarning(const SequenceOptions& options, const std::string& own,
 
 }  // namespace
 
-std::string DepthFigures(const RgbdCamera& camera) {
+std::string FormatDepthCamera(const RgbdCamera& camera) {
   const PinholeCamera& c = camera.depth;
   std::string text = Concat(c.fx, " ", c.fy, " ", c.cx, " ", c.cy, " px");
   if (c.HasDistortion()) {
@@ -232,7 +232,7 @@ std::string DepthFigures(const RgbdCamera& camera) {
                 " px");
 }
 
-bool HaveSamePixels(const PinholeCamera& a, const PinholeCamera& b) {
+bool HaveEqualIntrinsics(const PinholeCamera& a, const PinholeCamera& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
          a.cx == b.cx && a.cy == b.cy && a.distortion == b.distortion;
 }
@@ -247,8 +247,8 @@ std::string PresetsOfSize(int width, int height) {
   return text;
 }
 
-void ResolveCamera(const SequenceOptions& options, const TellCamera& tell, SequenceInfo* info) {
-  const ToldCamera base = BaseCamera(options, info->format, tell);
+void ResolveCamera(const SequenceOptions& options, const CameraReader& tell, SequenceInfo* info) {
+  const SourceCamera base = BaseCamera(options, info->format, tell);
   RgbdCamera camera = base.camera;
   if (options.intrinsics) SetIntrinsics(*options.intrinsics, &camera.depth);
   if (options.distortion) camera.depth.distortion = *options.distortion;

@@ -12,13 +12,13 @@ namespace surfit {
 // in the options, options.camera, camera.yaml of the sequence, `tell`, the format. Keeps fy < 0. If
 // width and height are 0, they are set later from the images. Throws InputError with the option or
 // file at fault.
-void ResolveCamera(const SequenceOptions& options, const TellCamera& tell, SequenceInfo* info);
+void ResolveCamera(const SequenceOptions& options, const CameraReader& tell, SequenceInfo* info);
 
 // "525 525 319.5 239.5 px, 1000 depth units per metre", with distortion coefficients if not 0.
-std::string DepthFigures(const RgbdCamera& camera);
+std::string FormatDepthCamera(const RgbdCamera& camera);
 
 // True if image size, intrinsics and distortion are equal.
-bool HaveSamePixels(const PinholeCamera& a, const PinholeCamera& b);
+bool HaveEqualIntrinsics(const PinholeCamera& a, const PinholeCamera& b);
 
 // Comma-separated names of the presets with this image size.
 std::string PresetsOfSize(int width, int height);

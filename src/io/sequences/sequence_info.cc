@@ -5,9 +5,8 @@
 #include <mutex>
 #include <sstream>
 
-#include "io/sequences/depth_scale.h"
 #include "io/sequences/raw_frames.h"
-#include "io/sequences/registration_doubt.h"
+#include "io/sequences/recording_warnings.h"
 #include "io/sequences/sequence_camera.h"
 #include "surfit/core/error.h"
 
@@ -61,7 +60,7 @@ std::string Assumed(const FrameImages& first, const SequenceInfo& info) {
                 : Concat("separate colour camera, ", c.color.width, " x ", c.color.height);
   }
   return Concat("format ", info.format, ", ", frames, ", depth ", c.depth.width, " x ",
-                c.depth.height, ", ", color, "\ndepth camera ", DepthFigures(c), ": ",
+                c.depth.height, ", ", color, "\ndepth camera ", FormatDepthCamera(c), ": ",
                 info.camera_from);
 }
 
@@ -82,8 +81,8 @@ void Tell(const std::string& assumed) {
 
 }  // namespace
 
-FramePreparer CompleteInfo(const std::vector<FrameImages>& images, const PrepareOptions& options,
-                           SequenceInfo* info) {
+FrameRectifier CompleteInfo(const std::vector<FrameImages>& images, const RectifyOptions& options,
+                            SequenceInfo* info) {
   const FrameImages& first = images[0];
   CompleteCamera(first, info);
   info->assumed = Assumed(first, *info);
@@ -93,16 +92,16 @@ FramePreparer CompleteInfo(const std::vector<FrameImages>& images, const Prepare
       info->warnings.push_back(*warning);
   }
   if (info->camera.color_is_registered) {
-    if (auto doubt = RegistrationDoubt(images, info->camera.depth))
+    if (auto doubt = RegistrationWarning(images, info->camera.depth))
       info->warnings.push_back(*doubt);
   }
   info->mirrored = info->camera.depth.fy < 0;
   if (info->mirrored) Mirror(&info->ground_truth);
-  FramePreparer preparer(info->mirrored ? Mirrored(info->camera) : info->camera, options);
-  info->pinhole = preparer.pinhole();
+  FrameRectifier rectifier(info->mirrored ? Mirrored(info->camera) : info->camera, options);
+  info->pinhole = rectifier.pinhole();
   Tell(info->assumed);
   for (const std::string& warning : info->warnings) LOG(WARNING) << warning;
-  return preparer;
+  return rectifier;
 }
 
 }  // namespace surfit

@@ -4,7 +4,7 @@
 
 #include "io/sequences/recording.h"
 #include "surfit/frame/frame_source.h"
-#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rectify_frame.h"
 
 namespace surfit {
 
@@ -12,7 +12,7 @@ namespace surfit {
 // depth scale and the registration of colour. Mirrors the ground truth if the camera is mirrored.
 // Logs the assumptions and warnings. Returns the rectifier of the frames. `first` must not be
 // empty. Throws InputError naming the image if its size differs from the size of the camera.
-FramePreparer CompleteInfo(const std::vector<FrameImages>& first, const PrepareOptions& options,
-                           SequenceInfo* info);
+FrameRectifier CompleteInfo(const std::vector<FrameImages>& first, const RectifyOptions& options,
+                            SequenceInfo* info);
 
 }  // namespace surfit

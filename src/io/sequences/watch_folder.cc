@@ -26,8 +26,8 @@ constexpr std::chrono::seconds kPatience(2);     // timeout for an incomplete fr
 struct Arrival {
   FrameStamps stamps;
   std::optional<FrameImages> images;
-  std::string error;     // reason for missing images
-  double decode_ms = 0;  // reading time
+  std::string error;   // reason for missing images
+  double read_ms = 0;  // reading time
 };
 
 // Reads numbered images as they appear, see WatchFolder().
@@ -81,7 +81,7 @@ std::optional<Arrival> WatchedFolder::TakeFirst(bool ended) {
         Concat(files.depth_path, " arrived after frame ", *taken_.rbegin(), " was read");
   } else {
     try {
-      const StageTimer timer("decode", static_cast<int>(taken_.size()), &arrival.decode_ms);
+      const StageTimer timer("read", static_cast<int>(taken_.size()), &arrival.read_ms);
       arrival.images = ReadFrameFiles(files);
       if (!color_folder_) color_folder_ = FindColorFolder(path_);
     } catch (const InputError& error) {
@@ -132,7 +132,7 @@ class WatchedFrames : public RawFrames {
       RawFrame frame;
       frame.head.index = index;
       frame.head.error = arrival->error;
-      frame.head.decode_ms = arrival->decode_ms;
+      frame.head.read_ms = arrival->read_ms;
       frame.stamps = arrival->stamps;
       images_ = std::move(arrival->images);
       return frame;

@@ -1,5 +1,5 @@
 #include "mapping/map/block_lanes.h"
-#include "mapping/map/surfel_choice.h"
+#include "mapping/map/surfel_assignment.h"
 #include "mapping/rendering/posed_camera.h"
 #include "surfit/core/lanes.h"
 
@@ -52,7 +52,7 @@ void Gather(std::uint64_t mask, const std::vector<MeasuredPoint>& points,
 }
 
 // Returns the mask of the surfels in observed free space.
-std::uint64_t FindSeenThrough(BlockPixels* p) {
+std::uint64_t FindFreeSpaceViolations(BlockPixels* p) {
   PerSurfel<std::uint8_t> through;
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
     through[k] = p->centre.z[k] < p->free_depth_m[k];
@@ -62,7 +62,7 @@ std::uint64_t FindSeenThrough(BlockPixels* p) {
 
 // Returns the mask of the surfels that pass the merge gate with the point of their pixel.
 template <typename Instructions>
-std::uint64_t FindSame(const MergeGate& gate, BlockPixels* p) {
+std::uint64_t FindMatches(const MergeGate& gate, BlockPixels* p) {
   using Numbers = Lanes<float, Instructions>;
   PerSurfel<std::uint8_t> same;
   const BlockCentres& c = p->centre;
@@ -84,7 +84,7 @@ std::uint64_t FindSame(const MergeGate& gate, BlockPixels* p) {
 std::uint64_t CandidateFinder::Project(const SurfelBlock& block, BlockPixels* p) const {
   const std::uint64_t inside =
       WithInstructions([&](auto) { return FindPixels(block, camera_, p); }) &
-      MaskOfSeenSince(block, active_since_);
+      MaskOfActive(block, active_since_);
   ForEachBit(inside, [&](int k) {
     __builtin_prefetch(&points_[p->pixel[k]]);
     __builtin_prefetch(&free_depth_m_[p->pixel[k]]);
@@ -98,8 +98,8 @@ void CandidateFinder::Judge(std::uint64_t inside, std::int32_t first_id, SurfelB
   const std::uint64_t same = WithInstructions([&](auto instructions) {
     FindNormals(*block, camera_, &p->normal);
     Gather(inside, points_, free_depth_m_, p);
-    block->to_remove |= inside & FindSeenThrough(p);
-    return inside & ~block->to_remove & FindSame<decltype(instructions)>(gate_, p);
+    block->to_remove |= inside & FindFreeSpaceViolations(p);
+    return inside & ~block->to_remove & FindMatches<decltype(instructions)>(gate_, p);
   });
   ForEachBit(same, [&](int k) {
     const Patch patch = {p->centre.x[k], p->centre.y[k], p->centre.z[k],

@@ -14,9 +14,9 @@ constexpr float kHiddenBehind = 1.05f;  // maximum depth relative to the depth o
 enum class Missing { kIsPassedOver, kHides };
 
 // Occlusion test against a depth image.
-class Hiding {
+class OcclusionTest {
  public:
-  Hiding(const DepthPicture& picture, Missing missing)
+  OcclusionTest(const DepthPicture& picture, Missing missing)
       : nearest_m_(picture.depth_m.width(), picture.depth_m.height()), camera_(picture.camera) {
     const Image<float>& depth = picture.depth_m;
     ParallelFor(0, depth.height(), kRowsPerBlock, [&](int begin, int end) {
@@ -65,7 +65,7 @@ ColorAverage::ColorAverage(const SurfelMap& map) : map_(map), sums_(map.id_end()
 
 void ColorAverage::Add(const FrameColors& colors, const PosedCamera& camera,
                        const DepthPicture& drawn, const DepthPicture& measured) {
-  const Hiding by_map(drawn, Missing::kIsPassedOver), by_frame(measured, Missing::kHides);
+  const OcclusionTest by_map(drawn, Missing::kIsPassedOver), by_frame(measured, Missing::kHides);
   const std::vector<std::int32_t> cells = VisibleCells(map_, ViewFrustum(camera, 0));
   ParallelFor(0, static_cast<int>(cells.size()), 1, [&](int i, int) {
     for (const std::int32_t b : map_.cell(cells[i]).blocks) {

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <deque>
 
+#include "mapping/fusion/frame_observations.h"
 #include "mapping/fusion/measured_points.h"
-#include "mapping/fusion/sightings.h"
 #include "mapping/map/block_lanes.h"
-#include "mapping/map/block_sightings.h"
+#include "mapping/map/block_observations.h"
 #include "mapping/map/merge_gate.h"
-#include "mapping/map/surfel_choice.h"
+#include "mapping/map/surfel_assignment.h"
 #include "mapping/rendering/bands.h"
 #include "mapping/rendering/frame_colors.h"
 #include "mapping/rendering/posed_camera.h"
@@ -25,7 +25,7 @@ namespace {
 constexpr int kCandidatesAhead = 16;
 
 // Drops new surfels that exceed the size limit of the map. Returns the number of dropped surfels.
-int DropBeyond(int max_map_points, std::size_t map_points, std::vector<Surfel>* added) {
+int DropAboveLimit(int max_map_points, std::size_t map_points, std::vector<Surfel>* added) {
   if (max_map_points == 0) return 0;
   const auto most = static_cast<std::size_t>(max_map_points);
   const std::size_t places = most > map_points ? most - map_points : 0;
@@ -64,14 +64,14 @@ struct Fusion::Workspace {
         gate(fusion_options),
         choice(gate),
         sightings(fusion_options.max_radius_ratio),
-        awake(fusion_options.max_dormant_frames),
+        awake(fusion_options.max_inactive_frames),
         active(fusion_options.active_frames) {}
 
   void Begin(const RgbdFrame& new_frame, const FrameLevel& surface);
   void FindCandidates(const PosedCamera& camera, SurfelMap* map);
   int ActiveSince() const;
-  bool MayBeDormant(const SurfelBounds& bounds) const;
-  void MarkDormant(SurfelBlock* block) const;
+  bool MayBeInactive(const SurfelBounds& bounds) const;
+  void MarkInactive(SurfelBlock* block) const;
   std::vector<Surfel> NewSurfels(const PosedCamera& camera, const FrameColors& colors);
   Surfel NewSurfel(const PosedCamera& camera, int pixel) const;
   void SetColors(const FrameColors& colors, const std::vector<int>& pixels, Surfel* surfels) const;
@@ -80,8 +80,8 @@ struct Fusion::Workspace {
 
   const FusionOptions& options;
   const MergeGate gate;
-  SurfelChoice choice;
-  Sightings sightings;
+  SurfelAssignment choice;
+  FrameObservations sightings;
   const RgbdFrame* frame = nullptr;
   FrameWindow awake;   // surfels last seen before this window can be removed
   FrameWindow active;  // surfels last seen before this window are not fused
@@ -102,7 +102,7 @@ Fusion::~Fusion() = default;
 
 int Fusion::ActiveSince() const { return workspace_->ActiveSince(); }
 
-void Fusion::GoOnAfter(const std::vector<int>& fused_frames) {
+void Fusion::ContinueAfter(const std::vector<int>& fused_frames) {
   for (const int index : fused_frames) {
     workspace_->awake.Push(index);
     workspace_->active.Push(index);
@@ -121,8 +121,8 @@ FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
   work.FindCandidates(camera, map);
   FusionReport report;
   work.choice.SetCandidates(camera.width, camera.height, &work.candidates);
-  report.input_points = work.choice.ChooseAll(work.points);
-  const Sightings::Counts merged =
+  report.input_points = work.choice.AssignAll(work.points);
+  const FrameObservations::Counts merged =
       work.sightings.Gather(frame, colors, work.points, work.weights, camera, work.choice);
   work.MergePoints(map);
   std::vector<Surfel> added = work.NewSurfels(camera, colors);
@@ -131,7 +131,7 @@ FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
   report.covered_points =
       report.input_points - report.merged_points - static_cast<int>(added.size());
   report.removed = static_cast<int>(map->RemoveMarked());
-  report.refused = DropBeyond(options_.max_map_points, map->size(), &added);
+  report.refused = DropAboveLimit(options_.max_map_points, map->size(), &added);
   report.added = static_cast<int>(added.size());
   map->Append(added);
   return report;
@@ -157,16 +157,16 @@ int Fusion::Workspace::ActiveSince() const {
   return options.active_frames == 0 ? std::numeric_limits<int>::min() : active.Begin();
 }
 
-// True if the set may contain surfels that MarkDormant() marks.
-bool Fusion::Workspace::MayBeDormant(const SurfelBounds& bounds) const {
+// True if the set may contain surfels that MarkInactive() marks.
+bool Fusion::Workspace::MayBeInactive(const SurfelBounds& bounds) const {
   return bounds.least_last_seen < awake.Begin() &&
-         bounds.least_confidence < options.lasting_confidence;
+         bounds.least_confidence < options.min_inactive_confidence;
 }
 
 // Marks surfels with low confidence outside of the window `awake` for removal. Updates the bounds.
-void Fusion::Workspace::MarkDormant(SurfelBlock* block) const {
+void Fusion::Workspace::MarkInactive(SurfelBlock* block) const {
   constexpr int kCapacity = SurfelBlock::kCapacity;
-  const float lasting = options.lasting_confidence;
+  const float lasting = options.min_inactive_confidence;
   const int since = awake.Begin(), count = block->count;
   block->to_remove |= WithInstructions([&](auto) {
     PerSurfel<std::uint8_t> dormant;
@@ -192,7 +192,7 @@ void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map
   cells.clear();
   for (std::int32_t i = 0; i < map->cell_count(); ++i) {
     const SurfelBounds& bounds = map->cell(i).bounds;
-    if (finder.MaySee(bounds) || MayBeDormant(bounds)) cells.push_back(i);
+    if (finder.MaySee(bounds) || MayBeInactive(bounds)) cells.push_back(i);
   }
   candidates.resize(cells.size());
   ParallelFor(0, static_cast<int>(cells.size()), 1, [&](int i, int) {
@@ -205,7 +205,7 @@ void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map
       const std::int32_t b = cell.blocks[k];
       SurfelBlock& block = map->block(b);
       FetchAges(map->block(cell.blocks[std::min(k + 2, cell.blocks.size() - 1)]));
-      if (MayBeDormant(block.bounds)) MarkDormant(&block);
+      if (MayBeInactive(block.bounds)) MarkInactive(&block);
       if (finder.MaySee(block.bounds)) seen.push_back(b);
     }
     finder.Find(seen, map, &list.candidates);
@@ -220,7 +220,7 @@ void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map
 
 std::vector<Surfel> Fusion::Workspace::NewSurfels(const PosedCamera& camera,
                                                   const FrameColors& colors) {
-  const std::vector<std::vector<int>>& bands = choice.ChooseNew(points);
+  const std::vector<std::vector<int>>& bands = choice.SelectNew(points);
   // Index of the first surfel per band. The last entry is the total.
   std::vector<std::size_t> begins = {0};
   for (const std::vector<int>& of_band : bands) begins.push_back(begins.back() + of_band.size());
@@ -282,7 +282,7 @@ void Fusion::Workspace::MergePoints(SurfelMap* map) const {
 void Fusion::Workspace::MergePoints(const std::vector<Candidate>& of_cell, SurfelMap* map) const {
   const int count = static_cast<int>(of_cell.size());
   const auto block_of = [&](int k) { return of_cell[k].surfel / SurfelBlock::kCapacity; };
-  BlockSightings of_block;
+  BlockObservations of_block;
   for (int k = 0; k < count; ++k) {
     const int soon = std::min(k + kCandidatesAhead, count - 1);
     if (of_cell[soon].seen) Fetch(of_cell[soon].seen, of_cell[soon].seen + 1);
@@ -290,7 +290,7 @@ void Fusion::Workspace::MergePoints(const std::vector<Candidate>& of_cell, Surfe
     const Candidate& candidate = of_cell[k];
     SurfelBlock& block = map->block(block_of(k));
     const int place = candidate.surfel % SurfelBlock::kCapacity;
-    block.to_remove |= static_cast<std::uint64_t>(candidate.is_superfluous) << place;
+    block.to_remove |= static_cast<std::uint64_t>(candidate.is_duplicate) << place;
     if (candidate.seen) {
       of_block.Add(place, *candidate.seen);
       block.last_seen[place] = frame->index;

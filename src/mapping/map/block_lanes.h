@@ -32,7 +32,7 @@ inline std::uint64_t MaskOfAll(const SurfelBlock& block) {
 }
 
 // Mask of the surfels last seen in `frame` or later.
-inline std::uint64_t MaskOfSeenSince(const SurfelBlock& block, int frame) {
+inline std::uint64_t MaskOfActive(const SurfelBlock& block, int frame) {
   if (block.bounds.least_last_seen >= frame) return ~std::uint64_t{0};
   PerSurfel<std::uint8_t> seen;
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) seen[k] = block.last_seen[k] >= frame;

@@ -31,7 +31,7 @@ class MergeGate {
       : max_distance_m_(options.merge_distance_m),
         max_spacing_m_(options.max_spacing_m),
         min_cosine_(std::cos(options.merge_angle_rad)),
-        duplicate_share_(options.duplicate_share) {}
+        duplicate_ratio_(options.duplicate_ratio) {}
 
   // h^2 + a^2 between a measured point and a surfel in the camera frame; kNever if they do not
   // match. Points with radius 0 and surfels without normal never match.
@@ -43,7 +43,7 @@ class MergeGate {
     const Number along = surfel.nx * dx + surfel.ny * dy + surfel.nz * dz;
     const Number share = along / (surfel.nx * point.x + surfel.ny * point.y + surfel.nz * point.z);
     const Number ax = dx - share * point.x, ay = dy - share * point.y, az = dz - share * point.z;
-    return IfSame(reach, along * along, ax * ax + ay * ay + az * az, point, surfel);
+    return IfMatching(reach, along * along, ax * ax + ay * ay + az * az, point, surfel);
   }
 
   // Half size per axis of the box around a surfel with this normal that contains all matches of
@@ -62,12 +62,12 @@ class MergeGate {
   }
 
   // Squared distance of two duplicate surfels; kNever if the surfels are not duplicates. The
-  // distance gate is `duplicate_share` of the smaller radius, or of max_spacing_m if that is less.
+  // distance gate is `duplicate_ratio` of the smaller radius, or of max_spacing_m if that is less.
   template <typename Number>
-  Number SquaredDistanceOfDoubles(const PatchOf<Number>& a, const Number& radius_a_m,
-                                  const PatchOf<Number>& b, const Number& radius_b_m) const {
+  Number SquaredDistanceOfDuplicates(const PatchOf<Number>& a, const Number& radius_a_m,
+                                     const PatchOf<Number>& b, const Number& radius_b_m) const {
     const Number least = Least(Least(radius_a_m, radius_b_m), Number(max_spacing_m_));
-    return SquaredDistanceWithin(Number(duplicate_share_) * least, a, b);
+    return SquaredDistanceWithin(Number(duplicate_ratio_) * least, a, b);
   }
 
  private:
@@ -82,19 +82,19 @@ class MergeGate {
     const Number dx = point.x - surfel.x, dy = point.y - surfel.y, dz = point.z - surfel.z;
     const Number along = surfel.nx * dx + surfel.ny * dy + surfel.nz * dz;
     const Number along2 = along * along;
-    return IfSame(reach, along2, dx * dx + dy * dy + dz * dz - along2, point, surfel);
+    return IfMatching(reach, along2, dx * dx + dy * dy + dz * dz - along2, point, surfel);
   }
 
   template <typename Number>
-  Number IfSame(const Number& reach, const Number& along2, const Number& across2,
-                const PatchOf<Number>& point, const PatchOf<Number>& surfel) const {
+  Number IfMatching(const Number& reach, const Number& along2, const Number& across2,
+                    const PatchOf<Number>& point, const PatchOf<Number>& surfel) const {
     const Number cosine = surfel.nx * point.nx + surfel.ny * point.ny + surfel.nz * point.nz;
     const auto near = along2 <= Number(max_distance_m_ * max_distance_m_);
     const auto above = (reach > Number(0.f)) & (across2 <= reach * reach);
     return Select(near & above & (cosine >= Number(min_cosine_)), along2 + across2, Number(kNever));
   }
 
-  const float max_distance_m_, max_spacing_m_, min_cosine_, duplicate_share_;
+  const float max_distance_m_, max_spacing_m_, min_cosine_, duplicate_ratio_;
 };
 
 }  // namespace surfit

@@ -51,12 +51,12 @@ class RecalibratedMoves {
 
   static bool Moves(std::size_t /*frame*/) { return true; }
   void Move(std::size_t frame, Eigen::Vector3f* position, Eigen::Vector3f* normal) const {
-    constexpr double kLeastDepthM = 0.01;
+    constexpr double kMinDepthM = 0.01;
     const Frame& f = frames_[frame];
     const Eigen::Vector3d old_point = f.old_from_world * position->cast<double>();
     // Merging can move a surfel out of the view of its first frame. It then moves rigidly with the
     // frame.
-    if (old_point.z() < kLeastDepthM) {
+    if (old_point.z() < kMinDepthM) {
       *position = (f.world_from_new * old_point).cast<float>();
       return;
     }
@@ -125,7 +125,7 @@ MoveReport MoveAll(const FrameCorrections& corrections, const Moves& moves, Surf
   report.moved = ParallelSum(0, map->cell_count(), 1, std::size_t{0}, [&](int cell, int) {
     return MoveCell(corrections, moves, cell, map);
   });
-  if (report.moved > 0) report.changed_cell = map->Rehome();
+  if (report.moved > 0) report.changed_cell = map->ReassignCells();
   return report;
 }
 
@@ -150,7 +150,7 @@ MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& rec
   return MoveAll(corrections, RecalibratedMoves(corrections, recalibration), map);
 }
 
-std::size_t WakeSurfels(int first, int last, int now, SurfelMap* map) {
+std::size_t ReactivateSurfels(int first, int last, int now, SurfelMap* map) {
   return ParallelSum(0, map->cell_count(), 1, std::size_t{0}, [&](int cell, int) {
     std::size_t woken = 0;
     for (const std::int32_t b : map->cell(cell).blocks) {

@@ -13,7 +13,7 @@ namespace surfit {
 namespace {
 
 constexpr int kPasses = 2;
-constexpr float kReachInRadii = 3, kMostReach_m = 0.03f;
+constexpr float kReachInRadii = 3, kMaxReach_m = 0.03f;
 constexpr float kStep_m = 0.001f;
 constexpr float kNormalsApart = 0.1f;  // 1 - their cosine
 
@@ -94,7 +94,7 @@ class Smoothing {
 
   void FindMoved(const SurfelCell& cell) {
     if (cell.blocks.empty()) return;
-    const Eigen::Vector3f margin = Eigen::Vector3f::Constant(kMostReach_m);
+    const Eigen::Vector3f margin = Eigen::Vector3f::Constant(kMaxReach_m);
     const Eigen::Vector3f low = Eigen::Map<const Eigen::Vector3f>(cell.bounds.low) - margin;
     const Eigen::Vector3f high = Eigen::Map<const Eigen::Vector3f>(cell.bounds.high) + margin;
     const NeighbourGrid grid(low, high, Within(low, high));
@@ -140,7 +140,7 @@ class Smoothing {
 
   Moved MovedBy(const NeighbourGrid& grid, const Surfel& surfel) const {
     const Eigen::Vector3f &p = surfel.position_in_world, &n = surfel.normal_in_world;
-    const float reach = std::min(kReachInRadii * surfel.radius_m, kMostReach_m);
+    const float reach = std::min(kReachInRadii * surfel.radius_m, kMaxReach_m);
     const float sigma = SigmaOf(surfel), per_reach2 = 1 / (reach * reach);
     float weights = 0, sum = 0;
     Eigen::Vector3f normals = Eigen::Vector3f::Zero();

@@ -132,7 +132,7 @@ std::size_t SurfelMap::RemoveMarked() {
   return before - size_;
 }
 
-std::size_t SurfelMap::Rehome() {
+std::size_t SurfelMap::ReassignCells() {
   const std::vector<std::int32_t> strays = Strays();
   for (const std::int32_t id : strays) {
     const std::int32_t place = Place((*this)[id]);

@@ -16,13 +16,13 @@ namespace {
 
 constexpr float kThickness_m = 0.03f;  // of a surface
 
-constexpr int kMostHalfWindow_px = 127;  // limit of Disc
+constexpr int kMaxHalfWindow_px = 127;  // limit of Disc
 
-// Options for splats with `radius_share` times the surfel radius.
-RenderOptions SplatOptions(float radius_share) {
+// Options for splats with `radius_ratio` times the surfel radius.
+RenderOptions SplatOptions(float radius_ratio) {
   RenderOptions options;
-  options.radius_share = radius_share;
-  options.max_half_window_px = kMostHalfWindow_px;
+  options.radius_ratio = radius_ratio;
+  options.max_half_window_px = kMaxHalfWindow_px;
   return options;
 }
 

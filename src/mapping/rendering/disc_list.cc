@@ -50,7 +50,7 @@ std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera,
   const float margin = static_cast<float>(options.max_half_window_px);
   const float u_limit = static_cast<float>(camera.width) + margin;
   const float v_limit = static_cast<float>(camera.height) + margin;
-  const float scale = camera.fx * options.radius_share;
+  const float scale = camera.fx * options.radius_ratio;
   const int width = camera.width, height = camera.height;
   PerSurfel<std::uint8_t> seen;
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
@@ -80,13 +80,13 @@ std::uint64_t FindShapes(const SurfelBlock& block, const PosedCamera& camera,
   FindNormals(block, camera, &n);
   const BlockCentres& p = discs->centre;
   const float pixel_x = 1.f / camera.fx, pixel_y = 1.f / camera.fy;
-  const float radius_share = options.radius_share;
+  const float radius_ratio = options.radius_ratio;
   PerSurfel<std::uint8_t> seen;
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
     const float px = p.x[k], py = p.y[k], pz = p.z[k];
     const float along = n.x[k] * px + n.y[k] * py + n.z[k] * pz;
     const float radius_m = SmallLength::ToFloat(block.radius[k]);
-    const float share = 1.f / (radius_share * radius_m), inverse = 1.f / along;
+    const float share = 1.f / (radius_ratio * radius_m), inverse = 1.f / along;
     const float rho_u = pixel_x * n.x[k] * inverse, rho_v = pixel_y * n.y[k] * inverse;
     const float a_p = -share * rho_u, b_p = -share * rho_v;
     const float ax = share * pixel_x + a_p * px, ay = a_p * py, az = a_p * pz;
@@ -130,7 +130,7 @@ void DiscList::Assign(const SurfelMap& map, const SurfelCell& cell, const PosedC
     FetchShapes(map.block(cell.blocks[std::min(i + 1, cell.blocks.size() - 1)]));
     if (!frustum.MaySee(block.bounds)) continue;
     const std::uint64_t seen =
-        FindDiscs(block, camera, options, &discs) & MaskOfSeenSince(block, active_since);
+        FindDiscs(block, camera, options, &discs) & MaskOfActive(block, active_since);
     ForEachBit(seen, [&](int k) {
       const Layer layer = block.confidence[k] >= options.stable_confidence ? kStable : kUnstable;
       layers_[layer].Add(discs.Get(k, b * SurfelBlock::kCapacity + k));

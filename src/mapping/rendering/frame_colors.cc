@@ -23,7 +23,7 @@ FrameColors::FrameColors(const RgbdFrame& frame, const PosedCamera& camera,
       fy_(camera.fy),
       cx_(camera.cx),
       cy_(camera.cy),
-      turn_(motion.camera.turn_rad_per_s.cast<float>()),
+      turn_(motion.camera.angular_velocity_rad_per_s.cast<float>()),
       velocity_(motion.camera.velocity_m_per_s.cast<float>()),
       middle_s_(static_cast<float>(frame.color_stamp_s - frame.stamp_s)),
       row_s_(static_cast<float>(motion.readout_s / camera.height)) {
@@ -120,10 +120,10 @@ FrameColors::Samples<V> FrameColors::Sample(const V& u, const V& v) const {
   const V at_v = Select(inside, Min(Max(v, zero), bottom), zero);
   Corners<V> corners;
   ReadCorners(at_u, at_v, &corners);
-  const V right_share = at_u - V::Load(corners.u), lower_share = at_v - V::Load(corners.v);
-  const V left_share = one - right_share, upper_share = one - lower_share;
-  const V shares[4] = {left_share * upper_share, right_share * upper_share,
-                       left_share * lower_share, right_share * lower_share};
+  const V right_ratio = at_u - V::Load(corners.u), lower_ratio = at_v - V::Load(corners.v);
+  const V left_ratio = one - right_ratio, upper_ratio = one - lower_ratio;
+  const V shares[4] = {left_ratio * upper_ratio, right_ratio * upper_ratio,
+                       left_ratio * lower_ratio, right_ratio * lower_ratio};
   Samples<V> seen;
   V sum;
   for (int c = 0; c < 4; ++c) {

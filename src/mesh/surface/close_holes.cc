@@ -23,9 +23,9 @@ std::uint32_t BeginOf(const std::vector<Triangle>& triangles, std::uint32_t side
 
 // Opposite sides: the same edge in the other direction.
 struct Sides {
-  std::vector<std::uint32_t> opposite;  // kNoSide: none
-  std::vector<std::uint8_t>
-      is_usual;  // per triangle; 0: an edge has more than two sides, or two in the same direction
+  std::vector<std::uint32_t> opposite;    // kNoSide: none
+  std::vector<std::uint8_t> is_manifold;  // per triangle; 0: an edge has more than two sides, or
+                                          // two in the same direction
 };
 
 Sides PairSides(const std::vector<Triangle>& triangles) {
@@ -40,7 +40,7 @@ Sides PairSides(const std::vector<Triangle>& triangles) {
   for (std::uint32_t side = 0; side < count; ++side) {
     const std::uint32_t a = BeginOf(triangles, side), b = BeginOf(triangles, NextSide(side));
     edges[side] = {std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), side};
-    if (a == b) sides.is_usual[side / 3] = 0;
+    if (a == b) sides.is_manifold[side / 3] = 0;
   }
   std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
     return std::make_pair(a.vertices, a.side) < std::make_pair(b.vertices, b.side);
@@ -52,20 +52,20 @@ Sides PairSides(const std::vector<Triangle>& triangles) {
       sides.opposite[a] = b;
       sides.opposite[b] = a;
     } else if (end - begin > 1) {
-      for (std::size_t i = begin; i < end; ++i) sides.is_usual[edges[i].side / 3] = 0;
+      for (std::size_t i = begin; i < end; ++i) sides.is_manifold[edges[i].side / 3] = 0;
     }
   }
   return sides;
 }
 
 // Removes non-manifold triangles repeatedly until none are left.
-Sides KeepUsualTriangles(MeshSummary* summary, TriangleMesh* mesh) {
+Sides KeepManifoldTriangles(MeshSummary* summary, TriangleMesh* mesh) {
   while (true) {
     Sides sides = PairSides(mesh->triangles);
-    const auto unusual = std::count(sides.is_usual.begin(), sides.is_usual.end(), 0);
+    const auto unusual = std::count(sides.is_manifold.begin(), sides.is_manifold.end(), 0);
     if (unusual == 0) return sides;
     summary->triangles_cut += static_cast<std::size_t>(unusual);
-    KeepTriangles(sides.is_usual, mesh);
+    KeepTriangles(sides.is_manifold, mesh);
   }
 }
 
@@ -117,9 +117,10 @@ std::vector<std::vector<std::uint32_t>> FindRims(const Sides& sides, const Trian
   return rims;
 }
 
-class Filler {
+class HoleFiller {
  public:
-  Filler(std::vector<std::uint32_t> rim, TriangleMesh* mesh) : ring_(std::move(rim)), mesh_(*mesh) {
+  HoleFiller(std::vector<std::uint32_t> rim, TriangleMesh* mesh)
+      : ring_(std::move(rim)), mesh_(*mesh) {
     for (const std::uint32_t v : ring_) center_ += mesh_.vertices[v];
     center_ /= static_cast<float>(ring_.size());
   }
@@ -187,16 +188,16 @@ class Filler {
 }  // namespace
 
 void CloseHoles(MeshSummary* summary, TriangleMesh* mesh) {
-  const Sides sides = KeepUsualTriangles(summary, mesh);
+  const Sides sides = KeepManifoldTriangles(summary, mesh);
   SeparateFans(sides, mesh);
   const std::size_t before = mesh->triangles.size();
   for (std::vector<std::uint32_t>& rim : FindRims(sides, *mesh)) {
     double length_m = 0;
     for (std::size_t i = 0; i < rim.size(); ++i)
       length_m += (mesh->vertices[rim[(i + 1) % rim.size()]] - mesh->vertices[rim[i]]).norm();
-    summary->longest_rim_m = std::max(summary->longest_rim_m, length_m);
+    summary->longest_hole_perimeter_m = std::max(summary->longest_hole_perimeter_m, length_m);
     ++summary->holes_filled;
-    Filler(std::move(rim), mesh).Fill();
+    HoleFiller(std::move(rim), mesh).Fill();
   }
   summary->triangles_added = mesh->triangles.size() - before;
 }

@@ -181,9 +181,9 @@ void FindVertices(const DistanceField& field, int block, const DistanceField::Wi
   }
 }
 
-class Joiner {
+class QuadBuilder {
  public:
-  Joiner(const DistanceField& field, std::vector<BlockMesh>* blocks)
+  QuadBuilder(const DistanceField& field, std::vector<BlockMesh>* blocks)
       : field_(field), blocks_(*blocks) {}
 
   void Join(int block, const DistanceField::WideBlock& values) {
@@ -283,7 +283,7 @@ TriangleMesh ExtractSurface(const DistanceField& field, const SurfelCubes& surfe
     vertices += static_cast<std::uint32_t>(block.vertices.size());
   }
   ParallelFor(0, count, kMeshBlocksPerTask, [&](int begin, int end) {
-    Joiner joiner(field, &blocks);
+    QuadBuilder joiner(field, &blocks);
     DistanceField::WideBlock values;
     for (int i = begin; i < end; ++i) {
       field.Load(i, &values);

@@ -67,7 +67,7 @@ void MeasureSpacings(float radius_m, std::vector<MeshSurfel>* surfels) {
 // grows with the distance. Confidence is about the number of observations. Therefore sigma ~
 // radius^2 / sqrt(confidence).
 std::vector<MeshSurfel> ToSurfels(const PointCloud& cloud, const MeshOptions& options) {
-  constexpr float kLeastConfidence = 0.1f;
+  constexpr float kMinConfidence = 0.1f;
   const auto trim_m = static_cast<float>(options.trim_distance_m);
   const bool has_radii = !cloud.radii_m.empty();
   std::vector<MeshSurfel> surfels;
@@ -82,7 +82,7 @@ std::vector<MeshSurfel> ToSurfels(const PointCloud& cloud, const MeshOptions& op
     surfel.spacing_m = has_radii ? cloud.radii_m[i] : trim_m;
     surfel.sigma_m = has_radii ? surfel.spacing_m * surfel.spacing_m : 1;
     if (!cloud.confidences.empty())
-      surfel.sigma_m /= std::sqrt(std::max(kLeastConfidence, cloud.confidences[i]));
+      surfel.sigma_m /= std::sqrt(std::max(kMinConfidence, cloud.confidences[i]));
     const auto support_radii = static_cast<float>(options.support_radii);
     surfel.reach_m = has_radii ? std::min(trim_m, support_radii * surfel.spacing_m) : trim_m;
     surfels.push_back(surfel);
@@ -136,9 +136,9 @@ TriangleMesh MeshSurfels(const PointCloud& cloud, const MeshOptions& options, Me
   const DistanceField field(cubes, cell_m, stages.Begin("computing distances", 0.2));
   TriangleMesh mesh = ExtractSurface(field, cubes, stages.Begin("making triangles", 0.2));
   *summary = {};
-  DropSmallPieces(options.min_piece_m, summary, &mesh);
+  DropSmallPieces(options.min_component_m, summary, &mesh);
   ThrowIf(mesh.triangles.empty(),
-          "the map supports no triangle: see cell_m, trim_distance_m and min_piece_m");
+          "the map supports no triangle: see cell_m, trim_distance_m and min_component_m");
   summary->triangles_found = mesh.triangles.size();
   MeasureDistances(cloud, mesh, options.cell_m, summary);
   if (options.max_triangles > 0) {

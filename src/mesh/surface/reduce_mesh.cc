@@ -33,7 +33,7 @@ class VertexSets {
 
 }  // namespace
 
-void DropSmallPieces(double min_piece_m, MeshSummary* summary, TriangleMesh* mesh) {
+void DropSmallPieces(double min_component_m, MeshSummary* summary, TriangleMesh* mesh) {
   VertexSets sets(mesh->vertices.size());
   for (const TriangleMesh::Triangle& t : mesh->triangles) {
     sets.Join(t[0], t[1]);
@@ -43,10 +43,10 @@ void DropSmallPieces(double min_piece_m, MeshSummary* summary, TriangleMesh* mes
   for (std::uint32_t v = 0; v < mesh->vertices.size(); ++v)
     boxes[sets.Find(v)].extend(mesh->vertices[v]);
   const auto is_kept = [&](std::uint32_t v) {
-    return boxes[sets.Find(v)].diagonal().norm() >= min_piece_m;
+    return boxes[sets.Find(v)].diagonal().norm() >= min_component_m;
   };
   for (std::uint32_t v = 0; v < mesh->vertices.size(); ++v) {
-    if (sets.Find(v) == v) ++(is_kept(v) ? summary->pieces : summary->pieces_dropped);
+    if (sets.Find(v) == v) ++(is_kept(v) ? summary->pieces : summary->components_dropped);
   }
   std::vector<std::uint8_t> kept(mesh->triangles.size());
   for (std::size_t i = 0; i < kept.size(); ++i) {

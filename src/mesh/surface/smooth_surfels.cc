@@ -12,8 +12,8 @@ constexpr int kCubesPerTask = 16;
 constexpr int kFewest = 6;              // minimum number of surfels for a plane
 constexpr float kFacingSameWay = 0.5f;  // cosine between normals
 constexpr double kFlat = 4;             // minimum ratio of the variances along and across a plane
-constexpr float kLeastSigma = 5e-4f;    // m; correlated errors, which do not average out
-constexpr float kMostSpacings = 8;      // maximum radius of a neighbourhood, in spacings
+constexpr float kMinSigma = 5e-4f;      // m; correlated errors, which do not average out
+constexpr float kMaxSpacings = 8;       // maximum radius of a neighbourhood, in spacings
 constexpr float kFewestSpacings = 2.5f;
 constexpr float kPlaneSpacings = 4;  // radius for the scale of the sigmas
 
@@ -124,7 +124,7 @@ float MedianSpacing(const std::vector<MeshSurfel>& surfels) {
 
 void FindSigmas(std::vector<MeshSurfel>* surfels) {
   constexpr float kAllHeights = 1e6f;
-  constexpr float kMostTimes = 4;  // limit of the measured sigma, relative to the scaled sigma
+  constexpr float kMaxTimes = 4;  // limit of the measured sigma, relative to the scaled sigma
   const SurfelCubes cubes(*surfels, kPlaneSpacings * MedianSpacing(*surfels));
   std::vector<float> shown_m(surfels->size(), -1.f);  // in the order of `surfels`; -1: unknown
   ParallelFor(0, cubes.cube_count(), kCubesPerTask, [&](int begin, int end) {
@@ -148,7 +148,7 @@ void FindSigmas(std::vector<MeshSurfel>* surfels) {
   for (std::size_t i = 0; i < shown_m.size(); ++i) {
     float& sigma_m = (*surfels)[i].sigma_m;
     sigma_m *= scale;
-    sigma_m = std::hypot(kLeastSigma, std::clamp(shown_m[i], sigma_m, kMostTimes * sigma_m));
+    sigma_m = std::hypot(kMinSigma, std::clamp(shown_m[i], sigma_m, kMaxTimes * sigma_m));
   }
 }
 
@@ -159,11 +159,11 @@ void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& d
   // / (reach sqrt(n)) = 2 sigma spacing / (sqrt(pi) reach^2). Decreasing weights reduce the
   // effective n to about a third.
   const auto factor = static_cast<float>(2 * 1.7 / (std::sqrt(M_PI) * normal_noise_rad));
-  const float most_m = kMostSpacings * MedianSpacing(*surfels);
+  const float most_m = kMaxSpacings * MedianSpacing(*surfels);
   const auto reach_of = [&](const MeshSurfel& surfel) {
     const float wanted = std::sqrt(factor * surfel.sigma_m * surfel.spacing_m);
     return std::min(2 * most_m, std::clamp(wanted, kFewestSpacings * surfel.spacing_m,
-                                           kMostSpacings * surfel.spacing_m));
+                                           kMaxSpacings * surfel.spacing_m));
   };
   const SurfelCubes cubes(*surfels, most_m / 2);
   ParallelFor(0, cubes.cube_count(), kCubesPerTask, [&](int begin, int end) {

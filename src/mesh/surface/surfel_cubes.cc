@@ -12,7 +12,7 @@ SurfelCubes::SurfelCubes(const std::vector<MeshSurfel>& surfels, float cube_m) :
   for (std::size_t i = 0; i < surfels.size(); ++i) {
     const Eigen::Vector3f& p = surfels[i].position;
     const float farthest_m = p.cwiseAbs().maxCoeff();
-    ThrowIf(!(farthest_m / cube_m < CubeKey::kMostCubes - 2), "a point ", farthest_m,
+    ThrowIf(!(farthest_m / cube_m < CubeKey::kMaxCubes - 2), "a point ", farthest_m,
             " m from the origin is too far for cells of ", "this size: increase cell_m");
     keyed[i] = {CubeKey::Of(CubeAt(p)), static_cast<std::uint32_t>(i)};
   }

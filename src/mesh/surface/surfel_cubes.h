@@ -22,20 +22,20 @@ using Cube = Eigen::Vector3i;  // coordinates in a grid of cubes
 // Cube coordinates as integers, in the order of z, y, x. Coordinates are within +-2^20.
 class CubeKey {
  public:
-  static constexpr int kMostCubes = 1 << 20;
+  static constexpr int kMaxCubes = 1 << 20;
 
   static std::uint64_t Of(const Cube& cube) {
     return Part(cube.z()) << 42 | Part(cube.y()) << 21 | Part(cube.x());
   }
   static Cube ToCube(std::uint64_t key) {
     const auto part = [&](int shift) {
-      return static_cast<int>(key >> shift & 0x1fffff) - kMostCubes;
+      return static_cast<int>(key >> shift & 0x1fffff) - kMaxCubes;
     };
     return {part(0), part(21), part(42)};
   }
 
  private:
-  static std::uint64_t Part(int i) { return static_cast<std::uint32_t>(i + kMostCubes); }
+  static std::uint64_t Part(int i) { return static_cast<std::uint32_t>(i + kMaxCubes); }
 };
 
 // Surfels sorted by cubes of a grid. The order within a cube is kept.
@@ -45,7 +45,7 @@ class SurfelCubes {
     std::uint32_t begin, end;
   };
 
-  // Throws InputError for surfels more than CubeKey::kMostCubes cubes from the origin.
+  // Throws InputError for surfels more than CubeKey::kMaxCubes cubes from the origin.
   SurfelCubes(const std::vector<MeshSurfel>& surfels, float cube_m);
 
   float cube_m() const { return cube_m_; }

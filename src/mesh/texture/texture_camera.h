@@ -22,7 +22,7 @@ class TextureCamera {
       : rotation_(frame.world_from_camera.Inverse().rotation.toRotationMatrix().cast<float>()),
         translation_(frame.world_from_camera.Inverse().translation.cast<float>()),
         center_(frame.world_from_camera.translation.cast<float>()),
-        turn_(frame.motion.turn_rad_per_s.cast<float>()),
+        turn_(frame.motion.angular_velocity_rad_per_s.cast<float>()),
         velocity_(frame.motion.velocity_m_per_s.cast<float>()),
         fx_(static_cast<float>(frame.camera.fx)),
         fy_(static_cast<float>(frame.camera.fy)),

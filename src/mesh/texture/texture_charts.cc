@@ -132,11 +132,11 @@ PackedSize PackCharts(int max_side_px, std::vector<TextureChart>* charts) {
                    [&](std::size_t a, std::size_t b) { return height(a) > height(b); });
   constexpr double kSmaller = 0.95, kSmallest = 0.02;
   PackedSize size;
-  for (; size.pixel_share > kSmallest; size.pixel_share *= kSmaller) {
+  for (; size.pixel_ratio > kSmallest; size.pixel_ratio *= kSmaller) {
     // As square as possible.
     double area = 0, widest = 0;
     for (const TextureChart& chart : *charts) {
-      const Eigen::Vector2d sides = size.pixel_share * (chart.high - chart.low).cast<double>() +
+      const Eigen::Vector2d sides = size.pixel_ratio * (chart.high - chart.low).cast<double>() +
                                     Eigen::Vector2d::Constant(2 + 2 * kChartMargin_px);
       area += sides.prod();
       widest = std::max(widest, sides.x());
@@ -144,7 +144,7 @@ PackedSize PackCharts(int max_side_px, std::vector<TextureChart>* charts) {
     const double side = std::max(widest, 1.05 * std::sqrt(area));
     if (side > 2. * max_side_px) continue;
     size.width = std::min(max_side_px, static_cast<int>(std::ceil(side)));
-    if (PlaceOnShelves(size.pixel_share, size.width, max_side_px, order, charts, &size.height))
+    if (PlaceOnShelves(size.pixel_ratio, size.width, max_side_px, order, charts, &size.height))
       return size;
   }
   throw InputError("max_texture_px is ", max_side_px, ", which is too small for the mesh's ",

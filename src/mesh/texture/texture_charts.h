@@ -51,7 +51,7 @@ inline constexpr int kChartMargin_px = 2;
 // Size of the texture, and its scale relative to the frames.
 struct PackedSize {
   int width = 0, height = 0;
-  double pixel_share = 1;
+  double pixel_ratio = 1;
 };
 
 // Packs the charts into an image with sides of at most max_side_px, on shelves in descending order

@@ -16,7 +16,7 @@ constexpr int kFramesAhead = 4;
 // Image speed of a point at 1.5 m on the optical axis, in focal lengths per second.
 double SpeedOf(const CameraMotion& motion) {
   constexpr double kUsualDepth_m = 1.5;
-  const Eigen::Vector3d way = motion.turn_rad_per_s.cross(Eigen::Vector3d::UnitZ()) +
+  const Eigen::Vector3d way = motion.angular_velocity_rad_per_s.cross(Eigen::Vector3d::UnitZ()) +
                               motion.velocity_m_per_s / kUsualDepth_m;
   return way.head<2>().norm();
 }

@@ -26,11 +26,11 @@ double AreaOf(const TriangleMesh& mesh, std::size_t triangle) {
 }
 
 // Selects the frame that provides the texture of each triangle.
-class FrameChoice {
+class FrameSelection {
  public:
   static constexpr int kNoFrame = -1;
 
-  explicit FrameChoice(std::size_t triangles) : candidates_(triangles) {}
+  explicit FrameSelection(std::size_t triangles) : candidates_(triangles) {}
 
   // Adds a frame with its sharpness per triangle. Keeps the sharpest frames of each triangle.
   void Add(int frame, const std::vector<float>& sharpness) {
@@ -52,8 +52,8 @@ class FrameChoice {
   // their neighbours if this reduces the cost of seams and lost sharpness.
   std::vector<int> Choose(const TriangleMesh& mesh, const TriangleNeighbors& neighbors,
                           const TextureOptions& options) const {
-    std::vector<int> frames = CoverGreedily(mesh, static_cast<float>(options.least_sharpness));
-    SaveSeams(neighbors, static_cast<float>(options.seam_cost), &frames);
+    std::vector<int> frames = CoverGreedily(mesh, static_cast<float>(options.min_sharpness));
+    ReduceSeams(neighbors, static_cast<float>(options.seam_cost), &frames);
     return frames;
   }
 
@@ -95,8 +95,8 @@ class FrameChoice {
     }
     return frames;
   }
-  void SaveSeams(const TriangleNeighbors& neighbors, float seam_cost,
-                 std::vector<int>* frames) const {
+  void ReduceSeams(const TriangleNeighbors& neighbors, float seam_cost,
+                   std::vector<int>* frames) const {
     constexpr int kSweeps = 5;
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       for (std::uint32_t i = 0; i < candidates_.size(); ++i) {
@@ -127,17 +127,17 @@ class FrameChoice {
   int frame_count_ = 0;
 };
 
-struct SeenFrames {
+struct TextureSources {
   std::vector<TextureCamera> cameras;
   std::vector<Eigen::Vector3f> gains;
   std::vector<int> views;  // per triangle: frame index, or frame count + ColorViews index
 };
 
-SeenFrames LookAtFrames(const TriangleMesh& mesh, const TriangleNeighbors& neighbors,
-                        const TextureFrames& frames, const TextureOptions& options,
-                        const ColorViews& color_views) {
-  SeenFrames seen;
-  FrameChoice choice(mesh.triangles.size());
+TextureSources LookAtFrames(const TriangleMesh& mesh, const TriangleNeighbors& neighbors,
+                            const TextureFrames& frames, const TextureOptions& options,
+                            const ColorViews& color_views) {
+  TextureSources seen;
+  FrameSelection choice(mesh.triangles.size());
   frames([&](const TextureFrame& frame) {
     const TextureView view(mesh, frame);
     choice.Add(static_cast<int>(seen.cameras.size()), view.sharpness());
@@ -146,14 +146,14 @@ SeenFrames LookAtFrames(const TriangleMesh& mesh, const TriangleNeighbors& neigh
   });
   seen.views = choice.Choose(mesh, neighbors, options);
   for (std::size_t i = 0; i < seen.views.size(); ++i) {
-    if (seen.views[i] != FrameChoice::kNoFrame) continue;
+    if (seen.views[i] != FrameSelection::kNoFrame) continue;
     seen.views[i] =
         static_cast<int>(seen.cameras.size()) + color_views.ViewOf(mesh, mesh.triangles[i]);
   }
   return seen;
 }
 
-void PaintFrames(const TextureFrames& frames, const SeenFrames& seen,
+void PaintFrames(const TextureFrames& frames, const TextureSources& seen,
                  const std::vector<TextureChart>& charts, TexturePainter* painter) {
   int index = 0;
   frames([&](const TextureFrame& frame) {
@@ -163,13 +163,13 @@ void PaintFrames(const TextureFrames& frames, const SeenFrames& seen,
   });
 }
 
-void Summarize(const SeenFrames& seen, const TextureLayout& layout, TextureSummary* summary) {
+void Summarize(const TextureSources& seen, const TextureLayout& layout, TextureSummary* summary) {
   const int frames = static_cast<int>(seen.cameras.size());
   std::set<int> shown;
   for (const TextureChart& chart : layout.charts)
     if (chart.view < frames) shown.insert(chart.view);
   summary->frames = frames;
-  summary->frames_shown = static_cast<int>(shown.size());
+  summary->frames_used = static_cast<int>(shown.size());
   summary->charts = layout.charts.size();
   summary->triangles_unseen = static_cast<std::size_t>(
       std::count_if(seen.views.begin(), seen.views.end(), [&](int v) { return v >= frames; }));
@@ -185,12 +185,12 @@ MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
   CHECK_GT(options.max_texture_px, 0);
   const TriangleNeighbors neighbors(mesh.triangles);
   const ColorViews color_views(mesh);
-  const SeenFrames seen = LookAtFrames(mesh, neighbors, frames, options, color_views);
+  const TextureSources seen = LookAtFrames(mesh, neighbors, frames, options, color_views);
   TextureLayout layout = MakeCharts(mesh, neighbors, seen.views, seen.cameras, color_views);
   *summary = {};
   Summarize(seen, layout, summary);
   const PackedSize size = PackCharts(options.max_texture_px, &layout.charts);
-  summary->pixel_share = size.pixel_share;
+  summary->pixel_ratio = size.pixel_ratio;
   TexturePainter painter(mesh, layout, size);
   PaintFrames(frames, seen, layout.charts, &painter);
   MeshTexture texture;

@@ -54,7 +54,7 @@ TexturePainter::TexturePainter(const TriangleMesh& mesh, const TextureLayout& la
                                const PackedSize& size)
     : mesh_(mesh),
       layout_(layout),
-      share_(static_cast<float>(size.pixel_share)),
+      share_(static_cast<float>(size.pixel_ratio)),
       image_(size.width, size.height) {}
 
 void TexturePainter::Paint(const TextureChart& chart, const Image<Rgb8>& frame,

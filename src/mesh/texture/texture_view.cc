@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kVerticesPerTask = 8192, kTrianglesPerTask = 8192;
 constexpr int kMargin_px = 3;             // range of mixed colours at depth edges and image borders
-constexpr float kLeastCosine = 0.2f;      // between ray and normal
+constexpr float kMinCosine = 0.2f;        // between ray and normal
 constexpr float kHidden_m = 0.03f;        // minimum depth behind an occluder
 constexpr float kHiddenPerMetre = 0.03f;  // added to kHidden_m, per metre of depth
 constexpr float kMissed_m = 0.1f;         // maximum difference to the measured depth
@@ -24,7 +24,7 @@ constexpr float kBlur_s = 0.005f, kPixelsPerMetre = 500.f;  // as in FrameColors
 
 // Minimum of the square neighbourhood of each pixel.
 template <typename T>
-Image<T> LeastAround(const Image<T>& image, int radius) {
+Image<T> MinAround(const Image<T>& image, int radius) {
   const int width = image.width(), height = image.height();
   Image<T> rows(width, height), least(width, height);
   ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
@@ -96,7 +96,7 @@ void TextureView::DrawDepths() {
     const std::uint32_t value = bits[i];
     std::memcpy(&depths_m[i], &value, sizeof(value));
   }
-  nearest_m_ = LeastAround(depths_m, kMargin_px);
+  nearest_m_ = MinAround(depths_m, kMargin_px);
 }
 
 void TextureView::FindClearPixels() {
@@ -105,7 +105,7 @@ void TextureView::FindClearPixels() {
   for (int v = kMargin_px; v < color.height() - kMargin_px; ++v)
     for (int u = kMargin_px; u < color.width() - kMargin_px; ++u)
       has_color(u, v) = color(u, v) != Rgb8() ? 1 : 0;
-  is_clear_ = LeastAround(has_color, 1);
+  is_clear_ = MinAround(has_color, 1);
 }
 
 bool TextureView::IsClearAt(float u, float v, float z) const {
@@ -149,7 +149,7 @@ float TextureView::SharpnessOf(const Triangle& triangle) const {
     bright += std::max({color.r, color.g, color.b}) > kBright ? 1.f / 3 : 0;
   }
   const float cosine = normal.dot(ray) / (normal.norm() * ray.norm());
-  if (!(own.dot(ray) > 0 && cosine > kLeastCosine)) return 0;
+  if (!(own.dot(ray) > 0 && cosine > kMinCosine)) return 0;
   const float fineness = camera_.fx() / z / kPixelsPerMetre, blur = speed * kBlur_s;
   const float sharp = 1 + blur * blur;
   return fineness * fineness * cosine / (sharp * sharp) * (1 - kLossByBrightness * bright);

@@ -54,7 +54,7 @@ class AllRows {
         texture_loss_(joint.kernels.texture),
         problem_(RowsOwnedByUs()) {
     AddPoses(state);
-    AddCalibration(state, HeldCalibration(options));
+    AddCalibration(state, FixedCalibration(options));
     PlaceSurfels(state);
     for (std::size_t s = 0; s < numbers_.size(); ++s) AddSurfel(s);
     std::vector<double*> blocks;
@@ -117,10 +117,11 @@ class AllRows {
     ParallelFor(0, static_cast<int>(numbers_.size()), kGrain, [&](int begin, int end) {
       for (int s = begin; s < end; ++s) {
         const SharedSurfel& surfel = joint_.shared.surfels[s];
-        const SurfelNumbers best = SurfelSight(joint_.shared, surfel, placed).Best(joint_.kernels);
+        const SurfelParameters best =
+            SurfelResiduals(joint_.shared, surfel, placed).Best(joint_.kernels);
         numbers_[s][0] = best.displacement;
         if (surfel.textures_begin == surfel.textures_end) continue;
-        // SurfelNumbers::texture is in standard deviations, which are equal for all keyframes.
+        // SurfelParameters::texture is in standard deviations, which are equal for all keyframes.
         const double sigma = 1. / joint_.shared.textures[surfel.textures_begin].inverse_sigma;
         numbers_[s][1] = sigma * best.texture[0];
         numbers_[s][2] = sigma * best.texture[1];

@@ -79,7 +79,8 @@ std::optional<Sighting> ColorComparison::See(const ColoredKeyframe& colored,
                                              const Eigen::Vector3d& point, double latency_s) const {
   const KeyframeImages& images = colored.keyframe.images;
   const CameraMotion& motion = images.readout.motion;
-  const Eigen::Vector3d way = motion.turn_rad_per_s.cross(point) + motion.velocity_m_per_s;
+  const Eigen::Vector3d way =
+      motion.angular_velocity_rad_per_s.cross(point) + motion.velocity_m_per_s;
   const double rho = 1 / point.z(), x = point.x() * rho, y = point.y() * rho;
   const double u_per_s = -camera_.fx * rho * (way.x() - x * way.z());
   const double v_per_s = -camera_.fy * rho * (way.y() - y * way.z());

@@ -70,13 +70,14 @@ JointPrior::JointPrior(const DepthCalibration& given, const CalibrationPrior& pr
   const PinholeCamera& camera = given.camera;
   information_.diagonal().setConstant(information(prior.inverse_depth_sigma));
   information_(kReadout, kReadout) = information(prior.readout_s);
-  information_.diagonal().head<kFieldBegin>() << information(prior.focal_share * camera.fx),
-      information(prior.focal_share * camera.fy), information(prior.center_px),
+  information_.diagonal().head<kFieldBegin>()
+      << information(prior.focal_relative_sigma * camera.fx),
+      information(prior.focal_relative_sigma * camera.fy), information(prior.center_px),
       information(prior.center_px);
-  // Residual of the aspect ratio: (fx / given fx - fy / given fy) / aspect_share.
+  // Residual of the aspect ratio: (fx / given fx - fy / given fy) / aspect_relative_sigma.
   CalibrationRow aspect = CalibrationRow::Zero();
   aspect.head<2>() << 1 / camera.fx, -1 / camera.fy;
-  information_ += information(prior.aspect_share) * aspect * aspect.transpose();
+  information_ += information(prior.aspect_relative_sigma) * aspect * aspect.transpose();
   if (!information_.isZero(0)) {
     residuals_ = std::make_unique<ceres::NormalPrior>(RootOf(information_), given_);
   }

@@ -22,7 +22,7 @@ template <int kUnknowns>
 using SurfelRow = Eigen::Matrix<double, kUnknowns, 1>;
 
 // Parameters of a surfel.
-struct SurfelNumbers {
+struct SurfelParameters {
   double displacement = 0;                            // m, along its normal
   Eigen::Vector2d texture = Eigen::Vector2d::Zero();  // differences of intensity, in sigmas
 };
@@ -40,11 +40,11 @@ struct JointRow {
 // displacement are precomputed: with N = n . R e and D = n . (p - t),
 //   r(d) = (1/z_measured + c - N / (D + d)) / sigma.
 // e and t belong to the capture time of the pixel row.
-class PlaneSight {
+class PlaneResidual {
  public:
-  PlaneSight(const PlaneObservation& observation, const SharedSurfel& surfel,
-             const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
-             const RowMotion& motion, const DepthCalibration& calibration)
+  PlaneResidual(const PlaneObservation& observation, const SharedSurfel& surfel,
+                const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
+                const RowMotion& motion, const DepthCalibration& calibration)
       : motion_(motion),
         later_(calibration.readout_s - motion.readout_s),
         ray_(calibration.camera.Ray(observation.u, observation.v)),
@@ -111,17 +111,17 @@ class PlaneSight {
 inline RowMotion MotionOf(const PlaneObservation& observation, const KeyframeReadout& readout,
                           int rows) {
   const double share = (observation.v + 0.5) / rows - 0.5;
-  return {share * readout.motion.turn_rad_per_s, share * readout.motion.velocity_m_per_s,
-          readout.readout_s};
+  return {share * readout.motion.angular_velocity_rad_per_s,
+          share * readout.motion.velocity_m_per_s, readout.readout_s};
 }
 
 // SurfelTexture of one observation, for one pose and calibration. Terms without the surfel
 // parameters are precomputed.
-class TextureSight {
+class TextureResidual {
  public:
-  TextureSight(const TextureObservation& observation, const SharedSurfel& surfel,
-               const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
-               const DepthCalibration& calibration)
+  TextureResidual(const TextureObservation& observation, const SharedSurfel& surfel,
+                  const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
+                  const DepthCalibration& calibration)
       : taps_(observation.taps),
         inverse_sigma_(observation.inverse_sigma),
         normal_in_camera_(rotation.transpose() * surfel.normal_in_world),
@@ -139,7 +139,7 @@ class TextureSight {
     return inverse_sigma_ * Eigen::Vector2d(Intensity(1, displacement) - center,
                                             Intensity(2, displacement) - center);
   }
-  Eigen::Vector2d Residuals(const SurfelNumbers& surfel) const {
+  Eigen::Vector2d Residuals(const SurfelParameters& surfel) const {
     return Differences(surfel.displacement) - surfel.texture;
   }
   double inverse_sigma() const { return inverse_sigma_; }
@@ -148,7 +148,8 @@ class TextureSight {
   // frame (IntensityGradient()):
   //   dI/dw = R g x (p + d n - t),  dI/dv = -R g,  dI/dd = g . R^T n,
   //   dI/dfx = I_u x / z,  dI/dcx = I_u.
-  std::array<JointRow, 2> Rows(const SurfelNumbers& surfel, const Eigen::Vector3d& normal_in_world,
+  std::array<JointRow, 2> Rows(const SurfelParameters& surfel,
+                               const Eigen::Vector3d& normal_in_world,
                                const Eigen::Matrix3d& rotation) const {
     const double displacement = surfel.displacement;
     const Eigen::Vector2d residuals = Residuals(surfel);

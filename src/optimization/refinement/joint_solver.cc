@@ -12,7 +12,7 @@ namespace surfit {
 namespace {
 
 // Minimum ratio of actual and predicted cost decrease of an accepted step.
-constexpr double kLeastGain = 1e-3;
+constexpr double kMinGain = 1e-3;
 
 // Damping of Levenberg-Marquardt by Nielsen's rule (Madsen, Nielsen and Tingleff: Methods for
 // non-linear least squares problems, 2004, 3.16), with the initial value of Ceres.
@@ -77,11 +77,11 @@ constexpr NamedValue<decltype(&MinimizeJointly)> kSolvers[] = {{"reduced", &Mini
 
 std::vector<std::string> RefinementSolverNames() { return NamesOf(kSolvers); }
 
-std::vector<bool> HeldCalibration(const RefinementOptions& options) {
-  std::vector<bool> held(kCalibrationSize, !options.free_depth_field);
-  std::fill_n(held.begin(), kFieldBegin, !options.free_intrinsics);
-  held[kFieldBegin] = !options.free_depth_offset;
-  held[kReadout] = !options.free_readout;
+std::vector<bool> FixedCalibration(const RefinementOptions& options) {
+  std::vector<bool> held(kCalibrationSize, !options.estimate_depth_field);
+  std::fill_n(held.begin(), kFieldBegin, !options.estimate_intrinsics);
+  held[kFieldBegin] = !options.estimate_depth_offset;
+  held[kReadout] = !options.estimate_readout;
   return held;
 }
 
@@ -94,7 +94,7 @@ JointReport MinimizeReduced(const JointProblem& problem, const RefinementOptions
                             JointState* state) {
   const Stopwatch solving;
   const JointCost cost(problem, state->world_from_camera.size());
-  ReducedFactor factor(cost.pattern(), HeldCalibration(options));
+  ReducedFactor factor(cost.pattern(), FixedCalibration(options));
   JointReport report;
   const Stopwatch linearizing;
   ReducedSystem model = cost.ModelAt(*state);
@@ -115,7 +115,7 @@ JointReport MinimizeReduced(const JointProblem& problem, const RefinementOptions
     const JointState moved = Moved(*state, step.increments);
     const double rho = cost.RhoAt(moved);
     const double change = model.rho - rho, gain = change / step.rho_decrease;
-    const bool accepted = gain > kLeastGain;  // false if a value is NaN
+    const bool accepted = gain > kMinGain;  // false if a value is NaN
     if (accepted) {
       *state = moved;
       report.costs.push_back(rho / 2);

@@ -65,7 +65,7 @@ struct JointReport {
 };
 
 // Returns which of the 11 calibration parameters are fixed.
-std::vector<bool> HeldCalibration(const RefinementOptions& options);
+std::vector<bool> FixedCalibration(const RefinementOptions& options);
 
 // Minimises the cost over the poses and the estimated calibration parameters by
 // Levenberg-Marquardt, with the solver of the options. The first pose is fixed. The state does not

@@ -108,7 +108,7 @@ RefinementFit Agreement(const JointFit& fit);
 double VarianceOf(const JointFit& fit, const SharedSurfels& shared, const JointState& state,
                   const RefinementOptions& options);
 
-// Covariance of RefinementOptions::model_error_share, 11 x 11 and diagonal; 0 for fixed parameters.
+// Covariance of RefinementOptions::model_error_ratio, 11 x 11 and diagonal; 0 for fixed parameters.
 Eigen::MatrixXd ModelErrorOf(const DepthCalibration& calibration, const std::vector<bool>& held,
                              const RefinementOptions& options);
 

@@ -50,7 +50,7 @@ std::vector<std::size_t> MovedPoses(const Trajectory& trajectory, double min_tra
 
 KeyframeImages MakeKeyframeImages(const RgbdFrame& measured, const DepthSensor& sensor,
                                   const CameraMotion& motion, const PreprocessOptions& options) {
-  const RgbdFrame frame = AtMiddleOfReadout(measured, sensor, motion);
+  const RgbdFrame frame = CorrectRollingShutter(measured, sensor, motion);
   PreprocessOptions finest = options;
   finest.pyramid_levels = 1;
   FramePyramid pyramid = PreprocessDepth(frame.depth_m, sensor, finest);

@@ -8,12 +8,12 @@
 namespace surfit {
 
 void PriorOptions::Visit(OptionVisitor& v) {
-  v.Add(focal_share, "focal_share",
+  v.Add(focal_relative_sigma, "focal_relative_sigma",
         "relative standard deviation of the input fx and fy, 0: unknown; empty: prior of the "
         "sensor, also for the following options",
-        AsFlag("prior_focal_share"));
-  v.Add(aspect_share, "aspect_share", "relative standard deviation of the input fx / fy",
-        AsFlag("prior_aspect_share"));
+        AsFlag("prior_focal_relative_sigma"));
+  v.Add(aspect_relative_sigma, "aspect_relative_sigma",
+        "relative standard deviation of the input fx / fy", AsFlag("prior_aspect_relative_sigma"));
   v.Add(center_px, "center_px", "standard deviation of the input cx and cy", InUnit("px"),
         AsFlag("prior_center_px"));
   v.Add(inverse_depth_sigma, "inverse_depth_sigma",
@@ -25,8 +25,8 @@ void PriorOptions::Visit(OptionVisitor& v) {
 }
 
 CalibrationPrior PriorOptions::Over(CalibrationPrior sensor) const {
-  sensor.focal_share = focal_share.value_or(sensor.focal_share);
-  sensor.aspect_share = aspect_share.value_or(sensor.aspect_share);
+  sensor.focal_relative_sigma = focal_relative_sigma.value_or(sensor.focal_relative_sigma);
+  sensor.aspect_relative_sigma = aspect_relative_sigma.value_or(sensor.aspect_relative_sigma);
   sensor.center_px = center_px.value_or(sensor.center_px);
   sensor.inverse_depth_sigma = inverse_depth_sigma.value_or(sensor.inverse_depth_sigma);
   sensor.readout_s = readout_s.value_or(sensor.readout_s);
@@ -35,8 +35,8 @@ CalibrationPrior PriorOptions::Over(CalibrationPrior sensor) const {
 
 void PriorOptions::Complete(const CalibrationPrior& sensor) {
   const CalibrationPrior prior = Over(sensor);
-  focal_share = prior.focal_share;
-  aspect_share = prior.aspect_share;
+  focal_relative_sigma = prior.focal_relative_sigma;
+  aspect_relative_sigma = prior.aspect_relative_sigma;
   center_px = prior.center_px;
   inverse_depth_sigma = prior.inverse_depth_sigma;
   readout_s = prior.readout_s;
@@ -44,13 +44,14 @@ void PriorOptions::Complete(const CalibrationPrior& sensor) {
 
 void RefinementOptions::Visit(OptionVisitor& v) {
   v.Group("refinement");
-  v.Add(free_intrinsics, "free_intrinsics", "estimate fx fy cx cy", Everyday());
-  v.Add(free_depth_offset, "free_depth_offset", "estimate an offset of inverse depth", Everyday());
-  v.Add(free_depth_field, "free_depth_field",
+  v.Add(estimate_intrinsics, "estimate_intrinsics", "estimate fx fy cx cy", Everyday());
+  v.Add(estimate_depth_offset, "estimate_depth_offset", "estimate an offset of inverse depth",
+        Everyday());
+  v.Add(estimate_depth_field, "estimate_depth_field",
         "estimate the variation of the inverse depth error over the image: a quadratic polynomial",
         Everyday());
-  v.Add(free_readout, "free_readout", "estimate the rolling-shutter readout, if the camera moves",
-        Everyday());
+  v.Add(estimate_readout, "estimate_readout",
+        "estimate the rolling-shutter readout, if the camera moves", Everyday());
   v.AddPart(prior, "prior", "prior of the input calibration");
   v.Add(cells_across, "cells_across",
         "number of columns of square cells of a keyframe image, with at most one surfel per cell",
@@ -75,12 +76,12 @@ void RefinementOptions::Visit(OptionVisitor& v) {
         "significance of a new calibration, in standard deviations: the input calibration is kept "
         "if the estimate differs less",
         AtLeast(0));
-  v.Add(model_error_share, "model_error_share",
+  v.Add(model_error_ratio, "model_error_ratio",
         "relative error of the model: of the focal length, of depth, and of 1 s of readout",
         AtLeast(0));
-  v.Add(kept_angle_share, "kept_angle_share",
+  v.Add(kept_angle_ratio, "kept_angle_ratio",
         "factor of observation_angle_rad with a kept calibration", Positive(), Between(0, 1));
-  v.Add(kept_kernel_share, "kept_kernel_share",
+  v.Add(kept_kernel_ratio, "kept_kernel_ratio",
         "factor of the kernel width with a kept calibration", Positive(), Between(0, 1));
   v.Add(solver, "solver",
         "solver of a round; reduced: Schur complement of the surfels; ceres: ceres::Problem with "

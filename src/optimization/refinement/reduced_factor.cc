@@ -91,8 +91,9 @@ ReducedSystem::PoseMatrix PoseFactor::InverseBlock(int pose) const {
   return x.transpose() * x;
 }
 
-ReducedFactor::ReducedFactor(const BlockPattern& pattern, const std::vector<bool>& held_calibration)
-    : held_calibration_(held_calibration), poses_(pattern) {}
+ReducedFactor::ReducedFactor(const BlockPattern& pattern,
+                             const std::vector<bool>& fixed_calibration)
+    : fixed_calibration_(fixed_calibration), poses_(pattern) {}
 
 void ReducedFactor::SetScale(const ReducedSystem& system) {
   scale_ = Eigen::VectorXd::Zero(system.gradient.size());
@@ -101,7 +102,7 @@ void ReducedFactor::SetScale(const ReducedSystem& system) {
         system.poses[system.pattern->IndexOf(k, k)].diagonal().unaryExpr(&ScaleOf);
   }
   for (int i = 0; i < kCalibrationSize; ++i) {
-    if (held_calibration_[i]) continue;
+    if (fixed_calibration_[i]) continue;
     scale_[system.CalibrationBegin() + i] = ScaleOf(system.calibration(i, i));
   }
 }
@@ -175,12 +176,12 @@ JointCovariance ReducedFactor::Covariance() const {
 }
 
 JointCovariance CovarianceOf(const ReducedSystem& system,
-                             const std::vector<bool>& held_calibration) {
+                             const std::vector<bool>& fixed_calibration) {
   // Rounding errors of a singular Hessian with a unit diagonal are about this large. With larger
   // errors, the factorisation needs more damping.
-  constexpr double kLeastPivot = 1e-12, kGrowth = 10;
-  ReducedFactor factor(*system.pattern, held_calibration);
-  double damping = kLeastPivot;
+  constexpr double kMinPivot = 1e-12, kGrowth = 10;
+  ReducedFactor factor(*system.pattern, fixed_calibration);
+  double damping = kMinPivot;
   while (damping < 1 && !factor.Factorize(system, damping)) damping *= kGrowth;
   return factor.Covariance();
 }

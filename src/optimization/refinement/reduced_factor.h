@@ -69,7 +69,7 @@ struct JointCovariance {
 // change.
 class ReducedFactor {
  public:
-  ReducedFactor(const BlockPattern& pattern, const std::vector<bool>& held_calibration);
+  ReducedFactor(const BlockPattern& pattern, const std::vector<bool>& fixed_calibration);
 
   // Returns false if the damped Hessian is not positive definite.
   bool Factorize(const ReducedSystem& system, double damping);
@@ -84,7 +84,7 @@ class ReducedFactor {
   Eigen::MatrixXd ScaledBorder(const ReducedSystem& system) const;
   Eigen::MatrixXd PoseCovariance(int pose) const;
 
-  std::vector<bool> held_calibration_;
+  std::vector<bool> fixed_calibration_;
   double damping_ = 0;
   Eigen::VectorXd scale_;
   PoseFactor poses_;
@@ -95,6 +95,6 @@ class ReducedFactor {
 // Covariance by the smallest damping that can be factorised. The variance of unobservable
 // directions is about 1e12 times the variance that their diagonal elements alone would give.
 JointCovariance CovarianceOf(const ReducedSystem& system,
-                             const std::vector<bool>& held_calibration);
+                             const std::vector<bool>& fixed_calibration);
 
 }  // namespace surfit

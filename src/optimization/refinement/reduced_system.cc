@@ -57,7 +57,7 @@ class Reducer {
       : shared_(shared), placed_(placed), kernels_(kernels), system_(pattern) {}
 
   void Add(const SharedSurfel& surfel) {
-    const SurfelSight sight(shared_, surfel, placed_);
+    const SurfelResiduals sight(shared_, surfel, placed_);
     if (sight.textures().empty()) {
       Add<kPlaneUnknowns>(surfel, sight);
     } else {
@@ -69,8 +69,8 @@ class Reducer {
 
  private:
   template <int kUnknowns>
-  void Add(const SharedSurfel& surfel, const SurfelSight& sight) {
-    const SurfelNumbers numbers = sight.Best(kernels_);
+  void Add(const SharedSurfel& surfel, const SurfelResiduals& sight) {
+    const SurfelParameters numbers = sight.Best(kernels_);
     Coupling<kUnknowns> coupling(sight.planes().size());
     for (std::size_t i = 0; i < sight.planes().size(); ++i) {
       const int keyframe = shared_.observations[surfel.begin + i].keyframe;
@@ -89,8 +89,8 @@ class Reducer {
     if (coupling.Whiten()) Eliminate(surfel, coupling);
   }
 
-  void AddTextures(const SharedSurfel& surfel, const SurfelSight& sight,
-                   const SurfelNumbers& numbers, Coupling<kTexturedUnknowns>* coupling) {
+  void AddTextures(const SharedSurfel& surfel, const SurfelResiduals& sight,
+                   const SurfelParameters& numbers, Coupling<kTexturedUnknowns>* coupling) {
     for (std::size_t i = 0; i < sight.textures().size(); ++i) {
       const TextureObservation& seen = shared_.textures[surfel.textures_begin + i];
       const std::array<JointRow, 2> rows = sight.textures()[i].Rows(
@@ -186,7 +186,7 @@ JointFit FitOf(const SharedSurfels& shared, const JointState& state, const Joint
   const auto fit_block = [&](int begin, int end) {
     JointFit fit;
     for (int s = begin; s < end; ++s) {
-      fit += SurfelSight(shared, shared.surfels[s], placed).FitOf(kernels);
+      fit += SurfelResiduals(shared, shared.surfels[s], placed).FitOf(kernels);
     }
     return fit;
   };

@@ -68,21 +68,24 @@ struct ReducedSystem {
 };
 
 // All observations of a surfel, at one state of poses and calibration.
-class SurfelSight {
+class SurfelResiduals {
  public:
-  SurfelSight(const SharedSurfels& shared, const SharedSurfel& surfel, const PlacedPoses& placed);
+  SurfelResiduals(const SharedSurfels& shared, const SharedSurfel& surfel,
+                  const PlacedPoses& placed);
 
-  const std::vector<PlaneSight>& planes() const { return planes_; }
-  const std::vector<TextureSight>& textures() const { return textures_; }  // empty without texture
+  const std::vector<PlaneResidual>& planes() const { return planes_; }
+  const std::vector<TextureResidual>& textures() const {
+    return textures_;
+  }  // empty without texture
 
   // Optimal parameters of the surfel, starting from a displacement of 0.
-  SurfelNumbers Best(const JointKernels& kernels) const;
+  SurfelParameters Best(const JointKernels& kernels) const;
   // Residuals at the optimal parameters.
   JointFit FitOf(const JointKernels& kernels) const;
 
  private:
-  std::vector<PlaneSight> planes_;
-  std::vector<TextureSight> textures_;
+  std::vector<PlaneResidual> planes_;
+  std::vector<TextureResidual> textures_;
 };
 
 JointFit FitOf(const SharedSurfels& shared, const JointState& state, const JointKernels& kernels);

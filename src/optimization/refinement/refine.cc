@@ -11,7 +11,7 @@
 namespace surfit {
 namespace {
 
-constexpr std::size_t kLeastSurfels = 100;
+constexpr std::size_t kMinSurfels = 100;
 
 // Runs one round. Returns the kind of failure, or std::nullopt.
 std::optional<RefinementTermination> RunRound(const RefinementOptions& options,
@@ -24,7 +24,7 @@ std::optional<RefinementTermination> RunRound(const RefinementOptions& options,
   round->surfels = shared.surfels.size();
   round->observations = shared.observations.size();
   round->texture_observations = shared.textures.size();
-  if (shared.surfels.size() < kLeastSurfels) return RefinementTermination::kTooFewSurfels;
+  if (shared.surfels.size() < kMinSurfels) return RefinementTermination::kTooFewSurfels;
   const JointFit before = FitOf(shared, *state, kernels);
   round->before = Agreement(before);
   prior->SetWeight(VarianceOf(before, shared, *state, options));
@@ -47,7 +47,7 @@ void TakePoses(const JointState& state, std::vector<RefinementKeyframe>* keyfram
   }
 }
 
-// Repeats rounds until they converge. Restores state and keyframes after a failure. Appends the
+// IsDuplicate rounds until they converge. Restores state and keyframes after a failure. Appends the
 // rounds, and calls `progress` after each round.
 RefinementTermination RunRounds(const RefinementOptions& options,
                                 std::vector<RefinementKeyframe>* keyframes, JointPrior* prior,
@@ -87,9 +87,8 @@ JointState StateOf(const std::vector<RefinementKeyframe>& keyframes,
 }
 
 // Sets the final fit and the covariances, except the distance of the calibration.
-void SetAgreement(const RefinementOptions& options,
-                  const std::vector<RefinementKeyframe>& keyframes, JointPrior* prior,
-                  const JointState& state, RefinementSummary* summary) {
+void SetFinalFit(const RefinementOptions& options, const std::vector<RefinementKeyframe>& keyframes,
+                 JointPrior* prior, const JointState& state, RefinementSummary* summary) {
   const JointKernels kernels = KernelsOf(options.error_model);
   const SharedSurfels shared = MakeSharedSurfels(keyframes, state.calibration, options);
   const JointFit fit = FitOf(shared, state, kernels);
@@ -99,7 +98,7 @@ void SetAgreement(const RefinementOptions& options,
   ReducedSystem system = Reduce(shared, pattern, state, kernels);
   prior->SetWeight(variance);
   prior->AddTo(state, &system);
-  const std::vector<bool> held = HeldCalibration(options);
+  const std::vector<bool> held = FixedCalibration(options);
   const JointCovariance covariance = CovarianceOf(system, held);
   summary->calibration_covariance =
       variance * covariance.calibration + ModelErrorOf(state.calibration, held, options);
@@ -125,7 +124,7 @@ void RefineFrom(const JointState& given, const RefinementOptions& options, Joint
   // Noise can make the estimate negative.
   state.calibration.readout_s = std::max(0., state.calibration.readout_s);
   summary->calibration = state.calibration;
-  if (summary->Succeeded()) SetAgreement(options, *keyframes, &prior, state, summary);
+  if (summary->Succeeded()) SetFinalFit(options, *keyframes, &prior, state, summary);
 }
 
 JointPrior PriorOf(const JointState& given, const RefinementOptions& options) {
@@ -134,25 +133,26 @@ JointPrior PriorOf(const JointState& given, const RefinementOptions& options) {
 }
 
 bool FindsCalibration(const RefinementOptions& options) {
-  return options.free_intrinsics || options.free_depth_offset || options.free_depth_field ||
-         options.free_readout;
+  return options.estimate_intrinsics || options.estimate_depth_offset ||
+         options.estimate_depth_field || options.estimate_readout;
 }
 
 // Fixes the readout if no keyframe has motion.
-RefinementOptions ThatTell(RefinementOptions options,
-                           const std::vector<RefinementKeyframe>& keyframes) {
-  options.free_readout &=
+RefinementOptions WithObservableParameters(RefinementOptions options,
+                                           const std::vector<RefinementKeyframe>& keyframes) {
+  options.estimate_readout &=
       std::any_of(keyframes.begin(), keyframes.end(),
                   [](const RefinementKeyframe& k) { return !k.images.readout.motion.IsZero(); });
   return options;
 }
 
 // Options of the refinement of poses only.
-RefinementOptions OfPoses(RefinementOptions options) {
-  options.free_intrinsics = options.free_depth_offset = options.free_depth_field = false;
-  options.free_readout = false;
-  options.observation_angle_rad *= options.kept_angle_share;
-  options.error_model.kernel.width *= options.kept_kernel_share;
+RefinementOptions PosesOnly(RefinementOptions options) {
+  options.estimate_intrinsics = options.estimate_depth_offset = options.estimate_depth_field =
+      false;
+  options.estimate_readout = false;
+  options.observation_angle_rad *= options.kept_angle_ratio;
+  options.error_model.kernel.width *= options.kept_kernel_ratio;
   return options;
 }
 
@@ -160,7 +160,7 @@ RefinementOptions OfPoses(RefinementOptions options) {
 void RefinePoses(const JointState& given, const RefinementOptions& options,
                  std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
                  const std::function<void(const RefinementRound&)>& progress) {
-  const RefinementOptions of_poses = OfPoses(options);
+  const RefinementOptions of_poses = PosesOnly(options);
   TakePoses(given, keyframes);
   summary->before = FitOf(of_poses, *keyframes, given);
   RefineFrom(given, of_poses, PriorOf(given, options), keyframes, summary, progress);
@@ -176,7 +176,7 @@ RefinementSummary Refine(const RefinementOptions& all_options, const DepthCalibr
                          const DepthCalibration& start, std::vector<RefinementKeyframe>* keyframes,
                          const std::function<void(const RefinementRound&)>& progress) {
   Validate(all_options);
-  const RefinementOptions options = ThatTell(all_options, *keyframes);
+  const RefinementOptions options = WithObservableParameters(all_options, *keyframes);
   RefinementSummary summary;
   summary.calibration = start;
   summary.termination = RefinementTermination::kTooFewSurfels;

@@ -62,10 +62,10 @@ bool MeasuresPlane(const Eigen::Vector2d& at, const SharedSurfel& surfel,
   if (!(seen.inverse_depth > 0)) return false;
   seen.inverse_sigma =
       static_cast<float>(InversePlaneSigma(model, keyframe.images.noise, seen.inverse_depth));
-  const PlaneSight sight(seen, surfel, keyframe.world_from_camera.rotation.toRotationMatrix(),
-                         keyframe.world_from_camera.translation,
-                         MotionOf(seen, keyframe.images.readout, calibration.camera.height),
-                         calibration);
+  const PlaneResidual sight(seen, surfel, keyframe.world_from_camera.rotation.toRotationMatrix(),
+                            keyframe.world_from_camera.translation,
+                            MotionOf(seen, keyframe.images.readout, calibration.camera.height),
+                            calibration);
   return std::abs(sight.Residual(0)) <= ErrorModel::kInlierSigmas;
 }
 
@@ -142,8 +142,8 @@ void ObserveTextures(const std::vector<RefinementKeyframe>& keyframes,
   ParallelFor(0, static_cast<int>(seen.size()), kGrain, [&](int begin, int end) {
     for (int s = begin; s < end; ++s) {
       SharedSurfel& surfel = shared->surfels[s];
-      surfel.point_in_world +=
-          SurfelSight(*shared, surfel, placed).Best(kernels).displacement * surfel.normal_in_world;
+      surfel.point_in_world += SurfelResiduals(*shared, surfel, placed).Best(kernels).displacement *
+                               surfel.normal_in_world;
       seen[s] = Observe(surfel, *shared, keyframes, calibration, model);
     }
   });

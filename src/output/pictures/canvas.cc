@@ -183,14 +183,14 @@ SurfelColoring ColorByNormal(const SurfelMap& map) {
 }
 
 SurfelColoring ColorByConfidence(const SurfelMap& map) {
-  constexpr float kLeastLow = 1e-2f, kDecades = 1e4f;
+  constexpr float kMinLow = 1e-2f, kDecades = 1e4f;
   float least = 1, high = 1;
   for (const std::int32_t id : map.Ids()) {
     const float confidence = map[id].confidence;
     least = std::min(least, confidence);
     high = std::max(high, confidence);
   }
-  const float low = std::max({least, kLeastLow, high / kDecades});
+  const float low = std::max({least, kMinLow, high / kDecades});
   SurfelColoring coloring;
   coloring.title = "Confidence";
   coloring.scale.emplace(low, high, /*logarithmic=*/true);

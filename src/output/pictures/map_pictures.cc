@@ -110,7 +110,7 @@ void WriteEmptySheet(const std::string& path) {
 
 }  // namespace
 
-float DustConfidence(const SurfelMap& map) {
+float NoiseConfidence(const SurfelMap& map) {
   constexpr float kMost = 3, kShare = 0.1f;
   std::vector<float> confidences;
   confidences.reserve(map.size());
@@ -127,7 +127,7 @@ void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
     }
     return;
   }
-  const float least = DustConfidence(map);
+  const float least = NoiseConfidence(map);
   const std::vector<std::int32_t> ids = map.Ids();
   std::vector<std::uint8_t> shown(map.id_end());
   for (const std::int32_t id : ids) shown[id] = map[id].confidence >= least;

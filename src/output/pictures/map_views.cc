@@ -35,7 +35,7 @@ Sample DrawSample(const SurfelMap& map, const std::vector<std::uint8_t>& shown) 
 // Refines the up direction to the mean normal of horizontal surfaces (floors, tables). Cameras are
 // usually pitched, so the search begins with a wide angle about `up` and narrows.
 Eigen::Vector3d RefineUp(const Sample& sample, Eigen::Vector3d up) {
-  constexpr double kLeastShare = 0.02;  // minimum ratio of horizontal area to total area
+  constexpr double kLeastRatio = 0.02;  // minimum ratio of horizontal area to total area
   const double total = std::accumulate(sample.areas.begin(), sample.areas.end(), 0.);
   for (const double gate_rad : {0.75, 0.5, 0.35, 0.25}) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -43,7 +43,7 @@ Eigen::Vector3d RefineUp(const Sample& sample, Eigen::Vector3d up) {
       const Eigen::Vector3d n = sample.normals[i].cast<double>();
       if (n.dot(up) > std::cos(gate_rad)) sum += sample.areas[i] * n;
     }
-    if (!(sum.norm() > kLeastShare * total)) break;
+    if (!(sum.norm() > kLeastRatio * total)) break;
     up = sum.normalized();
   }
   return up;

@@ -30,7 +30,7 @@ PinholeCamera FitCamera(const std::vector<Eigen::Vector3f>& points_in_camera, in
                         int height) {
   constexpr double kTail = 0.005;  // ratio of points on each side that may be outside
   constexpr double kFilled = 0.94;
-  constexpr float kLeastExtent = 1e-3f;  // minimum extent in the plane z = 1
+  constexpr float kMinExtent = 1e-3f;  // minimum extent in the plane z = 1
   std::vector<float> x, y;
   for (const Eigen::Vector3f& p : points_in_camera) {
     if (p.z() <= 0) continue;
@@ -42,8 +42,8 @@ PinholeCamera FitCamera(const std::vector<Eigen::Vector3f>& points_in_camera, in
   PinholeCamera camera;
   camera.width = width;
   camera.height = height;
-  camera.fx = kFilled * std::min(width / std::max(right - left, kLeastExtent),
-                                 height / std::max(bottom - top, kLeastExtent));
+  camera.fx = kFilled * std::min(width / std::max(right - left, kMinExtent),
+                                 height / std::max(bottom - top, kMinExtent));
   camera.fy = camera.fx;
   camera.cx = (width - 1) / 2. - camera.fx * (left + right) / 2;
   camera.cy = (height - 1) / 2. - camera.fy * (top + bottom) / 2;

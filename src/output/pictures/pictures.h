@@ -19,7 +19,7 @@ namespace surfit {
 // tables. The world frame may have any orientation.
 //
 // Back faces are not drawn, so ceiling and near walls do not occlude the room. map_confidence shows
-// all surfels, the other sheets only surfels with confidence >= DustConfidence(). The colour of a
+// all surfels, the other sheets only surfels with confidence >= NoiseConfidence(). The colour of a
 // normal n in the world frame is (1 + n) / 2: x red, y green, z blue.
 //
 // For an empty map, the pictures have the text "empty map". Throws InputError if writing fails.
@@ -29,7 +29,7 @@ void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
 // Confidence below which surfels are treated as noise: 3 (about three central observations), or a
 // tenth of the 90 % quantile of the map if it is less, for example after few frames. 0 for an empty
 // map.
-float DustConfidence(const SurfelMap& map);
+float NoiseConfidence(const SurfelMap& map);
 
 // Writes a PNG of the camera path from above and from the side, in m along the world axes. Both
 // axes of a view have the same scale. The vertical axis is the world axis nearest to the mean

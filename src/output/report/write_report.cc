@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 // Maximum for all runs together. A thumbnail has about 40 kB; the default number of surfels has 18
 // MB.
-constexpr std::size_t kMostThumbnails = 120;
+constexpr std::size_t kMaxThumbnails = 120;
 
 // Alignments of all runs to the first run; std::nullopt without equal timestamps.
 std::vector<std::optional<RunAlignment>> AlignWithFirst(const std::vector<ReportedRun>& runs) {
@@ -75,7 +75,7 @@ std::vector<ReportedMap> WriteReport(const ReportOptions& options) {
   std::vector<ReportedRun> runs;
   std::vector<Json> pages;
   for (std::size_t i = 0; i < count; ++i) {
-    runs.push_back(ReadRun(options.runs[i], std::max<std::size_t>(1, kMostThumbnails / count)));
+    runs.push_back(ReadRun(options.runs[i], std::max<std::size_t>(1, kMaxThumbnails / count)));
     Json page = std::move(runs[i].page);
     page["label"] = names[i];
     page["map"] = PackMap(runs[i].surfels, max_points);

@@ -83,8 +83,8 @@ constexpr int kRadius_px = 4, kSide_px = 2 * kRadius_px + 1;
 constexpr int kSteps = 15;
 constexpr float kSmallStep_px = 0.02f, kFarthest_px = 12;
 // Minimum correlation with the previous image and with the first image.
-constexpr float kAlikeNext = 0.6f, kAlikeFirst = 0.5f;
-constexpr float kLeastContrast = 0.008f;
+constexpr float kMinCorrelationNext = 0.6f, kMinCorrelationFirst = 0.5f;
+constexpr float kMinContrast = 0.008f;
 constexpr int kTracksPerBlock = 16;
 
 using Patch = Eigen::Array<float, kSide_px, kSide_px, Eigen::RowMajor>;
@@ -116,12 +116,12 @@ float LengthOf(const Patch& patch) { return patch.matrix().norm(); }
 
 // Patch with zero mean and unit norm, which is invariant to gain and offset. std::nullopt outside
 // the image and at low contrast.
-std::optional<Patch> LookAt(const Image<float>& image, const Eigen::Vector2f& at) {
+std::optional<Patch> NormalizedPatch(const Image<float>& image, const Eigen::Vector2f& at) {
   if (!IsWithin(image, at)) return std::nullopt;
   Patch patch = PatchAt(image, at);
   patch -= patch.mean();
   const float length = LengthOf(patch);
-  if (!(length > kLeastContrast * kSide_px)) return std::nullopt;
+  if (!(length > kMinContrast * kSide_px)) return std::nullopt;
   return patch / length;
 }
 
@@ -133,7 +133,7 @@ struct Found {
 // Searches the target for the patch around `from`, starting at `at`. std::nullopt: not found.
 std::optional<Found> FindPatch(const Image<float>& source, const Eigen::Vector2f& from,
                                const Image<float>& target, Eigen::Vector2f at) {
-  const std::optional<Patch> wanted = LookAt(source, from);
+  const std::optional<Patch> wanted = NormalizedPatch(source, from);
   if (!wanted) return std::nullopt;
   const Patch values = PatchAt(source, from);
   const float length = 2 * LengthOf(values - values.mean());
@@ -147,7 +147,7 @@ std::optional<Found> FindPatch(const Image<float>& source, const Eigen::Vector2f
   const Eigen::Vector2f begin = at;
   float step_px = kFarthest_px;
   for (int i = 0; i <= kSteps && step_px >= kSmallStep_px; ++i) {
-    const std::optional<Patch> here = LookAt(target, at);
+    const std::optional<Patch> here = NormalizedPatch(target, at);
     if (!here) return std::nullopt;
     const Patch difference = *here - *wanted;
     const Eigen::Vector2f step =
@@ -156,7 +156,7 @@ std::optional<Found> FindPatch(const Image<float>& source, const Eigen::Vector2f
     step_px = step.norm();
     if (!((at - begin).norm() < kFarthest_px)) return std::nullopt;
   }
-  const std::optional<Patch> here = LookAt(target, at);
+  const std::optional<Patch> here = NormalizedPatch(target, at);
   if (!here) return std::nullopt;
   return Found{at, (*here * *wanted).sum()};
 }
@@ -178,10 +178,10 @@ std::optional<Eigen::Vector2f> FindCorner(const GreyPyramid& source, const Eigen
   }
   for (int level = kLevels - 1; level > 0; --level) {
     const auto found = FindPatch(source[level], from_at[level], target[level], at);
-    at = Finer(found && found->alike > kAlikeNext ? found->at : at);
+    at = Finer(found && found->alike > kMinCorrelationNext ? found->at : at);
   }
   const auto found = FindPatch(source[0], from, target[0], at);
-  if (!found || !(found->alike > kAlikeNext)) return std::nullopt;
+  if (!found || !(found->alike > kMinCorrelationNext)) return std::nullopt;
   return found->at;
 }
 
@@ -426,7 +426,7 @@ std::vector<CornerTracks::Track> CornerTracks::Lasting() const {
   std::vector<Track> lasting;
   for (const Track& track : tracks_) {
     const auto found = FindPatch(first_[0], track.first, last_[0], track.last);
-    if (found && found->alike > kAlikeFirst)
+    if (found && found->alike > kMinCorrelationFirst)
       lasting.push_back({track.corner, track.first, found->at});
   }
   return lasting;

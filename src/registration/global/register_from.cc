@@ -37,39 +37,39 @@ double MeanDepth(const FrameLevel& level) {
 
 class FarRegistration {
  public:
-  FarRegistration(const FarView& source, const FarView& target, const FarOptions& options,
-                  const FarVerdict& verdict)
+  FarRegistration(const GlobalView& source, const GlobalView& target,
+                  const GlobalRegistrationOptions& options, const GlobalRegistrationResult& verdict)
       : source_(source), target_(target), options_(options), verdict_(verdict) {}
 
-  FarVerdict From(const std::vector<Rigid3d>& starts) {
+  GlobalRegistrationResult From(const std::vector<Rigid3d>& starts) {
     for (const Rigid3d& start : starts) RegisterFromStart(start);
     verdict_.reason = Judge();
     return std::move(verdict_);
   }
 
  private:
-  FarReason Judge() {
+  GlobalRegistrationReason Judge() {
     if (fits_.empty()) return Failure();
     const Fit best = *std::max_element(fits_.begin(), fits_.end(), [](const Fit& a, const Fit& b) {
       return a.view.Score() < b.view.Score();
     });
     Describe(best);
-    if (const auto doubt = DoubtAboutViews()) return *doubt;
+    if (const auto doubt = CheckViews()) return *doubt;
     if (&source_.finest != &source_.pyramid) {
       verdict_.icp = Register(source_.finest, target_.finest, best.pose(), options_.icp);
     }
     Describe(verdict_.icp);
-    if (const auto doubt = DoubtAboutRegistration()) return *doubt;
-    MeasureLead(best);
-    if (verdict_.lead < options_.fit.min_lead) return FarReason::kAmbiguous;
+    if (const auto doubt = CheckRegistration()) return *doubt;
+    MeasureScoreMargin(best);
+    if (verdict_.lead < options_.fit.min_score_margin) return GlobalRegistrationReason::kAmbiguous;
     if (options_.fit.max_disagreement_rad < M_PI) MeasureDisagreement(best.pose());
     if (verdict_.disagreement_m > options_.fit.max_disagreement_m ||
         verdict_.disagreement_rad > options_.fit.max_disagreement_rad) {
-      return FarReason::kInconsistent;
+      return GlobalRegistrationReason::kInconsistent;
     }
     verdict_.information = SymmetricInverse(RealisticCovariance(
         *verdict_.icp.covariance, verdict_.disagreement_rad, verdict_.disagreement_m));
-    return FarReason::kAccepted;
+    return GlobalRegistrationReason::kAccepted;
   }
 
   // Poses with free-space violations are not fits, but they count as alternatives in the score
@@ -78,7 +78,7 @@ class FarRegistration {
     IcpResult icp = Register(source_.pyramid, target_.pyramid, start, options_.icp_from_start);
     is_degenerate_ = is_degenerate_ || icp.termination == Termination::kSingularSystem;
     const bool succeeded = icp.Succeeded();
-    if (succeeded || icp.termination == Termination::kFreeSpaceFilled) {
+    if (succeeded || icp.termination == Termination::kFreeSpaceViolation) {
       const ViewFit view = MeasureFit(source_.level, target_.level,
                                       options_.icp_from_start.error_model, icp.target_from_source);
       poses_.push_back({icp.target_from_source, view.Score()});
@@ -87,61 +87,66 @@ class FarRegistration {
     if (!succeeded && !first_failure_) first_failure_ = {start, std::move(icp), {}};
   }
 
-  FarReason Failure() {
+  GlobalRegistrationReason Failure() {
     if (first_failure_) {
       verdict_.start = first_failure_->start;
       verdict_.icp = first_failure_->icp;
     }
-    if (is_degenerate_) return FarReason::kDegenerate;
-    const bool filled = verdict_.icp.termination == Termination::kFreeSpaceFilled;
-    return filled ? FarReason::kFreeSpaceFilled : FarReason::kNotRegistered;
+    if (is_degenerate_) return GlobalRegistrationReason::kDegenerate;
+    const bool filled = verdict_.icp.termination == Termination::kFreeSpaceViolation;
+    return filled ? GlobalRegistrationReason::kFreeSpaceViolation
+                  : GlobalRegistrationReason::kNotRegistered;
   }
 
   void Describe(const Fit& fit) {
     verdict_.start = fit.start;
     verdict_.icp = fit.icp;
     verdict_.target_from_source = fit.pose();
-    verdict_.overlap_share = fit.view.overlap_share;
-    verdict_.free_space_share = fit.view.free_space_share;
+    verdict_.overlap_ratio = fit.view.overlap_ratio;
+    verdict_.free_space_violation_ratio = fit.view.free_space_violation_ratio;
     verdict_.value_correlation = fit.view.value_correlation;
     verdict_.detail_correlation = fit.view.detail_correlation;
   }
 
-  std::optional<FarReason> DoubtAboutViews() const {
+  std::optional<GlobalRegistrationReason> CheckViews() const {
     const FitCriteria& fit = options_.fit;
-    if (verdict_.overlap_share < fit.min_overlap_share) return FarReason::kLittleOverlap;
-    if (verdict_.free_space_share > fit.max_free_space_share) return FarReason::kFreeSpaceFilled;
+    if (verdict_.overlap_ratio < fit.min_overlap_ratio)
+      return GlobalRegistrationReason::kLittleOverlap;
+    if (verdict_.free_space_violation_ratio > fit.max_free_space_violation_ratio)
+      return GlobalRegistrationReason::kFreeSpaceViolation;
     const bool have_color = source_.has_color && target_.has_color;
     const bool look_alike = verdict_.value_correlation >= fit.min_value_correlation &&
                             verdict_.detail_correlation >= fit.min_detail_correlation;
-    if (have_color ? !look_alike : fit.needs_color) return FarReason::kLooksDifferent;
+    if (have_color ? !look_alike : fit.needs_color)
+      return GlobalRegistrationReason::kLooksDifferent;
     return std::nullopt;
   }
 
   void Describe(const IcpResult& icp) {
     verdict_.target_from_source = icp.target_from_source;
-    verdict_.inlier_share = icp.inlier_share;
+    verdict_.inlier_ratio = icp.inlier_ratio;
     verdict_.rmse_m = icp.rmse_m;
     if (!icp.covariance) return;
     verdict_.sigma_rad = LargestSigma(icp.covariance->topLeftCorner<3, 3>());
     verdict_.sigma_m = LargestSigma(icp.covariance->bottomRightCorner<3, 3>());
   }
 
-  std::optional<FarReason> DoubtAboutRegistration() const {
+  std::optional<GlobalRegistrationReason> CheckRegistration() const {
     const FitCriteria& fit = options_.fit;
-    if (verdict_.icp.termination == Termination::kSingularSystem) return FarReason::kDegenerate;
-    if (!verdict_.icp.Succeeded()) return FarReason::kNotRegistered;
+    if (verdict_.icp.termination == Termination::kSingularSystem)
+      return GlobalRegistrationReason::kDegenerate;
+    if (!verdict_.icp.Succeeded()) return GlobalRegistrationReason::kNotRegistered;
     if (verdict_.sigma_m > fit.max_sigma_m || verdict_.sigma_rad > fit.max_sigma_rad) {
-      return FarReason::kDegenerate;
+      return GlobalRegistrationReason::kDegenerate;
     }
     if (verdict_.rmse_m > fit.max_rmse_m ||
-        verdict_.inlier_share < fit.min_inlier_share * verdict_.overlap_share) {
-      return FarReason::kPoorFit;
+        verdict_.inlier_ratio < fit.min_inlier_ratio * verdict_.overlap_ratio) {
+      return GlobalRegistrationReason::kPoorFit;
     }
     return std::nullopt;
   }
 
-  void MeasureLead(const Fit& best) {
+  void MeasureScoreMargin(const Fit& best) {
     const IcpResult icp = verdict_.icp;
     const Vector6d weakest =
         WeakestIncrement(icp.information, MeanDepth(target_.finest.levels.front()));
@@ -164,10 +169,10 @@ class FarRegistration {
     verdict_.disagreement_rad = back.Succeeded() ? RotationAngle(difference.rotation) : M_PI;
   }
 
-  const FarView& source_;
-  const FarView& target_;
-  const FarOptions& options_;
-  FarVerdict verdict_;
+  const GlobalView& source_;
+  const GlobalView& target_;
+  const GlobalRegistrationOptions& options_;
+  GlobalRegistrationResult verdict_;
   std::vector<Fit> fits_;          // successful registrations
   std::vector<ScoredPose> poses_;  // fits_ and other candidate poses
   // First failure: the most promising one, because initial poses are sorted.
@@ -177,9 +182,10 @@ class FarRegistration {
 
 }  // namespace
 
-FarVerdict RegisterFrom(const std::vector<Rigid3d>& starts, const FarView& source,
-                        const FarView& target, const FarOptions& options,
-                        const FarVerdict& verdict) {
+GlobalRegistrationResult RegisterFrom(const std::vector<Rigid3d>& starts, const GlobalView& source,
+                                      const GlobalView& target,
+                                      const GlobalRegistrationOptions& options,
+                                      const GlobalRegistrationResult& verdict) {
   return FarRegistration(source, target, options, verdict).From(starts);
 }
 

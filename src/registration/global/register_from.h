@@ -3,12 +3,12 @@
 #include <vector>
 
 #include "registration/global/view_fit.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 
 namespace surfit {
 
 // Input view of a global registration. References must outlive the registration.
-struct FarView {
+struct GlobalView {
   const FramePyramid& pyramid;  // registered from all initial poses
   // For the final registration of the best pose. No final registration if it is `pyramid` itself.
   const FramePyramid& finest;
@@ -16,7 +16,7 @@ struct FarView {
   bool has_color = false;
 };
 
-struct FarOptions {
+struct GlobalRegistrationOptions {
   IcpOptions icp_from_start;  // on `pyramid`; the error model also scores fits
   IcpOptions icp;             // on `finest`
   FitCriteria fit;
@@ -28,9 +28,10 @@ struct FarOptions {
 // 3. score margin over other poses: other initial poses, and shifts along the weakest direction,
 // 4. backward registration.
 // The result extends `verdict`.
-FarVerdict RegisterFrom(const std::vector<Rigid3d>& starts, const FarView& source,
-                        const FarView& target, const FarOptions& options,
-                        const FarVerdict& verdict = {});
+GlobalRegistrationResult RegisterFrom(const std::vector<Rigid3d>& starts, const GlobalView& source,
+                                      const GlobalView& target,
+                                      const GlobalRegistrationOptions& options,
+                                      const GlobalRegistrationResult& verdict = {});
 
 // True if two poses are equal within the tolerance of a registration.
 bool AreSame(const Rigid3d& a, const Rigid3d& b);

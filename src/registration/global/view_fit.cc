@@ -81,8 +81,8 @@ Image<float> Detail(Image<float>& value) {
 
 }  // namespace
 
-double FreeSpaceShare(const FrameLevel& source, const FrameLevel& target,
-                      const ErrorModel& error_model, const Rigid3d& target_from_source) {
+double FreeSpaceViolationRatio(const FrameLevel& source, const FrameLevel& target,
+                               const ErrorModel& error_model, const Rigid3d& target_from_source) {
   const Count count =
       ParallelSum(0, source.vertex.height(), kRowsPerBlock, Count(), [&](int begin, int end) {
         Count sum;
@@ -107,7 +107,7 @@ struct OneWayFit {
   int in_front = 0;
   CorrelationSums value, detail;
 
-  double FreeSpaceShare() const {
+  double FreeSpaceViolationRatio() const {
     return in_front > 0 ? static_cast<double>(in_front) / (in_front + at_surface) : 0;
   }
 };
@@ -121,7 +121,7 @@ OneWayFit MeasureOneWay(const ViewLevel& source, const ViewLevel& target,
     for (int u = stride / 2; u < depth_m.width(); u += stride) fit.valid += depth_m(u, v) > 0;
   }
   const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
-  const auto measure = [&](const Landing& landing) {
+  const auto measure = [&](const ProjectedPixel& landing) {
     const Eigen::Vector3f surface = At(target.surface.vertex, landing.target_pixel);
     const Eigen::Vector3f normal = At(target.surface.normal, landing.target_pixel);
     if (!(surface.z() > 0) || normal.isZero(0)) return;
@@ -138,7 +138,7 @@ OneWayFit MeasureOneWay(const ViewLevel& source, const ViewLevel& target,
     fit.detail.Add(source.brightness.detail[landing.source_pixel],
                    SampleAt(target.brightness.detail, landing.u, landing.v).value);
   };
-  ForEachLanding(source.surface, target.surface, target_from_source, measure, stride);
+  ForEachProjection(source.surface, target.surface, target_from_source, measure, stride);
   return fit;
 }
 
@@ -169,10 +169,10 @@ double CorrelationSums::Correlation(double floor_variance) const {
 }
 
 double ViewFit::Score() const {
-  constexpr double kWrongFreeSpaceShare = 0.2;
+  constexpr double kWrongFreeSpaceRatio = 0.2;
   const double tells = 1 + Information(value_correlation) + 2 * Information(detail_correlation);
-  return std::sqrt(overlap_share) * tells *
-         std::max(0.01, 1 - free_space_share / kWrongFreeSpaceShare);
+  return std::sqrt(overlap_ratio) * tells *
+         std::max(0.01, 1 - free_space_violation_ratio / kWrongFreeSpaceRatio);
 }
 
 ViewFit MeasureFit(const ViewLevel& source, const ViewLevel& target, const ErrorModel& error_model,
@@ -183,8 +183,9 @@ ViewFit MeasureFit(const ViewLevel& source, const ViewLevel& target, const Error
   ViewFit fit;
   const int valid = there.valid + back.valid;
   if (valid == 0) return fit;
-  fit.overlap_share = static_cast<double>(there.at_surface + back.at_surface) / valid;
-  fit.free_space_share = std::max(there.FreeSpaceShare(), back.FreeSpaceShare());
+  fit.overlap_ratio = static_cast<double>(there.at_surface + back.at_surface) / valid;
+  fit.free_space_violation_ratio =
+      std::max(there.FreeSpaceViolationRatio(), back.FreeSpaceViolationRatio());
   fit.value_correlation =
       (there.value.Correlation(kValueFloorVariance) + back.value.Correlation(kValueFloorVariance)) /
       2;

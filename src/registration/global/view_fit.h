@@ -35,7 +35,7 @@ struct ViewLevel {
 inline constexpr float kMinNormalCosine = 0.8f;
 
 // Projection of a source pixel into the target image.
-struct Landing {
+struct ProjectedPixel {
   int source_pixel = 0;   // index of the source pixel
   int target_pixel = 0;   // index of the nearest target pixel
   float u = 0, v = 0;     // projected position, px
@@ -45,8 +45,8 @@ struct Landing {
 // Calls visit(landing) row by row for every stride-th source row and column. Skips pixels without
 // depth and projections outside the target image.
 template <typename Visit>
-void ForEachLanding(const FrameLevel& source, const FrameLevel& target,
-                    const Rigid3d& target_from_source, const Visit& visit, int stride = 1) {
+void ForEachProjection(const FrameLevel& source, const FrameLevel& target,
+                       const Rigid3d& target_from_source, const Visit& visit, int stride = 1) {
   // Minimum depth in m, because projections diverge near the camera plane.
   constexpr float kNearest = 0.05f;
   const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
@@ -60,7 +60,7 @@ void ForEachLanding(const FrameLevel& source, const FrameLevel& target,
   const auto on_pixel = [&](int i) {
     if (!(vertex.z[i] > 0)) return;
     const Eigen::Vector3f vertex_i(vertex.x[i], vertex.y[i], vertex.z[i]);
-    Landing landing;
+    ProjectedPixel landing;
     landing.point = rotation * vertex_i + translation;
     if (!(landing.point.z() > kNearest)) return;
     landing.u = fx * landing.point.x() / landing.point.z() + cx;
@@ -113,8 +113,8 @@ inline constexpr double kFreeSpaceSigmas = 5;
 // Points behind the surface can be occluded and are ignored. Pixels without a normal (missing
 // depth, depth edges) are ignored, too. Returns 0 without usable points. Views of a rigid scene
 // have few violations at the true pose, and many at a wrong pose.
-double FreeSpaceShare(const FrameLevel& source, const FrameLevel& target,
-                      const ErrorModel& error_model, const Rigid3d& target_from_source);
+double FreeSpaceViolationRatio(const FrameLevel& source, const FrameLevel& target,
+                               const ErrorModel& error_model, const Rigid3d& target_from_source);
 
 struct CorrelationSums {
   double count = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
@@ -127,13 +127,13 @@ struct CorrelationSums {
 
 // Agreement of two views at a pose. Correlations are averages over both directions.
 struct ViewFit {
-  double overlap_share = 0;       // ratio of points on the surface of the other view
-  double free_space_share = 0;    // larger FreeSpaceShare() of both directions
-  double value_correlation = 0;   // brightness correlation in the overlap
-  double detail_correlation = 0;  // correlation of the brightness detail
+  double overlap_ratio = 0;               // ratio of points on the surface of the other view
+  double free_space_violation_ratio = 0;  // larger FreeSpaceViolationRatio() of both directions
+  double value_correlation = 0;           // brightness correlation in the overlap
+  double detail_correlation = 0;          // correlation of the brightness detail
 
   // Score of a fit; larger is better:
-  //   sqrt(overlap_share) * (1 + I(value_correlation) + 2 I(detail_correlation)),
+  //   sqrt(overlap_ratio) * (1 + I(value_correlation) + 2 I(detail_correlation)),
   // reduced by free-space violations. I(rho) = -log(1 - rho^2) / 2 is the mutual information of
   // normally distributed values, in nats per pixel. The square root limits the gain from sliding
   // along unconstrained directions, which adds overlap.

@@ -19,7 +19,7 @@ constexpr NamedValue<Termination> kRegistrationEnds[] = {
     {"max_iterations", Termination::kMaxIterations},
     {"too_few_inliers", Termination::kTooFewInliers},
     {"singular_system", Termination::kSingularSystem},
-    {"free_space_filled", Termination::kFreeSpaceFilled}};
+    {"free_space_violation", Termination::kFreeSpaceViolation}};
 
 AssociationGates GatesOfLevel(const IcpOptions& options, int level) {
   AssociationGates gates = options.gates;
@@ -75,13 +75,13 @@ void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level
 
 void CheckFreeSpace(const FrameLevel& source, const FrameLevel& target, const IcpOptions& options,
                     IcpResult* result) {
-  if (options.max_free_space_share >= 1) return;
+  if (options.max_free_space_violation_ratio >= 1) return;
   const Rigid3d& pose = result->target_from_source;
-  result->free_space_share =
-      std::max(FreeSpaceShare(source, target, options.error_model, pose),
-               FreeSpaceShare(target, source, options.error_model, pose.Inverse()));
-  if (result->free_space_share > options.max_free_space_share) {
-    result->termination = Termination::kFreeSpaceFilled;
+  result->free_space_violation_ratio =
+      std::max(FreeSpaceViolationRatio(source, target, options.error_model, pose),
+               FreeSpaceViolationRatio(target, source, options.error_model, pose.Inverse()));
+  if (result->free_space_violation_ratio > options.max_free_space_violation_ratio) {
+    result->termination = Termination::kFreeSpaceViolation;
   }
 }
 

@@ -29,7 +29,7 @@ class LevelRun {
     if (level_.level > 0 || !result_.Succeeded()) return;
     const Observability held = Observe(last_system_, options_.held);
     if (!held.Degenerate()) return;
-    TakeBackFreeMotion(held);
+    UndoDegenerateMotion(held);
     checks_normal_noise_ = true;
     Iterate();
   }
@@ -44,8 +44,8 @@ class LevelRun {
           result_.termination == Termination::kConverged || i == options_.max_iterations;
       PoseState state = StateAt(pose, is_last);
       Record(state);
-      if (TooFew(state)) return Finish(state, Termination::kTooFewInliers);
-      if (i > 0 && RmseRose(best, state)) return Finish(best, Termination::kRmseIncreased);
+      if (HasTooFewPairs(state)) return Finish(state, Termination::kTooFewInliers);
+      if (i > 0 && RmseIncreased(best, state)) return Finish(best, Termination::kRmseIncreased);
       if (is_last) return Finish(state, result_.termination);
       if (Converged(state, i > 0 ? best.JointRmse() : 0))
         result_.termination = Termination::kConverged;
@@ -65,22 +65,22 @@ class LevelRun {
     return state;
   }
 
-  void TakeBackFreeMotion(const Observability& held) {
+  void UndoDegenerateMotion(const Observability& held) {
     const Rigid3d moved = result_.target_from_source * level_.start.Inverse();
     Vector6d motion;  // first-order increment
     motion << QuaternionLog<double>(moved.rotation), moved.translation;
     result_.target_from_source = LeftIncrement(held.Held(motion), level_.start);
   }
 
-  bool TooFew(const PoseState& state) const {
+  bool HasTooFewPairs(const PoseState& state) const {
     const double least_pairs = std::ldexp(options_.min_inliers, -level_.level);
-    const double least_share = options_.min_inlier_share * source_count_;
+    const double least_share = options_.min_inlier_ratio * source_count_;
     return state.step.system.pair_count < std::max({least_pairs, least_share, kLeastPairs});
   }
 
   // The threshold is the tolerance of convergence. The RMSE may also rise on the way to a better
   // pose if the number of inliers rises.
-  bool RmseRose(const PoseState& best, const PoseState& state) const {
+  bool RmseIncreased(const PoseState& best, const PoseState& state) const {
     return options_.stop_at_rmse_increase &&
            state.JointRmse() > (1 + options_.min_relative_rmse_change) * best.JointRmse() &&
            state.step.system.inlier_count <= best.step.system.inlier_count;
@@ -109,15 +109,15 @@ class LevelRun {
     result_.termination = termination;
     result_.target_from_source = state.pose;
     result_.inlier_count = system.inlier_count;
-    result_.inlier_share =
+    result_.inlier_ratio =
         source_count_ > 0 ? static_cast<double>(system.inlier_count) / source_count_ : 0;
     result_.rmse_m = std::sqrt(system.AverageLoss());
     result_.intensity_count = system.photometric.row_count;
     result_.information = system.hessian;
     result_.trusted_information =
-        TrustedInformation(system, options_.error_model.TrustedPhotometricShare());
+        ConservativeInformation(system, options_.error_model.TrustedPhotometricRatio());
     result_.eigenvalues = observability.eigenvalues;
-    result_.free_directions = observability.FreeDirections();
+    result_.degenerate_directions = observability.DegenerateDirections();
     result_.covariance.reset();
     if (!observability.Degenerate()) result_.covariance = CovarianceOf(system);
     if (observability.Degenerate() && result_.Succeeded()) {
@@ -141,7 +141,7 @@ PoseSolverOptions SolverOptions(const IcpOptions& options, const ErrorModel& err
           options.linear_solver,
           ResidualTypeFromName(options.residual),
           error_model,
-          {std::min(options.held.min_eigenvalue, HeldOptions().min_eigenvalue), 0},
+          {std::min(options.held.min_eigenvalue, ObservabilityOptions().min_eigenvalue), 0},
           kShareOfRmseChange * options.min_relative_rmse_change};
 }
 

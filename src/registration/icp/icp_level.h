@@ -21,8 +21,8 @@ NormalSystem Linearize(const Pairs<S>& pairs, ResidualType residual, const Robus
 // Normal system with hessian, right_side, cost and weighted_square_sum set to 0. SetProducts() adds
 // these members.
 template <typename S>
-NormalSystem BesidesProducts(const Pairs<S>& pairs, ResidualType residual,
-                             const RobustKernel& kernel);
+NormalSystem LinearizeWithoutProducts(const Pairs<S>& pairs, ResidualType residual,
+                                      const RobustKernel& kernel);
 void SetProducts(const RowSums& sums, NormalSystem* system);
 void SetProducts(const RowSums& sums, PhotometricSystem* system);
 

@@ -82,7 +82,7 @@ struct PairLanes {
 // one vector of lanes.
 template <Sums kSums, int kRows, typename S, typename SetRows>
 NormalSystem SystemOf(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel,
-                      double normal_share, const SetRows& set_rows) {
+                      double normal_ratio, const SetRows& set_rows) {
   NormalSystem system;
   RowSums sums;
   WithInstructions([&](auto instructions) {
@@ -109,14 +109,14 @@ NormalSystem SystemOf(const Pairs<S>& pairs, int begin, int end, const RobustKer
   SetProducts(sums, &system);
   system.pair_count = end - begin;
   system.row_count = system.pair_count * kRows;
-  system.normal_share = normal_share;
+  system.normal_ratio = normal_ratio;
   return system;
 }
 
 template <Sums kSums, typename Rows, typename S>
 NormalSystem SumPairs(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel) {
   return SystemOf<kSums, Rows::kRows>(
-      pairs, begin, end, kernel, Rows::kNormalShare,
+      pairs, begin, end, kernel, Rows::kNormalRatio,
       [](int, int, const auto& pair, auto& rows) { Rows::Evaluate(pair, rows); });
 }
 
@@ -179,7 +179,7 @@ PairSummer<S> OwnPairSummer(const OwnResidual& own) {
 template <Sums kSums, typename S>
 PairSummer<S> PairSummerOf(ResidualType residual) {
   if (const OwnResidual* const own = OwnResidualOf(residual)) {
-    static_assert(OwnResidual::kMostRows == 3);
+    static_assert(OwnResidual::kMaxRows == 3);
     if (own->row_count() == 1) return OwnPairSummer<kSums, 1, S>(*own);
     return own->row_count() == 2 ? OwnPairSummer<kSums, 2, S>(*own)
                                  : OwnPairSummer<kSums, 3, S>(*own);
@@ -276,8 +276,8 @@ NormalSystem Linearize(const Pairs<S>& pairs, ResidualType residual, const Robus
 }
 
 template <typename S>
-NormalSystem BesidesProducts(const Pairs<S>& pairs, ResidualType residual,
-                             const RobustKernel& kernel) {
+NormalSystem LinearizeWithoutProducts(const Pairs<S>& pairs, ResidualType residual,
+                                      const RobustKernel& kernel) {
   return SumAll<Sums::kBesides>(pairs, residual, kernel);
 }
 
@@ -324,8 +324,10 @@ RobustKernel KernelFor(const Pairs<S>& pairs, ResidualType residual,
 
 template NormalSystem Linearize(const Pairs<float>&, ResidualType, const RobustKernel&);
 template NormalSystem Linearize(const Pairs<double>&, ResidualType, const RobustKernel&);
-template NormalSystem BesidesProducts(const Pairs<float>&, ResidualType, const RobustKernel&);
-template NormalSystem BesidesProducts(const Pairs<double>&, ResidualType, const RobustKernel&);
+template NormalSystem LinearizeWithoutProducts(const Pairs<float>&, ResidualType,
+                                               const RobustKernel&);
+template NormalSystem LinearizeWithoutProducts(const Pairs<double>&, ResidualType,
+                                               const RobustKernel&);
 template RobustKernel KernelFor(const Pairs<float>&, ResidualType, const ErrorModel&);
 template RobustKernel KernelFor(const Pairs<double>&, ResidualType, const ErrorModel&);
 

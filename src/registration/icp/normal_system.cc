@@ -41,7 +41,7 @@ NormalSystem& NormalSystem::operator+=(const NormalSystem& other) {
   weighted_square_sum += other.weighted_square_sum;
   weight_sum += other.weight_sum;
   normal_difference_sum += other.normal_difference_sum;
-  normal_share = std::max(normal_share, other.normal_share);
+  normal_ratio = std::max(normal_ratio, other.normal_ratio);
   point_sum += other.point_sum;
   point_product_sum += other.point_product_sum;
   row_count += other.row_count;
@@ -61,7 +61,7 @@ double NormalSystem::RmsDistance() const {
   return weight_sum > 0 ? std::sqrt(point_product_sum.trace() / weight_sum) : 0;
 }
 
-Matrix6d NormalSystem::FeignedInformation() const {
+Matrix6d NormalSystem::SpuriousInformation() const {
   if (!(weight_sum > 0)) return Matrix6d::Zero();
   Matrix6d all;  // sum of w G^T G; [p]x^T [p]x = |p|^2 I - p p^T
   all.topLeftCorner<3, 3>() =
@@ -70,7 +70,7 @@ Matrix6d NormalSystem::FeignedInformation() const {
   all.bottomLeftCorner<3, 3>() = -CrossMatrix<double>(point_sum);
   all.bottomRightCorner<3, 3>() = weight_sum * Eigen::Matrix3d::Identity();
   const double difference = normal_difference_sum / weight_sum;
-  return normal_share * difference * difference / M_PI * (all - (hessian - photometric.hessian));
+  return normal_ratio * difference * difference / M_PI * (all - (hessian - photometric.hessian));
 }
 
 double NormalSystem::VarianceFactor() const {
@@ -79,17 +79,17 @@ double NormalSystem::VarianceFactor() const {
 
 Vector6d Observability::Held(const Vector6d& increment) const {
   Vector6d parts = coordinates * increment;
-  parts.head(free_count).setZero();
+  parts.head(degenerate_count).setZero();
   return directions * parts;
 }
 
-std::vector<Vector6d> Observability::FreeDirections() const {
+std::vector<Vector6d> Observability::DegenerateDirections() const {
   std::vector<Vector6d> free;
-  for (int i = 0; i < free_count; ++i) free.emplace_back(directions.col(i));
+  for (int i = 0; i < degenerate_count; ++i) free.emplace_back(directions.col(i));
   return free;
 }
 
-Observability Observe(const NormalSystem& system, const HeldOptions& options) {
+Observability Observe(const NormalSystem& system, const ObservabilityOptions& options) {
   Observability result;
   if (!(system.RmsDistance() > 0)) return result;
   const UnitFree unit_free(system);
@@ -98,21 +98,22 @@ Observability Observe(const NormalSystem& system, const HeldOptions& options) {
   // Directions x with H x = mu B x diagonalise both matrices. x^T H x > x^T B x for mu > 1.
   constexpr double kRounding = 1e-15;
   const Matrix6d needed = std::max(options.min_eigenvalue, kRounding) * Matrix6d::Identity() +
-                          options.min_information_ratio * unit_free(system.FeignedInformation());
+                          options.min_information_ratio * unit_free(system.SpuriousInformation());
   const GeneralizedEigen eigen = EigenOf(hessian, needed);
   const Vector6d norms = eigen.vectors.colwise().norm();
   result.directions = unit_free.length.cwiseInverse().asDiagonal() * eigen.vectors *
                       norms.cwiseInverse().asDiagonal();
   result.coordinates =
       norms.asDiagonal() * eigen.vectors.transpose() * needed * unit_free.length.asDiagonal();
-  result.free_count = 0;
-  while (result.free_count < 6 && !(eigen.values[result.free_count] > 1)) ++result.free_count;
+  result.degenerate_count = 0;
+  while (result.degenerate_count < 6 && !(eigen.values[result.degenerate_count] > 1))
+    ++result.degenerate_count;
   return result;
 }
 
-Vector6d SolveHeld(const NormalSystem& system, const Observability& observability) {
+Vector6d SolveObservable(const NormalSystem& system, const Observability& observability) {
   Vector6d increment = Vector6d::Zero();
-  for (int i = observability.free_count; i < 6; ++i) {
+  for (int i = observability.degenerate_count; i < 6; ++i) {
     const Vector6d direction = observability.directions.col(i);
     increment +=
         direction.dot(system.right_side) / direction.dot(system.hessian * direction) * direction;
@@ -120,11 +121,12 @@ Vector6d SolveHeld(const NormalSystem& system, const Observability& observabilit
   return increment;
 }
 
-Matrix6d TrustedInformation(const NormalSystem& system, double photometric_share) {
+Matrix6d ConservativeInformation(const NormalSystem& system, double photometric_ratio) {
   if (!(system.RmsDistance() > 0)) return Matrix6d::Zero();
   constexpr double kSmallest = 1e-9;  // relative to the metric: error of single-precision sums
   const UnitFree unit_free(system);
-  const Matrix6d metric = kSmallest * Matrix6d::Identity() + unit_free(system.FeignedInformation());
+  const Matrix6d metric =
+      kSmallest * Matrix6d::Identity() + unit_free(system.SpuriousInformation());
   const GeneralizedEigen eigen =
       EigenOf(unit_free(system.hessian - system.photometric.hessian), metric);
   // With the columns X of the eigenvectors, X^T B X = I and H = (B X) mu (B X)^T.
@@ -132,7 +134,7 @@ Matrix6d TrustedInformation(const NormalSystem& system, double photometric_share
   const Vector6d trusted = (eigen.values.array() - 1).max(0);
   const Matrix6d of_points =
       system.weight_sum * (columns * trusted.asDiagonal() * columns.transpose());
-  const Matrix6d sum = of_points + photometric_share * system.photometric.hessian;
+  const Matrix6d sum = of_points + photometric_ratio * system.photometric.hessian;
   constexpr double kSmallestVariance = 1e-3;  // bound for residuals far below the sensor noise
   return (0.5 / (kSharedPoints * std::max(system.VarianceFactor(), kSmallestVariance))) *
          (sum + sum.transpose());

@@ -4,7 +4,7 @@
 
 #include "registration/icp/icp_level.h"
 #include "surfit/core/error.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 #include "surfit/registration/icp.h"
 #include "surfit/registration/pose_solver.h"
 #include "surfit/registration/register_clouds.h"
@@ -50,7 +50,7 @@ void ErrorModel::Visit(OptionVisitor& v) {
             NoFlags());
 }
 
-void HeldOptions::Visit(OptionVisitor& v) {
+void ObservabilityOptions::Visit(OptionVisitor& v) {
   v.Add(min_eigenvalue, "min_eigenvalue",
         "minimum eigenvalue of an observable direction, unitless; the pose does not move along "
         "other directions",
@@ -102,10 +102,10 @@ void IcpOptions::Visit(OptionVisitor& v) {
   v.Add(min_inliers, "min_inliers",
         "minimum number of correspondences on the finest level, halved on each coarser level",
         AtLeast(6), AsFlag());
-  v.Add(min_inlier_share, "min_inlier_share",
+  v.Add(min_inlier_ratio, "min_inlier_ratio",
         "minimum ratio of correspondences to valid source points", Share());
   v.AddPart(held, "held", "thresholds for observable directions");
-  v.Add(max_free_space_share, "max_free_space_share",
+  v.Add(max_free_space_violation_ratio, "max_free_space_violation_ratio",
         "maximum ratio of points that violate the free space of the other view; 1 = off", Share(),
         AsFlag());
   // Throws InputError for unknown names and invalid combinations.
@@ -113,24 +113,24 @@ void IcpOptions::Visit(OptionVisitor& v) {
 }
 
 void FitCriteria::Visit(OptionVisitor& v) {
-  v.Add(min_overlap_share, "min_overlap_share",
+  v.Add(min_overlap_ratio, "min_overlap_ratio",
         "minimum ratio of points on the surface of the other view", Share());
-  v.Add(max_free_space_share, "max_free_space_share",
+  v.Add(max_free_space_violation_ratio, "max_free_space_violation_ratio",
         "maximum ratio of points in front of the surface of the other view", Share());
   v.Add(needs_color, "needs_color", "require colours in both views");
   v.Add(min_value_correlation, "min_value_correlation", "minimum correlation of the brightness",
         Between(-1, 1));
   v.Add(min_detail_correlation, "min_detail_correlation",
         "minimum correlation of edges and texture", Between(-1, 1));
-  v.Add(min_inlier_share, "min_inlier_share", "minimum ratio of inliers to overlapping points",
+  v.Add(min_inlier_ratio, "min_inlier_ratio", "minimum ratio of inliers to overlapping points",
         Share());
   v.Add(max_rmse_m, "max_rmse_m", "maximum RMSE of the residuals", Positive());
   v.Add(max_sigma_m, "max_sigma_m",
         "maximum standard deviation of the translation in any direction", Positive());
   v.Add(max_sigma_rad, "max_sigma_rad",
         "maximum standard deviation of the rotation in any direction", Positive());
-  v.Add(min_lead, "min_lead", "minimum score margin over other poses, relative to the best score",
-        Share());
+  v.Add(min_score_margin, "min_score_margin",
+        "minimum score margin over other poses, relative to the best score", Share());
   v.Add(max_disagreement_m, "max_disagreement_m",
         "maximum translation between forward and backward registration", Positive());
   v.Add(max_disagreement_rad, "max_disagreement_rad",
@@ -148,7 +148,7 @@ void InitializeOptions::Visit(OptionVisitor& v) {
   v.Add(iteration_growth, "iteration_growth", "factor of max_iterations for global registration",
         AtLeast(1));
   v.Add(free_space_growth, "free_space_growth",
-        "factor of max_free_space_share for global registration", AtLeast(1));
+        "factor of max_free_space_violation_ratio for global registration", AtLeast(1));
   v.AddPart(fit, "fit", "acceptance criteria of global registration", NoFlags());
 }
 
@@ -177,7 +177,7 @@ void RegisterCloudsOptions::Visit(OptionVisitor& v) {
   v.Group("clouds");
   v.AddPart(icp, "icp", "ICP options; image options are not used",
             WithoutFlags({"photometric_weight", "intensity_sigma", "min_source_rows",
-                          "max_free_space_share"}));
+                          "max_free_space_violation_ratio"}));
   v.Add(reciprocal, "reciprocal", "accept only mutual nearest neighbours on the finest level",
         Everyday());
   v.Add(levels, "levels",

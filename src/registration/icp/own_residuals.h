@@ -7,7 +7,7 @@ namespace surfit {
 // User-defined residual with the name of the type; null for a built-in residual.
 const OwnResidual* OwnResidualOf(ResidualType type);
 
-// Variance of the row direction relative to the variance of a normal, see FeignedInformation(). 1:
+// Variance of the row direction relative to the variance of a normal, see SpuriousInformation(). 1:
 // target normal, 0.5: mean of both normals, 0: no normal.
 inline double NormalShareOf(const OwnResidual& residual) {
   if (residual.needed_normals() == NeededNormals::kNone) return 0;

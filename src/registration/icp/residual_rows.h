@@ -26,8 +26,8 @@ V Dot(const V* a, const V* b) {
 // Sets the row [a r] of a residual r with the derivative g by p. The left increment (w, v) moves p
 // to p + w x p + v. Therefore a = [p x g, g], because g . (w x p) = w . (p x g).
 //
-// kNormalShare of the row types is the variance of the row direction relative to the variance of a
-// normal, see FeignedInformation().
+// kNormalRatio of the row types is the variance of the row direction relative to the variance of a
+// normal, see SpuriousInformation().
 template <typename V>
 void SetRow(const V* p, const V* g, const V& r, V* row) {
   Cross(p, g, row);
@@ -38,7 +38,7 @@ void SetRow(const V* p, const V* g, const V& r, V* row) {
 // r = p - q: a = [-[p]x | I], row by row.
 struct PointToPointRows {
   static constexpr int kRows = 3;
-  static constexpr double kNormalShare = 0;
+  static constexpr double kNormalRatio = 0;
   template <typename V>
   static void Evaluate(const PairValues<V>& pair, V rows[][kRowColumns]) {
     const V zero(0.), one(1.);
@@ -55,7 +55,7 @@ struct PointToPointRows {
 // r = n . (p - q): a = [p x n, n].
 struct PointToPlaneRows {
   static constexpr int kRows = 1;
-  static constexpr double kNormalShare = 1;
+  static constexpr double kNormalRatio = 1;
   template <typename V>
   static void Evaluate(const PairValues<V>& pair, V rows[][kRowColumns]) {
     const V x[3] = {pair.p[0] - pair.q[0], pair.p[1] - pair.q[1], pair.p[2] - pair.q[2]};
@@ -67,7 +67,7 @@ struct PointToPlaneRows {
 // (p - q) / 2 = w . (m x (p - q)) / 2. Therefore a = [p x g + m x (p - q) / 2, g].
 struct SymmetricPointToPlaneRows {
   static constexpr int kRows = 1;
-  static constexpr double kNormalShare = 0.5;  // mean of two normals
+  static constexpr double kNormalRatio = 0.5;  // mean of two normals
   template <typename V>
   static void Evaluate(const PairValues<V>& pair, V rows[][kRowColumns]) {
     const V half(0.5);
@@ -90,7 +90,7 @@ struct SymmetricPointToPlaneRows {
 // plane. e = 1e-3 as in Segal, Haehnel and Thrun 2009.
 struct PlaneToPlaneRows {
   static constexpr int kRows = 3;
-  static constexpr double kNormalShare = 0.5;  // approximately the mean of two normals
+  static constexpr double kNormalRatio = 0.5;  // approximately the mean of two normals
   static constexpr double kFlatness = 1e-3;
 
   // Entries 00, 01, 02, 11, 12, 22 of U.

@@ -43,7 +43,7 @@ class NormalSystemSolver final : public PoseSolver {
   StepResult Solved(double linearize_ms, StepResult* result) const {
     const Stopwatch solving;
     result->increment = result->observability.Degenerate()
-                            ? SolveHeld(result->system, result->observability)
+                            ? SolveObservable(result->system, result->observability)
                             : solve_(result->system.hessian, result->system.right_side);
     result->report.costs = {result->system.JointCost()};
     result->report.linearize_ms = linearize_ms;
@@ -66,7 +66,7 @@ class QrSolver final : public PairSolver<QrSolver> {
                  SolveReport* report) const {
     const Stopwatch solving;
     if (before.observability.Degenerate()) {
-      return SolveHeld(before.system, before.observability);
+      return SolveObservable(before.system, before.observability);
     }
     AllRows rows = RowsOf(pairs, kernel, intensities.size);
     if (intensities.size > 0) SetIntensityRows(intensities, &rows);

@@ -2,12 +2,12 @@
 #include <cmath>
 
 #include "cost_functions/row_sums.h"
-#include "registration/global/start_search.h"
+#include "registration/global/initial_pose_search.h"
 #include "registration/icp/photometric_term.h"
 #include "registration/icp/residual_rows.h"
 #include "registration/solvers/decompositions.h"
 #include "surfit/core/image.h"
-#include "surfit/registration/far_registration.h"
+#include "surfit/registration/global_registration.h"
 
 namespace surfit {
 
@@ -76,7 +76,7 @@ JointPairs FindPairs(const ViewLevel& source, const ViewLevel& target, const Joi
   const int columns = source.surface.camera.width / options.stride + 1;
   const int rows = source.surface.camera.height / options.stride + 1;
   JointPairs pairs(columns * rows, options.use_brightness);
-  const auto on_landing = [&](const Landing& landing) {
+  const auto on_landing = [&](const ProjectedPixel& landing) {
     const Eigen::Vector3f surface = At(target.surface.vertex, landing.target_pixel);
     if (!(surface.z() > 0)) return;
     const Eigen::Vector3f gap = landing.point - surface;
@@ -90,7 +90,7 @@ JointPairs FindPairs(const ViewLevel& source, const ViewLevel& target, const Joi
     }
     pairs.Add(landing.point, normal, normal.dot(gap));
   };
-  ForEachLanding(source.surface, target.surface, target_from_source, on_landing, options.stride);
+  ForEachProjection(source.surface, target.surface, target_from_source, on_landing, options.stride);
   return pairs;
 }
 

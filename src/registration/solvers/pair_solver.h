@@ -54,7 +54,7 @@ class PairSolver : public PoseSolver {
     result.report.linearize_ms = linearizing.Milliseconds();
     result.report.costs = {result.system.JointCost()};
     result.observability = Observe(result.system, options().held);
-    if (result.observability.free_count == 6) return result;
+    if (result.observability.degenerate_count == 6) return result;
     pairs.SetCapacity(pairs.size);
     result.increment = result.observability.Held(
         derived().Solve(std::move(pairs), kernel, intensities, result, &result.report));

@@ -43,7 +43,7 @@ void RegisterResidual(const std::string& name, std::unique_ptr<const OwnResidual
   const std::vector<std::string> names = ResidualTypeNames();
   if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) {
     throw InputError("name of a residual is '", name,
-                     "', must not be empty and must be none of: ", Listed(names));
+                     "', must not be empty and must be none of: ", JoinNames(names));
   }
   OwnResiduals().push_back({name, std::move(residual)});
 }
@@ -63,7 +63,7 @@ ResidualType ResidualTypeFromName(const std::string& name) {
   const std::vector<std::string> names = ResidualTypeNames();
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<ResidualType>(found - names.begin());
-  throw InputError("residual is '", name, "', must be one of: ", Listed(names));
+  throw InputError("residual is '", name, "', must be one of: ", JoinNames(names));
 }
 
 std::string ToString(ResidualType type) {
@@ -115,7 +115,8 @@ std::unique_ptr<PoseSolver> MakePoseSolver(const PoseSolverOptions& options) {
   for (const auto make : {MakeClosedFormSolver, MakeSvdSolver, MakeCeresSolver, MakeTinySolver}) {
     if (auto solver = make(options)) return solver;
   }
-  throw InputError("solver is '", options.name, "', must be one of: ", Listed(PoseSolverNames()));
+  throw InputError("solver is '", options.name,
+                   "', must be one of: ", JoinNames(PoseSolverNames()));
 }
 
 }  // namespace surfit

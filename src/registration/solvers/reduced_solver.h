@@ -64,7 +64,7 @@ class ReducedSolver : public PairSolver<Derived> {
     const RobustKernel kernel = KernelFor(pairs, options.residual, options.error_model);
     StepResult result;
     const Stopwatch besides;
-    result.system = BesidesProducts(pairs, options.residual, kernel);
+    result.system = LinearizeWithoutProducts(pairs, options.residual, kernel);
     double linearize_ms = besides.Milliseconds();
     const Stopwatch building;
     ReducedBlocks blocks;
@@ -78,7 +78,7 @@ class ReducedSolver : public PairSolver<Derived> {
     result.report.linearize_ms = result.report.solve_ms = linearize_ms;
     result.report.costs = {result.system.JointCost()};
     result.observability = Observe(result.system, options.held);
-    if (result.observability.free_count == 6) return result;
+    if (result.observability.degenerate_count == 6) return result;
     const Stopwatch solving;
     result.increment = result.observability.Held(
         this->derived().template Minimum<S>(std::move(blocks), result, &result.report));

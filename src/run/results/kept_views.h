@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "run/results/even_share.h"
+#include "run/results/even_sample.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/mapping/surfel_map.h"
@@ -26,7 +26,7 @@ struct KeptView {
 };
 
 // Keeps the views of a few frames of a run of unknown length:
-//   5 to 10 evenly spaced frames with a pose (EvenShare),
+//   5 to 10 evenly spaced frames with a pose (EvenSample),
 //   the first lost frame, with the model view at the last pose before it,
 //   the first degenerate frame,
 //   the frame with the largest registration RMSE,
@@ -55,13 +55,13 @@ class KeptViews {
     Rigid3d world_from_camera;
   };
 
-  EvenShare<KeptView> evenly_spread_{10};
+  EvenSample<KeptView> evenly_spread_{10};
   std::optional<KeptView> first_lost_, first_degenerate_, worst_;
   double worst_rmse_m_ = 0;
   std::optional<Last> last_;
 };
 
-// Keeps small pictures of 60 to 120 evenly spaced frames (EvenShare). Frames with a pose also get
+// Keeps small pictures of 60 to 120 evenly spaced frames (EvenSample). Frames with a pose also get
 // the view of the final map. KeptView::why is empty.
 class Thumbnails {
  public:
@@ -87,7 +87,7 @@ class Thumbnails {
     Image<float> depth_m;  // only without colour
   };
 
-  EvenShare<Kept> kept_{kMost};
+  EvenSample<Kept> kept_{kMost};
 };
 
 }  // namespace surfit

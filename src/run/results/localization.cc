@@ -48,14 +48,14 @@ void LocalizationFile::Add(const FrameReport& report) {
     file_.Append(RowOf(report.confirmed->index, report.confirmed->stamp_s, "confirmed") +
                  TextOf(report.confirmed->world_from_camera) + ",,\n");
   }
-  const bool is_held = report.HasPose();
-  if (!is_held && !is_lost_) lost_since_s_ = report.stamp_s;
-  if (is_held && is_lost_) {
+  const bool has_pose = report.HasPose();
+  if (!has_pose && !is_lost_) lost_since_s_ = report.stamp_s;
+  if (has_pose && is_lost_) {
     summary_.longest_loss_s = std::max(summary_.longest_loss_s, report.stamp_s - lost_since_s_);
   }
-  is_lost_ = !is_held;
+  is_lost_ = !has_pose;
   const std::string begin = RowOf(report.index, report.stamp_s, ToString(report.state));
-  if (!is_held) return file_.Append(begin + ",,,,,,,,,\n");
+  if (!has_pose) return file_.Append(begin + ",,,,,,,,,\n");
   ++summary_.frames;
   summary_.relocalisations += report.state == FrameState::kRelocalized;
   const std::string pose = TextOf(report.world_from_camera);

@@ -121,27 +121,28 @@ Json ToJson(const std::vector<KeyframeLink>& keyframes) {
 }
 
 constexpr char kLoopColumns[] =
-    "source,target,similarity,prior,reason,matches,agreeing_features,inlier_share,rmse_m,"
-    "overlap_share,free_space_share,value_correlation,detail_correlation,lead,sigma_m,sigma_rad,"
+    "source,target,similarity,prior,reason,matches,agreeing_features,inlier_ratio,rmse_m,"
+    "overlap_ratio,free_space_violation_ratio,value_correlation,detail_correlation,lead,sigma_m,"
+    "sigma_rad,"
     "disagreement_m,disagreement_rad,tx,ty,tz,qx,qy,qz,qw";
 
 void WriteColumns(const LoopRecord& loop, const std::string& reason, std::ostream& file) {
-  const FarVerdict& v = loop.attempt.verdict;
+  const GlobalRegistrationResult& v = loop.attempt.verdict;
   const Eigen::Vector3d& t = v.target_from_source.translation;
   const Eigen::Quaterniond& q = v.target_from_source.rotation;
   file << loop.source_frame << ',' << loop.target_frame << ',' << loop.attempt.proposal.similarity
        << ',' << loop.attempt.proposal.target_from_source_prior.has_value() << ',' << reason << ','
-       << v.matches << ',' << v.agreeing_features << ',' << v.inlier_share << ',' << v.rmse_m << ','
-       << v.overlap_share << ',' << v.free_space_share << ',' << v.value_correlation << ','
-       << v.detail_correlation << ',' << v.lead << ',' << v.sigma_m << ',' << v.sigma_rad << ','
-       << v.disagreement_m << ',' << v.disagreement_rad << ',' << t.x() << ',' << t.y() << ','
-       << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w();
+       << v.matches << ',' << v.agreeing_features << ',' << v.inlier_ratio << ',' << v.rmse_m << ','
+       << v.overlap_ratio << ',' << v.free_space_violation_ratio << ',' << v.value_correlation
+       << ',' << v.detail_correlation << ',' << v.lead << ',' << v.sigma_m << ',' << v.sigma_rad
+       << ',' << v.disagreement_m << ',' << v.disagreement_rad << ',' << t.x() << ',' << t.y()
+       << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w();
 }
 
 // Reason of the verification, or "contradicts_others" for a verified loop that the pose graph has
 // rejected.
 std::string ReasonOf(const LoopRecord& loop) {
-  const FarVerdict& verdict = loop.attempt.verdict;
+  const GlobalRegistrationResult& verdict = loop.attempt.verdict;
   return verdict.accepted() && !loop.in_graph ? "contradicts_others" : ToString(verdict.reason);
 }
 
@@ -156,12 +157,12 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["frames_with_motion"] = s.frames_with_motion;
   j["frames_confirmed"] = s.frames_confirmed;
   j["frames_lost_in_motion"] = s.frames_lost_in_motion;
-  j["frames_apart"] = s.frames_apart;
+  j["frames_with_two_motions"] = s.frames_with_two_motions;
   j["frames_fused"] = s.frames_fused;
   j["held_out_frames"] = s.held_out_frames;
   j["frames_skipped"] = s.frames_skipped;
   j["frames_dropped"] = s.frames_dropped;
-  j["frames_hurried"] = s.frames_hurried;
+  j["frames_with_longer_map_period"] = s.frames_with_longer_map_period;
   j["longest_map_period"] = s.longest_map_period;
   j["pauses"] = s.pauses;
   j["paused_s"] = s.paused_s;
@@ -169,15 +170,15 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["interrupted"] = s.interrupted;
   j["failure"] = s.failure.empty() ? Json() : Json(s.failure);
   j["keyframes"] = s.loops.keyframes;
-  j["loops_proposed"] = s.loops.loops_proposed;
+  j["loop_candidates"] = s.loops.loop_candidates;
   j["loops_accepted"] = s.loops.loops_accepted;
-  j["loops_refused"] = s.loops.loops_refused;
+  j["loops_rejected"] = s.loops.loops_rejected;
   j["map_corrections"] = s.loops.corrections;
   j["relocalisations"] = s.loops.relocalisations;
   j["submaps"] = s.loops.submaps;
-  j["submaps_apart"] = s.loops.submaps_apart;
+  j["disconnected_submaps"] = s.loops.disconnected_submaps;
   j["backend_waits"] = s.loops.waits;
-  j["keyframe_views_given_up"] = s.loops.given_up_views;
+  j["keyframe_views_removed"] = s.loops.removed_views;
   j["session_waits"] = s.session_waits;
   j["localization"] = nullptr;
   if (const auto& found = s.localization) {
@@ -187,7 +188,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
                          {"median_sigma_m", found->median_sigma_m},
                          {"median_sigma_rad", found->median_sigma_rad}};
   }
-  j["calibration_doubt"] = s.calibration_doubt.empty() ? Json() : Json(s.calibration_doubt);
+  j["calibration_warning"] = s.calibration_warning.empty() ? Json() : Json(s.calibration_warning);
   j["calibrations"] = Json::array();
   for (const CalibrationRecord& record : s.calibrations)
     j["calibrations"].push_back(ToJson(record));
@@ -203,10 +204,10 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["surfels_added"] = s.added;
   j["surfels_removed"] = s.removed;
   j["surfels_refused"] = s.refused;
-  j["surfels_merged_by_loops"] = s.merged_doubles;
+  j["surfels_merged_by_loops"] = s.merged_duplicates;
   j["map_points"] = s.map_points;
   j["compression_ratio"] = s.compression_ratio;
-  j["match_share"] = {{"last", s.match_share_last}, {"median", s.match_share_median}};
+  j["match_ratio"] = {{"last", s.match_ratio_last}, {"median", s.match_ratio_median}};
   j["sensor_latency_s"] = s.sensor_latency_s;
   SetErrors(s, &j);
   j["total_s"] = s.total_s;

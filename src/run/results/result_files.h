@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "finishing/known_sequence.h"
+#include "finishing/posed_sequence.h"
 #include "run/results/kept_views.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/geometry/trajectory.h"
@@ -27,7 +27,7 @@ void WriteSummaryJson(const SlamRunSummary& summary, const SlamRunOptions& optio
 // object.
 struct RunPoses {
   const PinholeCamera& camera;
-  const FoundSensor& found;        // estimated calibration of the frames as read
+  const EstimatedSensor& found;    // estimated calibration of the frames as read
   const Trajectory& trajectory;    // estimated poses
   const std::vector<int>& frames;  // frame index of each pose
   const Trajectory& truth;         // ground truth in its own world frame; empty if unknown

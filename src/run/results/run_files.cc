@@ -71,31 +71,32 @@ StampedPose RunTrajectory::InSourceConvention(StampedPose pose) const {
 
 FrameTable::FrameTable(const std::string& folder) : file_(folder + "/frames.csv") {
   file_.Append(
-      "index,stamp_s,state,fused,termination,iterations,inliers,inlier_share,rmse_m,"
-      "smallest_eigenvalue,moving_share,apart,points,merged_points,merged,added,removed,"
-      "decode_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,correct_ms,frame_ms\n");
+      "index,stamp_s,state,fused,termination,iterations,inliers,inlier_ratio,rmse_m,"
+      "smallest_eigenvalue,moving_ratio,two_motions,points,merged_points,merged,added,removed,"
+      "read_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,correct_ms,frame_ms\n");
 }
 
-void FrameTable::Add(const FrameReport& report, double decode_ms, double frame_ms) {
+void FrameTable::Add(const FrameReport& report, double read_ms, double frame_ms) {
   const bool registered = !report.icp.iterations.empty();
   std::ostringstream row;
   row << report.index << ',' << std::fixed << std::setprecision(6) << report.stamp_s << ','
       << ToString(report.state) << ',' << report.is_fused << ','
       << (registered ? ToString(report.icp.termination) : "") << ',' << report.icp.step_count << ','
-      << report.icp.inlier_count << ',' << report.icp.inlier_share << ',' << report.icp.rmse_m
+      << report.icp.inlier_count << ',' << report.icp.inlier_ratio << ',' << report.icp.rmse_m
       << ',' << std::scientific << report.icp.eigenvalues[0] << ',' << std::fixed
-      << report.moving_share << ',' << report.is_apart << ',' << report.fusion.input_points << ','
-      << report.fusion.merged_points << ',' << report.fusion.merged << ',' << report.fusion.added
-      << ',' << report.fusion.removed << ',' << std::setprecision(3) << decode_ms << ','
-      << report.times.prepare_ms << ',' << report.times.predict_ms << ',' << report.times.track_ms
-      << ',' << report.times.fuse_ms << ',' << report.times.correct_ms << ',' << frame_ms << '\n';
+      << report.moving_ratio << ',' << report.has_two_motions << ',' << report.fusion.input_points
+      << ',' << report.fusion.merged_points << ',' << report.fusion.merged << ','
+      << report.fusion.added << ',' << report.fusion.removed << ',' << std::setprecision(3)
+      << read_ms << ',' << report.times.preprocess_ms << ',' << report.times.predict_ms << ','
+      << report.times.track_ms << ',' << report.times.fuse_ms << ',' << report.times.correct_ms
+      << ',' << frame_ms << '\n';
   file_.Append(row.str());
 }
 
 void FrameTable::AddSkipped(const ReadResult& result, double frame_ms) {
   std::ostringstream row;
   row << result.index << ',' << std::fixed << std::setprecision(6) << result.stamp_s
-      << ",skipped,0,,0,0,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.decode_ms
+      << ",skipped,0,,0,0,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.read_ms
       << ",0,0,0,0,0," << frame_ms << '\n';
   file_.Append(row.str());
 }

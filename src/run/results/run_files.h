@@ -50,7 +50,7 @@ class FrameTable {
   // Throws InputError naming the file.
   explicit FrameTable(const std::string& folder);
 
-  void Add(const FrameReport& report, double decode_ms, double frame_ms);
+  void Add(const FrameReport& report, double read_ms, double frame_ms);
   // Adds the row of a frame that could not be read.
   void AddSkipped(const ReadResult& result, double frame_ms);
 

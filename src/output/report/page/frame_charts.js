@@ -1,7 +1,7 @@
 'use strict';
 // Charts over frames. Comparable values have one chart for all runs, stacked values have one chart per run.
 surfit.states = ['skipped', 'lost', 'frozen', 'degenerate', 'tracked', 'given', 'first', 'relocalised', 'new_map'];
-surfit.stages = ['decode', 'preprocess', 'predict', 'track', 'fuse'];
+surfit.stages = ['read', 'preprocess', 'predict', 'track', 'fuse'];
 
 // Number of surfels after each frame.
 surfit.mapSizes = (frames) => {
@@ -15,11 +15,11 @@ surfit.ofRegistration = (frames, column, unit = 1) => (frames[column] || []).map
 
 // [title, unit, values of each frame]
 surfit.sharedCharts = [
-  ['inlier ratio', '', (frames) => surfit.ofRegistration(frames, 'inlier_share')],
+  ['inlier ratio', '', (frames) => surfit.ofRegistration(frames, 'inlier_ratio')],
   ['inliers', 'points', (frames) => surfit.ofRegistration(frames, 'inliers')],
   ['RMSE of registration', 'mm', (frames) => surfit.ofRegistration(frames, 'rmse_m', 1000)],
   ['moving objects, share of the view', '%',
-    (frames) => surfit.ofRegistration(frames, 'moving_share', 100)],
+    (frames) => surfit.ofRegistration(frames, 'moving_ratio', 100)],
   ['surfels in the map', '', surfit.mapSizes],
   ['time per frame', 'ms', (frames) => frames.frame_ms],
 ];

@@ -24,7 +24,7 @@ surfit.frameFacts = (run, frame) => {
   if (row >= 0) {
     facts.push(frames.state[row]);
     if (frames.termination[row]) {
-      facts.push(`${(100 * frames.inlier_share[row]).toFixed(0)} % inliers`,
+      facts.push(`${(100 * frames.inlier_ratio[row]).toFixed(0)} % inliers`,
         `RMSE ${(1000 * frames.rmse_m[row]).toFixed(1)} mm`);
     }
   }

@@ -15,8 +15,8 @@ surfit.svg = (tag, parent, attributes = {}) => {
 surfit.loopText = (loop) => {
   const facts = [`frames ${loop.source} and ${loop.target}: ${surfit.reasonText(loop.reason)}`];
   if (loop.matches > 0) facts.push(`${loop.agreeing_features} of ${loop.matches} features agree`);
-  if (loop.inlier_share > 0) {
-    facts.push(`${(100 * loop.inlier_share).toFixed(0)} % inliers, RMSE ${(1000 * loop.rmse_m).toFixed(1)} mm`);
+  if (loop.inlier_ratio > 0) {
+    facts.push(`${(100 * loop.inlier_ratio).toFixed(0)} % inliers, RMSE ${(1000 * loop.rmse_m).toFixed(1)} mm`);
   }
   return facts.join(', ');
 };
@@ -109,7 +109,7 @@ surfit.loopCells = (run, loop) => {
     textContent: `${loop.source}, ${loop.target}` });
   button.addEventListener('click', () => surfit.selectLoop(run, loop));
   return [button, surfit.reasonText(loop.reason), `${loop.agreeing_features} of ${loop.matches}`,
-    `${(100 * loop.inlier_share).toFixed(0)} %`, (1000 * loop.rmse_m).toFixed(1)];
+    `${(100 * loop.inlier_ratio).toFixed(0)} %`, (1000 * loop.rmse_m).toFixed(1)];
 };
 
 surfit.showLoopTable = (runs) => {

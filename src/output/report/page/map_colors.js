@@ -42,7 +42,7 @@ surfit.showLegend = (mode, range) => {
   return say(show(range[1]));
 };
 
-// Surfels below this confidence are noise. Same as DustConfidence() of output/pictures/pictures.h.
+// Surfels below this confidence are noise. Same as NoiseConfidence() of output/pictures/pictures.h.
 surfit.dustConfidence = (map) => {
   const sorted = map.confidence.slice().sort();
   return sorted.length === 0 ? 0 : Math.min(3, 0.1 * sorted[Math.round(0.9 * (sorted.length - 1))]);

@@ -44,7 +44,7 @@ surfit.showRefinement = (runs) => {
       continue;
     }
     surfit.addTable(surfit.element('div', column, { className: 'table figures' }), surfit.calibrationNames, rows);
-    if (run.summary.calibration_doubt) surfit.say(column, run.summary.calibration_doubt);
+    if (run.summary.calibration_warning) surfit.say(column, run.summary.calibration_warning);
     surfit.showRounds(run, column);
   }
 };

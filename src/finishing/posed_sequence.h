@@ -1,0 +1,70 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "surfit/frame/frame_source.h"
+#include "surfit/geometry/inverse_depth_field.h"
+#include "surfit/geometry/sensor.h"
+#include "surfit/geometry/trajectory.h"
+#include "surfit/io/sequence.h"
+#include "surfit/slam/slam.h"
+
+namespace surfit {
+
+// Estimated calibration of a sensor.
+struct EstimatedSensor {
+  std::optional<DepthCalibration> calibration;  // std::nullopt: input calibration
+  double color_latency_s = 0;                   // beyond the input latency
+
+  // Returns the input sensor with the estimated camera and readout.
+  DepthSensor Of(DepthSensor given) const;
+  // Corrects depth and colour timestamp of a frame as read.
+  void Correct(RgbdFrame* frame) const;
+};
+
+// Returns a warning if the estimated calibration contradicts the prior of the input sensor
+// (chi-square test with 10 degrees of freedom, 1 % false alarms): the input camera may be that of
+// another sensor or image size. Returns "" otherwise. Both cameras are for undistorted and
+// downsampled images with the input depth field applied.
+std::string CalibrationWarning(const DepthSensor& given, const DepthCalibration& found);
+
+// Sequence with the final results of a run. The references must outlive the object.
+struct PosedSequence {
+  const SequenceOptions& sequence;  // options of the run
+  const SlamOptions& slam;          // options of preprocessing and fusion
+  const Trajectory& trajectory;
+  const std::vector<int>& frames;  // frame index of each pose, ascending
+  const std::set<int>& left_out;   // indices of frames that are not fused
+  // FrameReport::moving by frame index.
+  const std::map<int, Image<std::uint8_t>>& moving;
+  EstimatedSensor found;
+};
+
+// Range of frame indices, both inclusive.
+struct FrameRange {
+  int first = 0, last = 0;
+};
+
+// Opens a sequence and reads a few frames ahead. Without `ranges`, reads all frames of the options.
+// Otherwise, reads the frames in the ranges, which must be ascending and disjoint. Throws
+// InputError like OpenSequence().
+std::unique_ptr<FrameSource> ReopenSequence(const SequenceOptions& sequence,
+                                            const std::vector<FrameRange>& ranges = {});
+
+// Calls `call` for each frame of `source` that has a pose, with the index of the pose in the
+// trajectory. The frame is uncalibrated and without moving objects. The image size of the source
+// may differ from that of the run. Skips unreadable frames. Returns false if interrupted.
+bool ReadPosedFrames(const PosedSequence& known, FrameSource* source,
+                     const std::atomic<bool>& interrupted,
+                     const std::function<void(std::size_t pose, RgbdFrame frame)>& call);
+
+}  // namespace surfit

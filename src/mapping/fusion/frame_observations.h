@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstring>
+#include <vector>
+
+#include "mapping/fusion/measured_points.h"
+#include "mapping/map/surfel_assignment.h"
+#include "mapping/rendering/frame_colors.h"
+#include "mapping/rendering/posed_camera.h"
+#include "surfit/frame/rgbd_frame.h"
+#include "surfit/mapping/surfel_block.h"
+
+namespace surfit {
+
+// Average of the points that are assigned to a surfel, as one observation. Branch-free.
+class PointAverage {
+ public:
+  // Points with a larger radius and points at depth edges do not affect the shape.
+  explicit PointAverage(float max_radius_m)
+      : max_radius_m_(max_radius_m), radius_m_(max_radius_m) {}
+
+  void Add(const MeasuredPoint& point, float weight) {
+    const bool has_shape = !point.at_edge & (point.radius_m < max_radius_m_);
+    const float shape_weight = has_shape ? weight : 0.f;
+    weight_ += weight;
+    shape_weight_ += shape_weight;
+    Four first, last;
+    std::memcpy(&first, &point.patch.x, sizeof(first));
+    std::memcpy(&last, &point.patch.z, sizeof(last));
+    first_ += shape_weight * first;
+    last_ += shape_weight * last;
+    const float radius_m = has_shape ? point.radius_m : max_radius_m_;
+    radius_m_ = radius_m < radius_m_ ? radius_m : radius_m_;
+    at_edge_ &= point.at_edge;
+  }
+
+  // Requires at least one point. Colours are added later.
+  SurfelObservation Observation(const PosedCamera& camera) const {
+    SurfelObservation seen;
+    seen.weight = weight_;
+    seen.color_weight = 0;
+    seen.at_edge = at_edge_;
+    seen.shape_weight = shape_weight_;
+    if (shape_weight_ == 0.f) return seen;
+    const float scale = 1.f / shape_weight_;
+    const Eigen::Vector3f position(first_[0], first_[1], first_[2]);
+    const Eigen::Vector3f normal(last_[1], last_[2], last_[3]);
+    seen.position_in_world = camera.PointInWorld(scale * position);
+    seen.normal_in_world = camera.world_rotation * (scale * normal);
+    seen.radius_m = radius_m_;
+    return seen;
+  }
+
+ private:
+  using Four __attribute__((vector_size(16))) = float;
+
+  const float max_radius_m_;
+  float radius_m_;
+  float weight_ = 0, shape_weight_ = 0;
+  Four first_ = {}, last_ = {};  // x, y, z, nx; z, nx, ny, nz
+  bool at_edge_ = true;
+};
+
+class FrameObservations {
+ public:
+  struct Counts {
+    int points = 0;   // points assigned to a surfel
+    int surfels = 0;  // surfels with at least one point
+    Counts& operator+=(const Counts& other) {
+      points += other.points;
+      surfels += other.surfels;
+      return *this;
+    }
+  };
+
+  // Points whose radius is larger than `max_radius_ratio` times the surfel radius do not affect the
+  // shape.
+  explicit FrameObservations(float max_radius_ratio) : max_radius_ratio_(max_radius_ratio) {}
+
+  // Averages the points of each chosen candidate and sets Candidate::seen, which is valid until the
+  // next call. Works in image order, because gathering by surfel spends half of its time waiting
+  // for memory.
+  Counts Gather(const RgbdFrame& frame, const FrameColors& colors,
+                const std::vector<MeasuredPoint>& points, const Image<float>& weights,
+                const PosedCamera& camera, const SurfelAssignment& choice);
+
+ private:
+  const float max_radius_ratio_;
+  std::vector<std::vector<SurfelObservation>> in_band_;
+};
+
+}  // namespace surfit

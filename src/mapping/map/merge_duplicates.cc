@@ -1,0 +1,308 @@
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "core/trace.h"
+#include "mapping/map/block_lanes.h"
+#include "mapping/map/merge_gate.h"
+#include "surfit/core/options.h"
+#include "surfit/core/parallel.h"
+#include "surfit/mapping/fusion.h"
+
+namespace surfit {
+namespace {
+
+struct GridSurfel {
+  Patch patch = {};
+  std::int32_t id = 0;
+  std::int32_t last_seen = 0;
+};
+
+// Surfels within a box, sorted into cubes, for vectorised neighbour searches.
+class SurfelGrid {
+ public:
+  // Cubes have the side `cube_m`, or a larger one to limit their number. All surfels must be inside
+  // the box.
+  SurfelGrid(const Eigen::Vector3f& low, const Eigen::Vector3f& high, float cube_m,
+             const std::vector<GridSurfel>& surfels)
+      : low_(low), ids_(surfels.size()) {
+    const float longest = (high - low).maxCoeff();
+    per_metre_ = 1 / std::max(cube_m, longest / kMaxCubes);
+    size_ = CubeAt(high) + Cube::Ones();
+    std::vector<int> cube_of(surfels.size());
+    begin_.assign(size_.prod() + 1, 0);
+    for (std::size_t i = 0; i < surfels.size(); ++i) {
+      const Patch& p = surfels[i].patch;
+      cube_of[i] = IndexOf(CubeAt({p.x, p.y, p.z}));
+      ++begin_[cube_of[i] + 1];
+    }
+    for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
+    std::vector<int> next(begin_.begin(), begin_.end() - 1);
+    for (auto& numbers : numbers_) numbers.resize(surfels.size() + kPadding, kNowhere);
+    for (std::size_t i = 0; i < surfels.size(); ++i) Set(next[cube_of[i]]++, surfels[i]);
+  }
+
+  // Calls f(begin, end) for ranges of places in sorted order. The ranges contain all surfels within
+  // `margin` of the position along each axis, and some others.
+  template <typename F>
+  void ForEachRowAround(const Eigen::Vector3f& position, const Eigen::Vector3f& margin,
+                        const F& f) const {
+    const Cube from = CubeAt(position - margin).cwiseMax(0);
+    const Cube to = CubeAt(position + margin).cwiseMin(size_ - Cube::Ones());
+    for (int z = from.z(); z <= to.z(); ++z) {
+      for (int y = from.y(); y <= to.y(); ++y) {
+        const int begin = begin_[IndexOf({from.x(), y, z})];
+        const int end = begin_[IndexOf({to.x(), y, z}) + 1];
+        if (begin < end) f(begin, end);
+      }
+    }
+  }
+
+  // Patches of one vector of surfels, starting at `place`. Lanes after the last surfel are NaN.
+  template <typename Number>
+  PatchOf<Number> Patches(int place) const {
+    const auto load = [&](int i) { return Number::Load(&numbers_[i][place]); };
+    return {load(0), load(1), load(2), load(3), load(4), load(5)};
+  }
+  // Frames in which these surfels were last seen. Integers, exact up to 2^24.
+  template <typename Number>
+  Number LastSeen(int place) const {
+    return Number::Load(&numbers_[6][place]);
+  }
+  std::int32_t Id(int place) const { return ids_[place]; }
+
+ private:
+  using Cube = Eigen::Vector3i;
+  static constexpr int kMaxCubes = 64;  // along each axis
+  static constexpr int kPadding = 8;    // lanes that are read after the last surfel
+  static constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();  // passes no gate
+
+  void Set(int place, const GridSurfel& surfel) {
+    const Patch& p = surfel.patch;
+    const float numbers[] = {p.x, p.y, p.z, p.nx, p.ny, p.nz, static_cast<float>(surfel.last_seen)};
+    for (std::size_t i = 0; i < numbers_.size(); ++i) numbers_[i][place] = numbers[i];
+    ids_[place] = surfel.id;
+  }
+
+  Cube CubeAt(const Eigen::Vector3f& position) const {
+    return (per_metre_ * (position - low_)).array().floor().cast<int>();
+  }
+  int IndexOf(const Cube& cube) const {
+    return (cube.z() * size_.y() + cube.y()) * size_.x() + cube.x();
+  }
+
+  Eigen::Vector3f low_;
+  float per_metre_ = 0;
+  Cube size_ = Cube::Ones();
+  std::array<std::vector<float>, 7> numbers_;  // x y z nx ny nz, last_seen
+  std::vector<std::int32_t> ids_;
+  std::vector<int> begin_;  // first place of each cube; the last entry is the number of surfels
+};
+
+constexpr std::int32_t kNobody = -1;
+// A trade-off: larger cubes contain many surfels, smaller cubes are empty.
+constexpr float kSpacingsPerCube = 3;
+
+Patch PatchAt(const SurfelBlock& block, int k) {
+  const Eigen::Vector3f n = block.Normal(k);
+  return {block.x[k], block.y[k], block.z[k], n.x(), n.y(), n.z()};
+}
+
+Eigen::Vector3f PositionOf(const Patch& patch) { return {patch.x, patch.y, patch.z}; }
+
+struct NewerSurfel {
+  std::int32_t id;
+  std::int32_t first_seen;
+  Patch patch;
+  float radius_m;
+};
+
+// Newer surfels of a cell, and the box that contains their older duplicates.
+struct NewerOfCell {
+  std::vector<NewerSurfel> surfels;
+  Eigen::Vector3f low, high;
+  std::int32_t most_first_seen = std::numeric_limits<std::int32_t>::min();
+};
+
+// Finds older duplicates of newer surfels.
+class DuplicateFinder {
+ public:
+  DuplicateFinder(const FusionOptions& options, const DuplicateOptions& doubles,
+                  const SurfelMap& map)
+      : gate_(options),
+        reach_m_(options.merge_distance_m + options.max_spacing_m),
+        cube_m_(kSpacingsPerCube * options.max_spacing_m),
+        duplicates_(doubles),
+        map_(map) {}
+
+  // Older duplicate per surfel id, or kNobody. Chains lead from newer to older surfels.
+  std::vector<std::int32_t> FindAll() const {
+    std::vector<std::int32_t> older(map_.id_end(), kNobody);
+    ParallelFor(0, map_.cell_count(), 1, [&](int cell, int) {
+      const NewerOfCell newer = NewerOf(map_.cell(cell));
+      if (newer.surfels.empty()) return;
+      const std::vector<GridSurfel> within = OlderWithin(newer);
+      if (within.empty()) return;
+      const int oldest = std::min_element(within.begin(), within.end(), [](auto& a, auto& b) {
+                           return a.last_seen < b.last_seen;
+                         })->last_seen;
+      const SurfelGrid grid(newer.low, newer.high, cube_m_, within);
+      WithInstructions([&](auto instructions) {
+        using Number = Lanes<float, decltype(instructions)>;
+        for (const NewerSurfel& surfel : newer.surfels) {
+          if (surfel.first_seen - oldest <= duplicates_.frames_apart) continue;
+          older[surfel.id] = NearestTo<Number>(surfel, grid);
+        }
+      });
+    });
+    return older;
+  }
+
+ private:
+  NewerOfCell NewerOf(const SurfelCell& cell) const {
+    NewerOfCell newer;
+    SurfelBounds bounds;
+    for (const std::int32_t b : cell.blocks) {
+      const SurfelBlock& block = map_.block(b);
+      for (int k = 0; k < block.count; ++k) {
+        if (block.first_seen[k] < duplicates_.newer_since) continue;
+        const Patch patch = PatchAt(block, k);
+        newer.surfels.push_back(
+            {b * SurfelBlock::kCapacity + k, block.first_seen[k], patch, block.Radius_m(k)});
+        newer.most_first_seen = std::max(newer.most_first_seen, block.first_seen[k]);
+        bounds.Add(PositionOf(patch));
+      }
+    }
+    newer.low = Eigen::Map<const Eigen::Vector3f>(bounds.low).array() - reach_m_;
+    newer.high = Eigen::Map<const Eigen::Vector3f>(bounds.high).array() + reach_m_;
+    return newer;
+  }
+
+  // True if a set of surfels may contain older duplicates.
+  bool MayHaveOlder(const SurfelBounds& bounds, const NewerOfCell& newer) const {
+    if (newer.most_first_seen - bounds.least_last_seen <= duplicates_.frames_apart) return false;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (bounds.high[axis] < newer.low[axis] || bounds.low[axis] > newer.high[axis]) return false;
+    }
+    return true;
+  }
+
+  std::vector<GridSurfel> OlderWithin(const NewerOfCell& newer) const {
+    std::vector<GridSurfel> older;
+    for (std::int32_t cell = 0; cell < map_.cell_count(); ++cell) {
+      if (!MayHaveOlder(map_.cell(cell).bounds, newer)) continue;
+      for (const std::int32_t b : map_.cell(cell).blocks) {
+        if (MayHaveOlder(map_.block(b).bounds, newer)) AddOlder(b, newer, &older);
+      }
+    }
+    return older;
+  }
+
+  void AddOlder(std::int32_t b, const NewerOfCell& newer, std::vector<GridSurfel>* older) const {
+    const SurfelBlock& block = map_.block(b);
+    ForEachBit(MaskOfOlder(block, newer) & MaskOfAll(block), [&](int k) {
+      older->push_back({PatchAt(block, k), b * SurfelBlock::kCapacity + k, block.last_seen[k]});
+    });
+  }
+
+  std::uint64_t MaskOfOlder(const SurfelBlock& block, const NewerOfCell& newer) const {
+    return WithInstructions([&](auto) {
+      const int seen_before = newer.most_first_seen - duplicates_.frames_apart;
+      const float *low = newer.low.data(), *high = newer.high.data();
+      const PerSurfel<float>&x = block.x, &y = block.y, &z = block.z;
+      PerSurfel<std::uint8_t> older;
+      for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
+        older[k] = (block.last_seen[k] < seen_before) & (x[k] >= low[0]) & (x[k] <= high[0]) &
+                   (y[k] >= low[1]) & (y[k] <= high[1]) & (z[k] >= low[2]) & (z[k] <= high[2]);
+      }
+      return MaskOf(older);
+    });
+  }
+
+  // Nearest older duplicate. Ties are resolved by grid order.
+  template <typename Number>
+  std::int32_t NearestTo(const NewerSurfel& newer, const SurfelGrid& grid) const {
+    const Patch& p = newer.patch;
+    const PatchOf<Number> patch = {p.x, p.y, p.z, p.nx, p.ny, p.nz};
+    const Number radius_m = newer.radius_m,
+                 seen_before = newer.first_seen - duplicates_.frames_apart;
+    // `from` is the first place of the vector that contains the minimum.
+    Number least = MergeGate::kNever, from = 0.;
+    const Eigen::Vector3f reach = gate_.Reach({p.nx, p.ny, p.nz});
+    grid.ForEachRowAround(PositionOf(p), reach, [&](int begin, int end) {
+      for (int i = begin; i < end; i += Number::kCount) {
+        const Number distance2 = gate_.SquaredDistance(grid.Patches<Number>(i), radius_m, patch);
+        const auto nearer = (distance2 < least) & (grid.LastSeen<Number>(i) < seen_before);
+        least = Select(nearer, distance2, least);
+        from = Select(nearer, i, from);
+      }
+    });
+    return LeastOf(least, from, grid);
+  }
+
+  template <typename Number>
+  static std::int32_t LeastOf(const Number& distances2, const Number& from,
+                              const SurfelGrid& grid) {
+    float least = MergeGate::kNever;
+    int nearest = kNobody;
+    for (int lane = 0; lane < Number::kCount; ++lane) {
+      const int place = static_cast<int>(from[lane]) + lane;
+      if (distances2[lane] < least || (distances2[lane] == least && place < nearest)) {
+        least = distances2[lane];
+        nearest = place;
+      }
+    }
+    return nearest == kNobody ? kNobody : grid.Id(nearest);
+  }
+
+  const MergeGate gate_;
+  const float reach_m_, cube_m_;
+  const DuplicateOptions duplicates_;
+  const SurfelMap& map_;
+};
+
+SurfelObservation AsObservation(const Surfel& seen, float max_radius_m) {
+  SurfelObservation observation;
+  observation.position_in_world = seen.position_in_world;
+  observation.normal_in_world = seen.normal_in_world;
+  observation.radius_m = seen.radius_m;
+  observation.color = {1.f * seen.color.r, 1.f * seen.color.g, 1.f * seen.color.b};
+  observation.color_weight = seen.color_weight;
+  observation.weight = seen.confidence;
+  const bool has_shape = !seen.at_edge && seen.radius_m < max_radius_m;
+  observation.shape_weight = has_shape ? seen.confidence : 0;
+  observation.at_edge = seen.at_edge;
+  return observation;
+}
+
+void MergeInto(std::int32_t older, std::int32_t newer, const FusionOptions& options,
+               SurfelMap* map) {
+  SurfelBlock& block = map->block(older / SurfelBlock::kCapacity);
+  const int k = older % SurfelBlock::kCapacity;
+  const Surfel seen = (*map)[newer];
+  map->Merge(older, AsObservation(seen, options.max_radius_ratio * block.Radius_m(k)),
+             options.max_confidence);
+  block.last_seen[k] = std::max(block.last_seen[k], seen.last_seen);
+  map->Mark(newer);
+}
+
+}  // namespace
+
+std::size_t MergeDuplicates(const FusionOptions& options, const DuplicateOptions& doubles,
+                            SurfelMap* map) {
+  Validate(options);
+  const TraceSlice slice("merge_duplicates");
+  const std::vector<std::int32_t> older = DuplicateFinder(options, doubles, *map).FindAll();
+  for (const std::int32_t id : map->Ids()) {
+    if (older[id] == kNobody) continue;
+    std::int32_t oldest = older[id];
+    while (older[oldest] != kNobody) oldest = older[oldest];
+    MergeInto(oldest, id, options, map);
+  }
+  return map->RemoveMarked();
+}
+
+}  // namespace surfit

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "mapping/fusion/measured_points.h"
+#include "mapping/map/merge_gate.h"
+#include "mapping/map/view_frustum.h"
+#include "mapping/rendering/bands.h"
+#include "mapping/rendering/posed_camera.h"
+#include "surfit/core/image.h"
+#include "surfit/mapping/surfel_block.h"
+
+namespace surfit {
+
+// Surfel that passes the merge gate with the point of its pixel.
+struct Candidate {
+  Patch patch;  // in the camera frame
+  float radius_m, confidence;
+  std::int32_t surfel;
+  int pixel;
+  float distance2;            // squared distance to the point
+  bool is_duplicate = false;  // duplicate of a better candidate at this or a neighbouring pixel
+  const SurfelObservation* seen = nullptr;  // observation by its points; null: no points
+};
+
+struct CandidateList {
+  std::vector<Candidate> candidates;  // sorted by surfel
+  BucketList bands;                   // indices of candidates by band
+};
+
+// Finds the surfels that points of a frame may merge with.
+class CandidateFinder {
+ public:
+  CandidateFinder(const PosedCamera& camera, const std::vector<MeasuredPoint>& points,
+                  const Image<float>& free_depth_m, const MergeGate& gate, int active_since)
+      : camera_(camera),
+        frustum_(camera, 0.5f),  // includes the borders of the outermost pixels
+        points_(points),
+        free_depth_m_(free_depth_m),
+        gate_(gate),
+        active_since_(active_since) {}
+
+  // False if none of the surfels in these bounds can be a candidate or violate free space.
+  bool MaySee(const SurfelBounds& bounds) const {
+    return !bounds.empty() && frustum_.MaySee(bounds);
+  }
+
+  // Appends the candidates of some blocks. Marks surfels that violate free space for removal.
+  // Surfels marked for removal are no candidates.
+  void Find(const std::vector<std::int32_t>& blocks, SurfelMap* map,
+            std::vector<Candidate>* candidates) const;
+
+  struct BlockPixels;
+
+ private:
+  std::uint64_t Project(const SurfelBlock& block, BlockPixels* pixels) const;
+  void Judge(std::uint64_t inside, std::int32_t first_id, SurfelBlock* block, BlockPixels* pixels,
+             std::vector<Candidate>* candidates) const;
+
+  const PosedCamera& camera_;
+  const ViewFrustum frustum_;
+  const std::vector<MeasuredPoint>& points_;
+  const Image<float>& free_depth_m_;
+  const MergeGate& gate_;
+  // First frame of the active window. Surfels last seen earlier are ignored.
+  const int active_since_;
+};
+
+struct RowOutcome;
+
+// Assigns each point to the nearest matching surfel among the candidates of its pixel and the eight
+// pixels around it.
+class SurfelAssignment {
+ public:
+  // State of the point of a pixel. Values below kOpen: index of the assigned surfel's pixel, (u +
+  // state % 3 - 1, v + state / 3 - 1). kOpen: not assigned. kNew: becomes a new surfel.
+  enum State : std::uint8_t { kOwn = 4, kOpen = 9, kNew = 10, kNoPoint = 11 };
+
+  explicit SurfelAssignment(const MergeGate& gate) : gate_(gate) {}
+
+  // Starts a frame. Keeps the nearest candidate per pixel, the first of equally near ones, and
+  // marks superfluous candidates. The lists must not move or change their size during the frame.
+  void SetCandidates(int width, int height, std::vector<CandidateList>* lists);
+
+  // Assigns all points. Marks candidates of pixels that are duplicates of neighbouring candidates.
+  // Returns the number of points.
+  int AssignAll(const std::vector<MeasuredPoint>& points);
+
+  // Selects points without assignment as new surfels, except points that match another new surfel.
+  // Returns the pixels of the new surfels in raster order, one list per band.
+  const std::vector<std::vector<int>>& SelectNew(const std::vector<MeasuredPoint>& points);
+
+  // Candidate of a pixel; null: none.
+  Candidate* OfPixel(int pixel) const { return own_[pixel]; }
+
+  // Masks for the pixels of row v. Bit k is set if the point of pixel k of the 3 x 3 neighbourhood,
+  // row by row, is assigned to the surfel of this pixel.
+  void AssignmentsOfRow(int v, std::uint16_t* masks) const;
+
+ private:
+  void SetCandidates(int band, std::vector<CandidateList>* lists);
+  int ChooseBand(const std::vector<MeasuredPoint>& points, int begin, int end);
+  int Keep(int v, const RowOutcome& outcome);
+  void SelectNewOfPhase(const std::vector<MeasuredPoint>& points, int band, int phase);
+  bool IsCovered(const std::vector<MeasuredPoint>& points, int pixel) const;
+  // Index in the image of states, which has a border of one pixel.
+  std::size_t PaddedIndex(int pixel) const {
+    return static_cast<std::size_t>(pixel / width_ + 1) * (width_ + 2) + pixel % width_ + 1;
+  }
+
+  const MergeGate& gate_;
+  int width_ = 0, height_ = 0;
+  Image<Candidate*> own_;  // null: no candidate
+  Image<State> states_;
+  // Pixels of points without assignment, by band and phase. The phase is the parity of row and
+  // column.
+  std::vector<std::array<std::vector<int>, 4>> open_;
+  std::vector<std::vector<int>> new_;  // pixels, by band
+};
+
+}  // namespace surfit

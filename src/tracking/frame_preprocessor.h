@@ -1,0 +1,58 @@
+#pragma once
+
+#include "surfit/frame/camera_motion.h"
+#include "surfit/frame/frame_pyramid.h"
+#include "surfit/frame/preprocess.h"
+#include "surfit/frame/rgbd_frame.h"
+#include "surfit/geometry/inverse_depth_field.h"
+#include "surfit/geometry/sensor.h"
+#include "surfit/registration/global_registration.h"
+#include "tracking/moving_regions.h"
+
+namespace surfit {
+
+// Frame for tracking and fusion. The references must outlive the object.
+struct PreprocessedFrame {
+  const RgbdFrame& measured;
+  const RgbdFrame& images;  // calibrated, depth at the middle of the readout
+  ColoredView view;
+  CameraMotion motion;  // predicted motion during the readout
+  double readout_s = 0;
+
+  const FrameLevel& surface() const { return view.pyramid.levels.front(); }
+  bool HasIntensities() const { return !surface().intensity.empty(); }
+};
+
+// Estimated calibration of a sensor.
+struct SensorCorrection {
+  const DepthCalibration* calibration = nullptr;  // null: input calibration
+  double color_latency_s = 0;                     // beyond the input latency
+};
+
+// Corrects frames with the estimated calibration and the camera motion, and preprocesses them. A
+// PreprocessedFrame refers to the input frame or to images of this object. The latter are valid
+// until the next call of the same function.
+class FramePreprocessor {
+ public:
+  // Keeps a reference to the options.
+  explicit FramePreprocessor(const PreprocessOptions& options) : options_(options) {}
+
+  // Preprocesses a frame, with intensities if `with_intensities`. `motion` is the predicted motion
+  // during the readout.
+  PreprocessedFrame Preprocess(const RgbdFrame& frame, const CameraMotion& motion,
+                               const DepthSensor& sensor, const SensorCorrection& correction,
+                               bool with_intensities);
+
+  // Removes the pixels of moving objects. Returns `frame` if the mask is empty.
+  PreprocessedFrame WithoutMovingObjects(PreprocessedFrame frame, const CellMask& moving);
+
+ private:
+  const RgbdFrame& Corrected(const RgbdFrame& frame, const CameraMotion& motion,
+                             const DepthSensor& sensor, const SensorCorrection& correction);
+
+  const PreprocessOptions& options_;
+  RgbdFrame corrected_;
+  RgbdFrame corrected_static_, measured_static_;  // without moving objects
+};
+
+}  // namespace surfit
