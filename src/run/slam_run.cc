@@ -69,7 +69,7 @@ std::int64_t PeakRssBytes() {
 
 // Run of SLAM over one sequence. The stages of a frame are:
 //   read                                                    FrameSource
-//   correct, prepare, predict, track, keyframe, fuse        Slam::Process()
+//   correct, preprocess, predict, track, keyframe, fuse     Slam::Process()
 //   write (pose, row of frames.csv)                         RunTrajectory, FrameTable
 // After the last frame, poses and calibration are refined, the final map is fused, and all results
 // are written (finishing, run_results.h).
