@@ -158,14 +158,14 @@ TEST_F(ScanGraphTest, BridgesAMissingFragmentByALink) {
   {
     ScanGraph graph(fragments_, recordings_, {}, LoopOptions());
     ASSERT_TRUE(graph.Solve());
-    EXPECT_TRUE(graph.HasTwoMotions(0));
-    EXPECT_FALSE(graph.HasTwoMotions(1));  // fragment 1 is missing
-    EXPECT_FALSE(graph.HasTwoMotions(2));
+    EXPECT_TRUE(graph.IsDisconnected(0));
+    EXPECT_FALSE(graph.IsDisconnected(1));  // fragment 1 is missing
+    EXPECT_FALSE(graph.IsDisconnected(2));
   }
   Link(fragments_.size() - 1, 1, 0, 0);
   ScanGraph graph(fragments_, recordings_, links_, LoopOptions());
   ASSERT_TRUE(graph.Solve());
-  EXPECT_FALSE(graph.HasTwoMotions(0));
+  EXPECT_FALSE(graph.IsDisconnected(0));
   EXPECT_EQ(graph.Frames(0).front().index, 0);
 }
 
@@ -181,7 +181,7 @@ TEST_F(ScanGraphTest, JoinsRecordingsOnlyByLinks) {
     ASSERT_TRUE(graph.Solve());
     EXPECT_EQ(graph.Frames(0).size(), kFrames);
     EXPECT_TRUE(graph.Frames(1).empty());
-    EXPECT_TRUE(graph.HasTwoMotions(second));
+    EXPECT_TRUE(graph.IsDisconnected(second));
   }
   for (const int k : {1, 4, 7}) Link(second + 1, k, 1, k);
   ScanGraph graph(fragments_, recordings_, links_, LoopOptions());

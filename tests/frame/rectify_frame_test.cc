@@ -28,7 +28,7 @@ TEST(FrameRectifier, ConvertsCountsToMetres) {
   raw(1, 0) = 65535;
   raw(2, 0) = 8000;  // at the limit
   raw(3, 0) = 8001;  // above the limit
-  const RgbdFrame frame = FrameRectifier(SmallRgbdCamera(), Options(1)).Prepare(raw, {});
+  const RgbdFrame frame = FrameRectifier(SmallRgbdCamera(), Options(1)).Rectify(raw, {});
   EXPECT_EQ(frame.depth_m(0, 0), 0);
   EXPECT_EQ(frame.depth_m(1, 0), 0);
   EXPECT_EQ(frame.depth_m(2, 0), 8);
@@ -40,7 +40,7 @@ TEST(FrameRectifier, ConvertsCountsToMetres) {
 TEST(FrameRectifier, InvalidCodeIsMissingBelowMaxDepth) {
   Image<std::uint16_t> raw(5, 3, 65535);
   raw(0, 0) = 65534;
-  const RgbdFrame frame = FrameRectifier(SmallRgbdCamera(), Options(1, 100)).Prepare(raw, {});
+  const RgbdFrame frame = FrameRectifier(SmallRgbdCamera(), Options(1, 100)).Rectify(raw, {});
   EXPECT_EQ(frame.depth_m(0, 0), 65.534f);
   EXPECT_EQ(frame.depth_m(1, 0), 0);
 }
@@ -52,7 +52,7 @@ TEST(FrameRectifier, ReadsFloatsAsMetresAndRemovesInvalidDepth) {
   raw(2, 0) = -1;
   raw(3, 0) = 0;
   raw(4, 0) = 8.5f;
-  const RgbdFrame frame = FrameRectifier(SmallRgbdCamera(), Options(1)).Prepare(raw, {});
+  const RgbdFrame frame = FrameRectifier(SmallRgbdCamera(), Options(1)).Rectify(raw, {});
   for (int u = 0; u < 5; ++u) EXPECT_EQ(frame.depth_m(u, 0), 0) << u;
   EXPECT_EQ(frame.depth_m(0, 1), 1.25f);
 }
@@ -66,7 +66,7 @@ TEST(FrameRectifier, ConvertsDisparitiesToMetres) {
   raw(1, 0) = 65535;
   raw(2, 0) = 99;  // 8.08 m: beyond the limit
   raw(3, 0) = 101;
-  const RgbdFrame frame = FrameRectifier(camera, Options(1)).Prepare(raw, {});
+  const RgbdFrame frame = FrameRectifier(camera, Options(1)).Rectify(raw, {});
   EXPECT_EQ(frame.depth_m(0, 0), 0);
   EXPECT_EQ(frame.depth_m(1, 0), 0);
   EXPECT_EQ(frame.depth_m(2, 0), 0);
@@ -76,7 +76,7 @@ TEST(FrameRectifier, ConvertsDisparitiesToMetres) {
   Image<float> pixels(5, 3, 25 * 16);
   pixels(0, 0) = std::numeric_limits<float>::quiet_NaN();
   pixels(1, 0) = -3;
-  const RgbdFrame of_floats = FrameRectifier(camera, Options(1)).Prepare(pixels, {});
+  const RgbdFrame of_floats = FrameRectifier(camera, Options(1)).Rectify(pixels, {});
   EXPECT_EQ(of_floats.depth_m(0, 0), 0);
   EXPECT_EQ(of_floats.depth_m(1, 0), 0);
   EXPECT_EQ(of_floats.depth_m(2, 0), 2);
@@ -89,7 +89,7 @@ TEST(FrameRectifier, SupportsCountsThatDecreaseWithDisparity) {
   Image<std::uint16_t> raw(5, 3, 1090 - 8 * 20);
   raw(0, 0) = 2047;
   raw(1, 0) = 1090;
-  const RgbdFrame frame = FrameRectifier(camera, Options(1)).Prepare(raw, {});
+  const RgbdFrame frame = FrameRectifier(camera, Options(1)).Rectify(raw, {});
   EXPECT_EQ(frame.depth_m(0, 0), 0);
   EXPECT_EQ(frame.depth_m(1, 0), 0);
   EXPECT_FLOAT_EQ(frame.depth_m(2, 0), 580 * 0.075f / 20);
