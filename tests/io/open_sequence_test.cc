@@ -94,8 +94,8 @@ TEST_F(OpenSequenceTest, RejectsBadOptionsByName) {
   expect([](auto* o) { o->last = -2; }, "last", -2);
   expect([](auto* o) { o->first = 5, o->last = 4; }, "last", 4, "first", 5);
   expect([](auto* o) { o->stride = 0; }, "stride", 0);
-  expect([](auto* o) { o->rectify.downsample = 17; }, "downsample", 17);
-  expect([](auto* o) { o->rectify.max_depth_m = -1; }, "max_depth_m", -1);
+  expect([](auto* o) { o->rectify.downsample = 17; }, "rectify.downsample", 17);
+  expect([](auto* o) { o->rectify.max_depth_m = -1; }, "rectify.max_depth_m", -1);
   expect([](auto* o) { o->depth_units_per_metre = 0; }, "depth_units_per_metre", 0);
   expect([](auto* o) { o->inverse_depth_sigma = 0; }, "inverse_depth_sigma", 0);
   expect([](auto* o) { o->inverse_depth_sigma = std::nan(""); }, "inverse_depth_sigma", "nan");

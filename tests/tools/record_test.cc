@@ -112,7 +112,7 @@ TEST_F(RecordTool, RejectsExistingOutput) {
   ExpectRefused(Record(Room()), "depth.txt");
   ExpectRefused(RunProgram("surfit_record", {"--sequence=" + Room(), "--output=" + Room()}),
                 "--sequence", Room());
-  ExpectRefused(Record(Room(), {"--downsample=2"}), "--downsample");
+  ExpectRefused(Record(Room(), {"--downsample=2"}), "downsample");
 }
 
 }  // namespace

@@ -159,7 +159,7 @@ TEST_F(RegisterTool, RejectsBadInputInOneLine) {
       {empty, {}, {empty}},
       {Source(), {"--association=projective"}, {"association", "projective", "kd_tree"}},
       {Source(), {"--levels=0"}, {"levels", "0"}},
-      {Source(), {"--normal_radius_m=-1"}, {"radius_m", "-1"}},
+      {Source(), {"--normal_radius_m=-1"}, {"--normal_radius_m", "-1"}},
       {Source(), {"--solver=magic"}, {"solver", "magic", "closed_form_ldlt"}},
       {Source(), {"--solver=svd"}, {"svd"}},
       {Source(), {"--pyramid_levels=3"}, {"pyramid_levels"}}};
