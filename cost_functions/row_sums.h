@@ -15,6 +15,7 @@ namespace surfit {
 inline constexpr int kRowColumns = 7;
 inline constexpr int kRowProducts = kRowColumns * (kRowColumns + 1) / 2;
 
+// Sums of one block of rows.
 struct RowSums {
   double product[kRowProducts] = {};  // upper triangle, row by row
   double rho = 0;

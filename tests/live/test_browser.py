@@ -66,7 +66,7 @@ def test_shows_and_controls_a_run(browser, run):
     browser.get(run.url)
     pause_after(browser, 30)
     assert text_of(browser, "frame-state") == "paused"
-    assert text_of(browser, "pause") == "go on"
+    assert text_of(browser, "pause") == "resume"
     # The page has received the complete sample of the map.
     wait_until(browser, "surfit.live.state.shown > 1000 &&"
                         " surfit.live.scene.map.count() === surfit.live.state.shown")

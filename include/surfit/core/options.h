@@ -112,6 +112,7 @@ void OptionFromText(const std::string& text, std::optional<std::array<double, N>
   std::copy(read.begin(), read.end(), numbers->emplace().begin());
 }
 
+// Visits the fields of an option struct: flags, JSON, Python and validation are visitors.
 class OptionVisitor {
  public:
   virtual ~OptionVisitor() = default;

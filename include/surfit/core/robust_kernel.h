@@ -18,6 +18,7 @@ enum class RobustKernelType {
   kStudentT,      // k^2 log(1 + s/k^2), for a Student t distribution of scale k
 };
 
+// Robust kernel with its width.
 struct RobustKernel {
   RobustKernelType type = RobustKernelType::kNone;
   double width = 3;  // k, in sigmas

@@ -10,6 +10,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of ComputeMapError().
 struct MapErrorOptions {
   // Largest distance from a reference point to a map point for the reference point to be complete.
   double completeness_distance_m = 0.01;

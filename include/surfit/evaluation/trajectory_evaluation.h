@@ -111,6 +111,7 @@ struct RelativePoseError {
 std::optional<RelativePoseError> ComputeRelativePoseError(const std::vector<MatchedPose>& poses,
                                                           const RelativePoseErrorOptions& options);
 
+// Options of EvaluateTrajectory().
 struct TrajectoryEvaluationOptions {
   MatchOptions match;
   RelativePoseErrorOptions rpe;
@@ -118,6 +119,7 @@ struct TrajectoryEvaluationOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Errors of a trajectory.
 struct TrajectoryEvaluation {
   int expected = 0;  // frames that have ground truth
   int matched = 0;   // estimated poses that have ground truth

@@ -8,6 +8,7 @@
 
 namespace surfit {
 
+// Pose graph of a g2o file.
 struct G2oFile {
   PoseGraph graph;
   std::map<std::string, std::size_t> ignored_lines;  // number of lines per unknown tag

@@ -13,6 +13,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of VerifyLoop().
 struct VerifyLoopOptions {
   PreprocessOptions preprocess;  // for normals and pyramids of the views
   IcpOptions icp = DefaultIcp();
@@ -58,6 +59,7 @@ std::vector<LoopCandidate> ProposeLoopCandidates(int source, const std::vector<K
 std::vector<LoopVerification> FindLoops(int source, const std::vector<Keyframe>& keyframes,
                                         const PlaceIndex& index, const FindLoopsOptions& options);
 
+// Options of Relocalize().
 struct RelocalizeOptions {
   int max_candidates = 5;  // maximum number of keyframes to verify, by descending similarity
   VerifyLoopOptions verify;
@@ -65,6 +67,7 @@ struct RelocalizeOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Result of Relocalize().
 struct Relocalization {
   static constexpr int kNone = -1;
 

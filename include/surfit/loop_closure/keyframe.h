@@ -47,6 +47,7 @@ struct Keyframe {
   PlaceView view;             // empty if removed by LimitKeyframes()
 };
 
+// Options of MakePlaceView().
 struct PlaceViewOptions {
   int max_width = 320;     // px; images are halved until their width is at most this
   int max_features = 500;  // distributed over the image

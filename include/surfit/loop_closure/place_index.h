@@ -11,6 +11,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of PlaceIndex.
 struct PlaceIndexOptions {
   int tables = 8;                // hash tables of descriptors, each with its own random bits
   int bits = 14;                 // bits of a hash, at most 20

@@ -12,6 +12,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of MeshSurfels().
 struct MeshOptions {
   double cell_m = 0.008;  // grid cell size, approximately the edge length of triangles
   // Surfels are smoothed until the noise of their normals is about this angle. The radius follows
@@ -31,6 +32,7 @@ struct MeshOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Statistics of MeshSurfels().
 struct MeshSummary {
   std::size_t components_dropped = 0, triangles_dropped = 0;  // below `min_component_m`
   std::size_t pieces = 0;                                     // connected components of the mesh

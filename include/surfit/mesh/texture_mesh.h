@@ -17,6 +17,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of TextureMesh().
 struct TextureOptions {
   // Maximum width and height of the texture, px. 0: no texture, for callers that check it:
   // TextureMesh() aborts with 0.
@@ -54,6 +55,7 @@ struct MeshTexture {
   Image<Rgb8> image;
 };
 
+// Statistics of TextureMesh().
 struct TextureSummary {
   int frames = 0, frames_used = 0;   // candidate frames, and frames in the texture
   std::size_t charts = 0;            // connected regions of the texture

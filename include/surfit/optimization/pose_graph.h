@@ -12,6 +12,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Vertex of a pose graph.
 struct PoseGraphPose {
   std::int64_t id = 0;  // id in files and messages
   Rigid3d world_from_pose;
@@ -70,6 +71,7 @@ std::vector<std::string> PoseGraphInitializationNames();
 //   chordal initial poses.
 std::vector<std::string> LoopRobustnessNames();
 
+// Options of OptimizePoseGraph().
 struct PoseGraphOptions {
   std::string sparse_backend = SparseBackendNames().front();
   std::string initialization = "chordal";  // one of PoseGraphInitializationNames()
@@ -101,6 +103,7 @@ struct PoseGraphIteration {
   double time_ms = 0;
 };
 
+// Result of OptimizePoseGraph().
 struct PoseGraphSummary {
   PoseGraphTermination termination = PoseGraphTermination::kFailed;
   std::string sparse_backend;

@@ -129,6 +129,7 @@ struct RefinementRound {
   DepthCalibration calibration;  // after the round
 };
 
+// Result of Refine().
 struct RefinementSummary {
   RefinementTermination termination = RefinementTermination::kFailed;
   // Estimated calibration. It is `given` if the input calibration is kept or only poses are

@@ -159,6 +159,7 @@ class SearchablePoints {
   std::shared_ptr<const Data> data_;
 };
 
+// Options of KdTreeAssociation.
 struct KdTreeAssociationOptions {
   AssociationGates gates;
   NeededNormals needed_normals = NeededNormals::kTarget;

@@ -73,6 +73,7 @@ struct SlamRunFrame {
   double age_ms = 0;
 };
 
+// Progress of a run.
 struct SlamRunProgress {
   int frames_done = 0;
   int frames_total = 0;  // number of frames; -1: unknown
@@ -104,6 +105,7 @@ struct StageStatistics {
   double share = 0;  // ratio of the total time of all frames
 };
 
+// Refinement after the last frame.
 struct FinalRefinement {
   CalibrationRecord record;
   double seconds = 0;

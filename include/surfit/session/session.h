@@ -42,6 +42,7 @@ struct SessionCounts {
   std::int64_t bytes = 0;  // size of all files
 };
 
+// Content of a session.
 struct Session {
   std::vector<SessionRun> runs;
   DepthSensor sensor;  // input sensor; its prior is not saved

@@ -70,6 +70,7 @@ struct SceneObject {
   float glow = 0;  // emitted light, as a multiple of the reflectance
 };
 
+// Point light of a scene.
 struct PointLight {
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
   float intensity = 1;
