@@ -17,10 +17,10 @@ struct IntensityTap {
 // Intensities of a keyframe at the centre of a surfel and at two points beside it.
 using TextureTaps = std::array<IntensityTap, 3>;
 
-// r_j = ((I(q_j) - I(q_0)) - a_j) / sigma for j = 1, 2, two rows: intensity differences between two
-// points beside a surfel centre and the centre in a keyframe, minus the texture parameters a of the
-// surfel. A common offset, for example of the exposure, cancels (after Schoeps, Sattler and
-// Pollefeys, BAD SLAM, CVPR 2019).
+// Two rows r_j = ((I(q_j) - I(q_0)) - a_j) / sigma for j = 1, 2. In a keyframe, they compare the
+// intensities at two points beside a surfel with the intensity at its centre. The texture
+// parameters a of the surfel are the expected differences. A common offset, for example of the
+// exposure, cancels (after Schoeps, Sattler and Pollefeys, BAD SLAM, CVPR 2019).
 //
 // The points are p_j + d n in the world: the surfel centre p_0 and p_j = p_0 + t_j with tangents
 // t_j, displaced by d along the normal n. With the pose (R, t) = world_from_camera,

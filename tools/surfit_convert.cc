@@ -55,6 +55,8 @@ void ConvertSequence(const Options& options) {
   std::printf("%s: %d frames, %d skipped, %lld depths above 65.534 m removed\n",
               options.output.c_str(), summary.frames_written, summary.frames_skipped,
               static_cast<long long>(summary.depths_out_of_range));
+  if (source->info().low_confidence_ratio)
+    std::printf("depth of low confidence is written as missing; .klg has no confidence images\n");
 }
 
 // Path of the camera.yaml that is used for the sequence by default.

@@ -40,7 +40,6 @@ struct Options {
   }
 };
 
-// Prints the size of the mesh and its distance to the points.
 void Print(const Options& options, const PointCloud& cloud, std::size_t not_finite,
            const TriangleMesh& mesh, const MeshSummary& summary) {
   std::printf("%s: %zu points, %zu not finite; %zu vertices, %zu triangles in %zu pieces, %.1f MB",

@@ -24,6 +24,12 @@ void PrintSummary(const RecordSummary& s, const std::string& output) {
               s.frames_written, s.seconds, s.frames_skipped, s.frames_dropped,
               s.interrupted ? ", interrupted" : "");
   if (s.pauses > 0) std::printf("the camera was disconnected %d times\n", s.pauses);
+  if (s.depths > 0) {
+    std::printf(
+        "%.1f %% of depth has low confidence and is written as missing; confidence images "
+        "are not written\n",
+        100 * static_cast<double>(s.low_confidence) / static_cast<double>(s.depths));
+  }
   if (s.depth_is_rounded) {
     std::printf("depth in metres was rounded to 0.2 mm; %lld depths above 13.1 m were removed\n",
                 static_cast<long long>(s.depths_out_of_range));

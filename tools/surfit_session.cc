@@ -25,13 +25,11 @@ struct Options {
 
   void Visit(OptionVisitor& v) {
     v.Group("session");
-    v.Add(
-        command, "command",
-        "command, as the first word or with this flag; list: print the contents; check: check for "
-        "damage; export: write trajectory.txt (all runs), run-N.txt (each run), map.ply and "
-        "places.bin to --output; merge: merge other sessions into a new session; compact: reduce "
-        "the size",
-        OneOf({"list", "check", "export", "merge", "compact"}), Required(), Everyday());
+    v.Add(command, "command",
+          "command (first word or this flag); list: contents; check: find damage; export: "
+          "trajectory.txt, run-N.txt, map.ply and places.bin; merge: other sessions into a new "
+          "session; compact: reduce the size",
+          OneOf({"list", "check", "export", "merge", "compact"}), Required(), Everyday());
     v.Add(session, SharedOption("session", Required(), Everyday()));
     v.Add(output, SharedOption("output", Everyday()));
     v.Add(from, "from", "session to merge; set once per session", Repeatable(), Everyday());

@@ -85,8 +85,8 @@ void BindEvaluation(py::module_& module) {
       py::arg("ground_truth"), py::arg("estimate"), py::arg("frame_stamps_s") = py::none(),
       py::arg("options") = TrajectoryEvaluationOptions(),
       "Computes ATE and RPE of a trajectory. Both trajectories are N x 8 arrays (stamp tx ty tz qx "
-      "qy qz qw) or paths of TUM files. frame_stamps_s: timestamps of all expected frames; None: "
-      "timestamps of the ground truth.");
+      "qy qz qw) or paths of TUM files. The array frame_stamps_s has the timestamps of all "
+      "expected frames; None: timestamps of the ground truth.");
   module.def(
       "read_trajectory",
       [](const std::filesystem::path& path) { return RowsOf(ReadTumTrajectory(path.string())); },

@@ -54,18 +54,17 @@ void BindFrame(py::module_& module) {
       module, "Frame",
       "Undistorted depth image with colour in the pixels of one pinhole camera. Arrays "
       "are views without copy.")
-      .def(
-          py::init([](const py::object& color, const py::array& depth, const CameraChoice& camera,
-                      double stamp_s, int index, const RectifyOptions& rectify) {
-            return FrameMaker(CameraOf(camera), rectify).Make(color, depth, stamp_s, index);
-          }),
-          py::arg("color"), py::arg("depth"), py::arg("camera"), py::arg("stamp_s") = 0.,
-          py::arg("index") = 0, py::arg("rectify") = RectifyOptions(),
-          "color: height x width x 3 array of uint8, red first, or None. depth: height x width "
-          "array of integers (units of 1 / depth_units_per_metre; 0 and 65535 are missing) or "
-          "floats (metres). stamp_s: timestamp; the latency of the camera is subtracted. camera: a "
-          "PinholeCamera, an RgbdCamera or the name of a preset. If fy < 0, the frame is mirrored, "
-          "see Sequence.mirrored.")
+      .def(py::init([](const py::object& color, const py::array& depth, const CameraChoice& camera,
+                       double stamp_s, int index, const RectifyOptions& rectify) {
+             return FrameMaker(CameraOf(camera), rectify).Make(color, depth, stamp_s, index);
+           }),
+           py::arg("color"), py::arg("depth"), py::arg("camera"), py::arg("stamp_s") = 0.,
+           py::arg("index") = 0, py::arg("rectify") = RectifyOptions(),
+           "The argument color is a height x width x 3 array of uint8, red first, or None. The "
+           "argument depth is a height x width array of integers (units of 1 / "
+           "depth_units_per_metre; 0 and 65535 are missing) or floats (metres). The latency of the "
+           "camera is subtracted from stamp_s. The camera is a PinholeCamera, an RgbdCamera or the "
+           "name of a preset. If fy < 0, the frame is mirrored, see Sequence.mirrored.")
       .def_property_readonly(
           "depth_m", &DepthView,
           "height x width, float32, depth along the optical axis in m; 0: missing")

@@ -42,9 +42,9 @@ void BindFrameReport(py::module_& module) {
       .def_readonly(FIELD(FrameReport, stamp_s), "capture time of depth, s")
       .def_property_readonly(
           "state", [](const FrameReport& report) { return ToString(report.state); },
-          "first, tracked, degenerate (unobservable directions keep the prediction), frozen (depth "
-          "is equal to the last frame), given (fused at a given pose), relocalised (found by a "
-          "keyframe), new_map (first frame of a new submap), or lost (no pose, not fused)")
+          "first, tracked, degenerate (unobservable directions keep the prediction), frozen "
+          "(duplicate depth), given (input pose), relocalised, new_map (first frame of a submap), "
+          "or lost (no pose)")
       .def_property_readonly("world_from_camera", &PoseOfReport, "4 x 4, metres; None if lost")
       .def_readonly(FIELD(FrameReport, has_own_view), "True if the map was rendered for this frame")
       .def_readonly(FIELD(FrameReport, is_held_out),

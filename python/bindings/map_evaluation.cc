@@ -70,8 +70,8 @@ void BindViewError(py::module_& module) {
         });
       },
       py::arg("options"), py::arg("progress") = py::none(),
-      "Evaluates the run of the options by rendered views of its map, and writes the files of "
-      "surfit_evaluate --what=views. Calls progress(number of views).");
+      "Evaluates the run of the options by rendered views of its map. Writes views.json, views.csv "
+      "and view_pictures/. Calls progress(number of views).");
 }
 
 }  // namespace

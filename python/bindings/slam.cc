@@ -109,9 +109,9 @@ void BindSlam(py::module_& module) {
       }),
       py::arg("options") = SlamOptions(), py::arg("camera") = py::none(),
       py::arg("rectify") = RectifyOptions(), py::arg("initial_pose") = py::none(),
-      "The options are copied. camera (a PinholeCamera, an RgbdCamera or the name of a preset) "
-      "and prepare are for frames that are arrays; a Frame has its own camera. initial_pose: "
-      "pose of the first camera, 4 x 4; the identity if None.");
+      "The options are copied. Frames that are arrays use camera (a PinholeCamera, an RgbdCamera "
+      "or the name of a preset) and prepare; a Frame has its own camera. The 4 x 4 matrix "
+      "initial_pose is the pose of the first camera; None: the identity.");
   BindProcess(&slam);
   BindResults(&slam);
 }

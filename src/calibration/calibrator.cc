@@ -13,8 +13,8 @@ namespace {
 // Subsampling of keyframe columns and rows: there are far more pixels than surfels.
 constexpr int kFrameStride = 2;
 
-// Size in cells of an image region with fully correlated model error. The error of the model is
-// similar in large parts of an image, and few keyframes see few places.
+// Size in cells of an image region with fully correlated model error. Few keyframes do not average
+// this error out.
 constexpr int kSharedCells = 4;
 
 // Number of additional keyframes before the next task. Early results are soon used for tracking,
@@ -23,7 +23,7 @@ std::size_t MoreKeyframes(std::size_t keyframes) { return std::max<std::size_t>(
 
 // Number of frames from the start of a task to the use of its result. Two cores that track 30
 // frames per second need about half of this time: 2 frames for 4 keyframes, 10 for 19, 32 for 42.
-// Keyframes have more neighbours if there are more of them.
+// The number of neighbours per keyframe grows with the number of keyframes.
 int DelayFrames(int keyframes) { return 1 + keyframes / 2 + keyframes * keyframes / 40; }
 
 DepthSensor Subsampled(DepthSensor sensor) {

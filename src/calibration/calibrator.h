@@ -35,7 +35,6 @@ class Calibrator {
   void ContinueFrom(const std::optional<DepthCalibration>& calibration, double color_latency_s,
                     Frames frames);
 
-  // Current calibration.
   const DepthCalibration& calibration() const { return calibration_; }
   bool IsAsGiven() const { return AreSame(calibration_, given_); }
   // Estimated colour latency in addition to RgbdCamera::color_latency_s, s.

@@ -15,11 +15,12 @@ using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
 constexpr int kMaxIterations = 100;
 constexpr double kConverged = 1e-12;  // length of the last increment, m and rad
-// Relative to the largest eigenvalue. The millimetre noise of real paths leaves more than 1e-8.
+// Minimum information of an observable direction, relative to the largest eigenvalue. Real paths
+// have more than 1e-8 in all directions, because of millimetre noise.
 constexpr double kInformationTolerance = 1e-10;
 
 struct Fit {
-  Rigid3d true_from_estimated;  // of the worlds
+  Rigid3d true_from_estimated;  // transform between the world frames
   Eigen::Vector3d mount_m = Eigen::Vector3d::Zero();
   double scale = 1;
 };
@@ -65,7 +66,7 @@ struct Step {
   bool is_unique = true;
 };
 
-// The shortest solution. Directions without information stay as they are.
+// Shortest solution: the increment is zero along unobservable directions.
 Step Solve(const NormalEquations& normal, bool fit_scale) {
   const int unknowns = fit_scale ? kUnknowns : kScale;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(

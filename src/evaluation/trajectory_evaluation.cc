@@ -68,7 +68,8 @@ Rigid3d RelativeError(const MatchedPose& i, const MatchedPose& j) {
 
 // For centred points, R maximises tr(R^T C), where C = sum target_i source_i^T = U D V^T and D >= 0
 // is in descending order. The maximum over rotations is R = U S V^T with S = diag(1, 1, det U det
-// V). R is unique only if d_2 + s_3 d_3 > 0. Otherwise a rotation of the last two axes has no cost.
+// V). R is unique only if d_2 + s_3 d_3 > 0. Otherwise, rotations about the first principal axis do
+// not change tr(R^T C).
 Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
                       const std::vector<Eigen::Vector3d>& target) {
   CHECK_EQ(source.size(), target.size());

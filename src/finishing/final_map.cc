@@ -29,8 +29,8 @@ FusionOptions Finer(FusionOptions options) {
   return options;
 }
 
-// Removes surfels that were observed about once and only at depth edges. Fusion removes unconfirmed
-// surfels after `max_inactive_frames`, so those of the last frames remain.
+// Removes surfels that were observed about once and only at depth edges. Fusion removes these
+// surfels `max_inactive_frames` after their last observation, so surfels of the last frames remain.
 void RemoveEdgeNoise(const FusionOptions& options, SurfelMap* map) {
   for (const std::int32_t id : map->Ids()) {
     const Surfel surfel = (*map)[id];
@@ -213,7 +213,8 @@ class FinalMap {
   const std::atomic<bool>& interrupted_;
   const FinalMapProgress& progress_;
   SurfelMap map_;
-  int fused_ = 0, done_ = 0;  // frames; work, 3 per frame: 2 for fusion, 1 for colours
+  // Number of fused frames, and progress in thirds of a frame: fusion is 2/3, colours are 1/3.
+  int fused_ = 0, done_ = 0;
 };
 
 }  // namespace

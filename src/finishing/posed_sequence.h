@@ -20,21 +20,21 @@
 
 namespace surfit {
 
-// Estimated calibration of a sensor.
+// Estimated calibration of a sensor, for prepared frames: undistorted and downsampled, with the
+// input depth field applied.
 struct EstimatedSensor {
   std::optional<DepthCalibration> calibration;  // std::nullopt: input calibration
   double color_latency_s = 0;                   // beyond the input latency
 
   // Returns the input sensor with the estimated camera and readout.
   DepthSensor Of(DepthSensor given) const;
-  // Corrects depth and colour timestamp of a frame as read.
+  // Corrects the depth and the colour timestamp of a prepared frame.
   void Correct(RgbdFrame* frame) const;
 };
 
-// Returns a warning if the estimated calibration contradicts the prior of the input sensor
-// (chi-square test with 10 degrees of freedom, 1 % false alarms): the input camera may be that of
-// another sensor or image size. Returns "" otherwise. Both cameras are for undistorted and
-// downsampled images with the input depth field applied.
+// Returns a warning if the estimated calibration contradicts the prior of the input sensor, or ""
+// otherwise. The input camera may then belong to another sensor or image size. Uses a chi-square
+// test with 10 degrees of freedom and 1 % false alarms. Both cameras are for prepared frames.
 std::string CalibrationWarning(const DepthSensor& given, const DepthCalibration& found);
 
 // Sequence with the final results of a run. The references must outlive the object.

@@ -9,7 +9,6 @@
 namespace surfit {
 namespace {
 
-// Computes normals row by row.
 class NormalRows {
  public:
   NormalRows(const DepthSensor& sensor, const PreprocessOptions& options)

@@ -5,9 +5,9 @@
 
 namespace surfit {
 
-// Information of the odometry edge from keyframe a to keyframe b, `frames` frames later: the
-// inverse of the accumulated registration covariance plus the noise, in the frame of a.
-// Unobservable directions have a large variance.
+// Information of the odometry edge from keyframe a to keyframe b, in the frame of a. It is the
+// inverse of the accumulated registration covariance plus the noise. `frames` is the number of
+// frames from a to b. Unobservable directions have a large variance.
 Matrix6d OdometryInformation(const IcpResult& icp, int frames, const Rigid3d& a_from_b,
                              const EdgeNoise& noise);
 

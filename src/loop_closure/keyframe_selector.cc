@@ -7,9 +7,9 @@ namespace {
 
 constexpr int kStridePx = 8;  // stride of the pixels for the overlap
 // A point is occluded if it is behind a surface by more than this ratio of the depth.
-constexpr double kHiddenRatio =
-    0.1;  // a point is occluded behind a surface by more than this ratio of its depth
-// Minimum motion for the criteria of overlap and frame count, relative to the other two criteria.
+constexpr double kHiddenRatio = 0.1;
+// Minimum motion since the last keyframe, relative to `max_distance_m` and `max_angle_rad`. After a
+// smaller motion, neither overlap nor frame count creates a keyframe.
 constexpr double kLittleMotion = 0.1;
 
 bool IsSeen(const Eigen::Vector3d& point, const FrameLevel& surface) {

@@ -16,17 +16,14 @@ namespace surfit {
 // Returns a callback that computes the view of a keyframe at its first call.
 ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options);
 
-// Edge of the pose graph for a verified loop.
 PoseGraphEdge LoopEdge(const LoopVerification& attempt, const EdgeNoise& noise);
 
-// Keyframe for the search for loops.
 struct KeyframeForLoops {
   int frame_index = 0;
   double stamp_s = 0;
   ViewOfKeyframe view;
 };
 
-// Task of loop closure.
 struct LoopTask {
   std::vector<KeyframeForLoops> added;  // new keyframes
   PoseGraph graph;                      // snapshot with all keyframes

@@ -1,4 +1,3 @@
-// The options of this module.
 #include "surfit/core/options.h"
 
 #include "surfit/loop_closure/find_loops.h"
@@ -17,7 +16,8 @@ void KeyframeOptions::Visit(OptionVisitor& v) {
 }
 
 void PlaceViewOptions::Visit(OptionVisitor& v) {
-  v.Add(max_width, "max_width", "maximum width of keyframe images, which are halved", AtLeast(80),
+  v.Add(max_width, "max_width",
+        "maximum width of keyframe images; larger images are halved until they fit", AtLeast(80),
         InUnit("px"));
   v.Add(max_features, "max_features", "maximum number of features per keyframe", AtLeast(48));
 }

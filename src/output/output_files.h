@@ -23,7 +23,7 @@ Json ReadJson(const std::string& path);
 void WriteJson(const Json& json, const std::string& path, int indent = 2);
 
 // Writes an array of JSON objects with equal keys as CSV: a header with the keys, then one line per
-// object. null becomes an empty cell. Throws InputError with the path if writing fails.
+// object. A value of null becomes an empty cell. Throws InputError with the path if writing fails.
 void WriteCsv(const Json& rows, const std::string& path);
 
 // Converts width, height, fx, fy, cx and cy. CameraFromJson() throws exceptions of nlohmann::json

@@ -14,8 +14,8 @@ namespace surfit {
 struct RecordedRun {
   Trajectory trajectory;
   std::map<int, Rigid3d> world_from_camera;  // by frame index
-  EstimatedSensor found;   // estimated calibration of the frames as the run read them
-  std::set<int> held_out;  // indices of held-out frames
+  EstimatedSensor found;                     // estimated calibration of the prepared frames
+  std::set<int> held_out;                    // indices of held-out frames
 };
 
 // Reads poses.json and summary.json in the folder of a run. Throws InputError with the path at

@@ -26,7 +26,7 @@ class MapPeriod {
   int since_change_ = 0;      // frames since the last change
   double queued_ms_ = 0;      // wait of the frame that doubled the period; 0: after halving
   int late_ = 0;              // consecutive late frames
-  int in_time_ = 0;           // frames in time, minus a penalty per other frame
+  int in_time_ = 0;           // frames in time, minus kOneLate per slower frame; at least 0
   int patience_ = kInTime;    // value of in_time_ that halves the period
   bool was_shorter_ = false;  // the last change halved the period
   static constexpr int kInTime = 90;

@@ -381,7 +381,7 @@ class SlamRun {
   std::unique_ptr<RunTrajectory> trajectory_;
   std::unique_ptr<FrameTable> frame_table_;
   std::unique_ptr<Slam> slam_;                      // null before the first frame
-  EstimatedSensor found_;                           // estimated calibration of the frames as read
+  EstimatedSensor found_;                           // estimated calibration of the prepared frames
   std::unique_ptr<LocalizationFile> localization_;  // null without localisation
   KeptViews views_;
   Thumbnails thumbnails_;

@@ -23,8 +23,8 @@ using Row = std::vector<std::variant<std::int64_t, double, std::string, Blob>>;
 std::uint32_t Crc(const void* bytes, std::size_t size, std::uint32_t before = 0);
 
 // SQLite database whose rows have checksums. All functions throw InputError with the path if the
-// file is damaged, not a database, or locked by another program for more than 3 s, or if the disk
-// is full.
+// file is damaged, if it is not a database, or if the disk is full. They also throw InputError if
+// another program locks the file for more than 3 s.
 class Database {
  public:
   enum class Mode { kRead, kWrite, kCreate };

@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// Statistics of a merge.
 struct MergeSummary {
   std::size_t sessions = 0;
   std::size_t loops_between = 0;   // accepted loop closures between sessions

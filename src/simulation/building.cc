@@ -15,8 +15,8 @@ using Row = BuildingPlan::Row;
 
 constexpr int kRows = 4;
 
-// Independent random streams of one seed: one for the structure, one for the furniture of each pair
-// of rooms, and one for the pictures of each room.
+// Independent random streams of one seed. The structure has one stream, each pair of rooms has a
+// stream for furniture, and each room has a stream for pictures.
 constexpr int kMaxRooms = 2000;
 enum Stream : std::uint64_t { kStructure = 1, kFurniture = 1000, kPictures = 2000 };
 static_assert(kFurniture + kMaxRooms / 2 <= kPictures, "streams must not overlap");

@@ -137,8 +137,8 @@ class Walk {
   }
 
   std::optional<Loop> loop_;
-  Eigen::Vector3d center_,
-      half_;  // centre and half size of the camera space; half size of deviations
+  // Centre and half size of the camera space. With a route, half_ scales the deviations from it.
+  Eigen::Vector3d center_, half_;
   SmoothNoise3 curve_;
   double place_ = 0;
 };

@@ -1,4 +1,3 @@
-// Option tables of simulation.
 #include "surfit/core/options.h"
 
 #include <algorithm>
@@ -13,8 +12,8 @@ void KinectOptions::Visit(OptionVisitor& v) {
   v.Add(shift_sd_px, "shift_sd_px", "standard deviation of the random pixel shift", AtLeast(0));
   v.Add(disparity_sd, "disparity_sd",
         "standard deviation of the disparity noise, in quantisation steps", AtLeast(0));
-  v.Add(disparity_times_z_cm, "disparity_times_z_cm", "disparity in quantisation steps times depth",
-        Positive());
+  v.Add(disparity_times_z_cm, "disparity_times_z_cm",
+        "product of the disparity, in quantisation steps, and the depth, in cm", Positive());
   v.Add(min_depth_m, "min_depth_m", "minimum depth; smaller depth is missing", Positive());
   v.Add(max_depth_m, "max_depth_m", "maximum depth; larger depth is missing", Positive());
   v.Add(max_incidence_deg, "max_incidence_deg",

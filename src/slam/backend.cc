@@ -214,7 +214,8 @@ void Backend::FinishLoops(std::vector<WorldCorrection>* corrections) {
   }
 }
 
-// No loop task may be running. Corrections since the start of the task stay.
+// Applies the result of the calibration task in addition to corrections since its start. Requires
+// that no loop task is running.
 void Backend::TakeCalibration(std::vector<WorldCorrection>* corrections) {
   const DepthCalibration from = calibrator_->calibration();
   Calibrator::Outcome outcome = calibrator_->Take();

@@ -63,8 +63,9 @@ ReferenceView Mapper::Render(ModelRenderer* renderer, const Rigid3d& world_from_
                              world_from_view,
                              std::move(grey)};
   if (with_intensities) {
-    // Uses the colours of the map. With the colours of the last frame, drift increases the ATE: by
-    // a seventh in simulated rooms, by factors of 5 and 8 in front of a ball and a wall.
+    // Uses the colours of the map. With the colours of the last frame, drift increases the ATE by a
+    // seventh in simulated rooms. In front of a ball and a wall, the ATE increases by factors of 5
+    // and 8.
     reference.view.color = ColorsOf(seen, map_);
     AddIntensity(reference.view.color, &reference.view.pyramid);
   }

@@ -18,7 +18,7 @@ class Mapper : public ModelViews {
   // LoopOptions.
   Mapper(const DepthSensor& sensor, const SlamOptions& options, StateUse use);
 
-  // Continues with a map after these fused frames.
+  // Continues with a map. `fused_frames` are the indices of its fused frames.
   void ContinueFrom(SurfelMap map, const std::vector<int>& fused_frames);
   // Keeps the pointer to the estimated calibration. Null: the input sensor.
   void UseCalibration(const DepthCalibration* calibration) { calibration_ = calibration; }

@@ -1,4 +1,3 @@
-// The options of this module.
 #include "surfit/core/options.h"
 
 #include "surfit/core/error.h"
@@ -23,10 +22,11 @@ void SlamOptions::Visit(OptionVisitor& v) {
   v.Add(max_view_shift, "max_view_shift",
         "image shift that triggers a new model view and fusion, as a ratio of the image width",
         AtLeast(0), AsFlag());
-  v.Add(min_turn_eigenvalue, "min_turn_eigenvalue",
-        "smallest eigenvalue of a sufficiently constrained frame; after other frames, map_period "
-        "is ignored and all rows are registered",
-        ZeroIs("never"), AsFlag());
+  v.Add(
+      min_turn_eigenvalue, "min_turn_eigenvalue",
+      "minimum eigenvalue of a sufficiently constrained frame; a frame after a weakly constrained "
+      "frame is fused and registered without subsampling",
+      ZeroIs("never"), AsFlag());
   v.Add(weakly_constrained_photometric_weight, "weakly_constrained_photometric_weight",
         "photometric weight of weakly constrained frames and of the next frame, if "
         "photometric_weight is 0",
@@ -52,7 +52,7 @@ void SlamOptions::Visit(OptionVisitor& v) {
         "global registration of lost frames to the last tracked frame; identity: none",
         OneOf(InitializeMethods()), AsFlag());
   v.Add(hold_out, "hold_out",
-        "exclude every n-th frame from fusion, to evaluate the map (surfit_evaluate --what=views)",
+        "exclude every n-th frame from fusion, to evaluate views of the map with surfit_evaluate",
         ZeroIs("none"), AsFlag());
   v.AddPart(loops, "loops", "loop closure and relocalisation");
   v.AddPart(calibration, "calibration", "calibration of the depth camera");

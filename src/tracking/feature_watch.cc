@@ -10,9 +10,10 @@ namespace surfit {
 namespace {
 
 constexpr int kMaxColumns = 400, kMaxCorners = 250;
-// Tolerances of a feature that agrees with the poses: in addition to its own error, the camera
-// motion between depth and colour and during the readout.
-constexpr double kPlaceSigma_px = 0.5;  // of a tracked corner
+// Tolerance of a feature that agrees with the poses: the sum of kTogether_m, kSigmas of its error,
+// and the camera motion in kBetweenImages_s. This time covers the readout and the time between
+// depth and colour.
+constexpr double kPlaceSigma_px = 0.5;  // error of a tracked corner
 constexpr double kTogether_m = 0.03, kSigmas = 3, kBetweenImages_s = 0.03;
 // Minimum number of features of a second motion, because wrong matches agree by chance. The number
 // is smaller if they are a large part of all features.

@@ -30,7 +30,6 @@ class FrameRegistration {
                    const std::optional<Matrix6d>& motion_prior = std::nullopt) const;
 
  private:
-  // Target of a registration.
   struct Target {
     const ReferenceView& reference;
     const IcpOptions& icp;
@@ -39,7 +38,7 @@ class FrameRegistration {
   struct Estimate {
     IcpResult icp;  // with the most likely pose
     bool is_weakly_constrained = false;
-    std::optional<Matrix6d> covariance;  // of the left increment, with a prior
+    std::optional<Matrix6d> covariance;  // of the left increment; only with a motion prior
   };
 
   // Registers geometrically, and a weakly constrained frame with photometric residuals as well.

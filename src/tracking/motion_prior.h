@@ -36,7 +36,8 @@ class MotionPrior {
   void Forget() { of_velocity_.reset(); }
   // Sets the covariance of the last motion, in the camera frame, and its duration.
   void Keep(const Matrix6d& covariance, double seconds);
-  // Covariance of the motion in the next seconds. With unknown velocity, that of any hand motion.
+  // Covariance of the motion in the next `seconds`. An unknown velocity has the covariance of hand
+  // motion.
   Matrix6d Covariance(double seconds) const;
 
  private:

@@ -18,16 +18,17 @@ constexpr int kSearchStride = 5;
 // Interval of relocalised frames. A relocalisation takes as long as many registrations.
 constexpr int kRelocalizeStride = 3;
 
-// Criteria without colours, because motion blur changes them. The map confirms the surfaces.
+// Criteria without brightness, because motion blur changes it. Confirm() validates the pose with
+// the map.
 FitCriteria ShapesAlone() {
   FitCriteria fit = InitializeOptions::FrameCriteria();
   fit.min_value_correlation = fit.min_detail_correlation = -1;
   return fit;
 }
 
-// Prefers the search result if both disagree: a wrong pose near the last pose may have as many
-// inliers. After a loss, tracking alone is not accepted. A result far from the expected pose is a
-// place with similar appearance.
+// Prefers the search result if tracking disagrees: a wrong pose near the last pose may have as many
+// inliers. Ignores a search result far from the expected pose, which shows a place with similar
+// appearance. Without a search result, an uncertain pose of tracking is lost.
 Tracked Better(const SearchStart& start, Tracked tracked, std::optional<Tracked> found) {
   const bool is_unexpected =
       found && start.expected && !AreOnePlace(*start.expected, found->world_from_camera);

@@ -6,9 +6,9 @@
 namespace surfit {
 namespace {
 
-// Bounds on the ratio of contradicting points, of the points that model and frame both show. In 99
-// of 100 frames with a right pose it is below kSureRatio. With an error of more than 10 cm it is
-// above kMostRatio, unless wrong frames have been fused before.
+// Bounds on the ratio of contradicting points among the points of both model and frame. In 99 of
+// 100 frames with a correct pose, the ratio is below kSureRatio. With an error of more than 10 cm,
+// the ratio is above kMostRatio, unless wrong frames have been fused before.
 constexpr double kSureRatio = 0.12, kMostRatio = 0.25;
 // Bound on the ratio of the points that do not move.
 constexpr double kSureRest = 0.08;

@@ -17,8 +17,8 @@ namespace surfit {
 Verdict ValidateRegistration(const IcpResult& icp, const ViewComparison& views, int moving,
                              const TrackingOptions& options);
 
-// Returns whether a frame with an uncertain or rejected pose may show new surfaces: it sees through
-// almost no surface of the model, unlike a frame at a wrong pose.
+// Returns whether a frame with an uncertain or rejected pose may show new surfaces. The frame then
+// has few cells behind the model, in contrast to a frame with a wrong pose.
 bool MayShowNewSurfaces(const Tracked& tracked);
 
 // Returns whether a hand can move a camera by this motion.

@@ -11,7 +11,6 @@
 
 namespace surfit {
 
-// Verdict of the validation of a pose.
 enum class Verdict {
   kAccepted,   // registration, surfaces and brightness agree with the pose
   kUncertain,  // accepted if a second registration agrees with the pose
@@ -20,13 +19,12 @@ enum class Verdict {
 
 // A lost frame with a pose that the next frame must confirm.
 struct TentativePose {
-  RgbdFrame frame;     // as measured, without moving objects
-  ReferenceView view;  // likewise; view.world_from_view is the pose
+  RgbdFrame frame;     // measured frame without moving objects
+  ReferenceView view;  // view of `frame`; view.world_from_view is the pose
   IcpResult icp;
   int keyframe = -1;  // keyframe of the relocalisation; -1: none
 };
 
-// Outcome of tracking a frame.
 struct Tracked {
   FrameState state = FrameState::kLost;
   Rigid3d world_from_camera;  // undefined if lost
@@ -38,13 +36,13 @@ struct Tracked {
   int keyframe = -1;             // keyframe of the relocalisation; -1: none
   bool has_own_view = false;     // the reference was rendered for this frame
   CellMask moving;               // not registered, not fused
-  double moving_ratio = 0;       // of the points
-  double behind_ratio = 0;       // of the compared cells: far behind the model
+  double moving_ratio = 0;       // moving cells / cells with depth
+  double behind_ratio = 0;       // cells behind the model / compared cells
   bool has_two_motions = false;  // the feature check found two motions
   // Covariance of the motion to this frame, in the camera frame. Only with a motion prior.
   std::optional<Matrix6d> motion_covariance;
-  std::optional<TentativePose> tentative;  // of this lost frame
-  std::optional<TentativePose> confirmed;  // of the frame before: confirmed by this frame
+  std::optional<TentativePose> tentative;  // pose of this lost frame
+  std::optional<TentativePose> confirmed;  // pose of the previous frame, confirmed by this frame
 
   bool has_pose() const { return state != FrameState::kLost; }
 };

@@ -21,11 +21,11 @@ enum class TrackingEvent {
 };
 
 // Transitions. A tracker begins in kNotStarted, or in kLost if the map is given (InGivenMap()).
-// Tracker::Update() makes the transition at the end of each frame, except duplicates. In kTentative
-// Tracker::Track() makes the transition kTentativeCompared first. kPose is also the event of the
-// first frame, of a given pose and of the first frame of a new submap. An event with a pose sets
-// lost_frames to 0 and is_localised to true; an event without a pose increments lost_frames.
-// "-": does not occur.
+// Tracker::Update() makes the transition at the end of each frame, except duplicates. In
+// kTentative, Tracker::Track() makes the transition kTentativeCompared first. The event of the
+// first frame, of a given pose and of the first frame of a new submap is kPose. An event with a
+// pose sets lost_frames to 0 and is_localised to true; an event without a pose increments
+// lost_frames. "-": does not occur.
 //
 //                | kPose     | kFound       | kNoPose     | kTentativePose | kTentativeCompared
 //   kNotStarted  | kTracking | kRelocalised | kNotStarted | -              | -
@@ -40,7 +40,6 @@ struct FrameQuality {
   bool is_by_newest = false;           // accepted by surfels that are not stable yet
 };
 
-// State of the tracker.
 struct TrackingState {
   TrackingPhase phase = TrackingPhase::kNotStarted;
   int lost_frames = 0;       // consecutive frames without a pose

@@ -34,6 +34,14 @@ void TumFolderWithoutColor(const TempFolder& folder) {
   std::filesystem::rename(folder / "rgb", folder / "elsewhere");
 }
 
+void TumFolderWithConfidence(const TempFolder& folder) {
+  TumFolder(folder);
+  for (int i = 0; i < 2; ++i) {
+    WriteConfidence(folder / Format("confidence/%03d.png", i),
+                    Image<std::uint8_t>(kWidth, kHeight, static_cast<std::uint8_t>(i)));
+  }
+}
+
 void SevenScenesFolder(const TempFolder& folder) {
   WriteColor(folder / "frame-000000.color.png", NumberedColor(0));
   WriteDepth(folder / "frame-000000.depth.png", NumberedDepth(0));
@@ -156,6 +164,7 @@ std::vector<FuzzTarget> SequenceTargets() {
       {"tum_associations", "associations.txt", TumFolder, ReadSequence},
       {"tum_color_list", "rgb.txt", TumFolder, ReadSequence},
       {"tum_depth_list", "depth.txt", TumFolder, ReadSequence},
+      {"confidence_list", "confidence.txt", TumFolderWithConfidence, ReadSequence},
       {"text_link", "rgb", TumFolderWithoutColor, ReadSequence},
       {"seven_scenes_pose", "frame-000000.pose.txt", SevenScenesFolder, ReadSequence},
       {"redwood_poses", "trajectory.log", RedwoodFolder, ReadSequence},
@@ -165,6 +174,8 @@ std::vector<FuzzTarget> SequenceTargets() {
        [](const std::string& f) { ReadSequenceOf(f, "replica"); }},
       {"depth_image", "file", Nothing, [](const std::string& f) { ReadDepthImage(FileIn(f)); }},
       {"color_image", "file", Nothing, [](const std::string& f) { ReadColorImage(FileIn(f)); }},
+      {"confidence_image", "file", Nothing,
+       [](const std::string& f) { ReadConfidenceImage(FileIn(f)); }},
   };
 }
 

@@ -42,6 +42,31 @@ TEST(RecordedSequences, TumFr1Desk) {
   }
 }
 
+// 37.7 % of all pixels of this recording have confidence 0, and none lacks depth. Depth beyond 8 m
+// is missing as well.
+TEST(RecordedSequences, PhoneConfidenceRemovesAThirdOfDepth) {
+  SURFIT_REQUIRE_SHARED_DATA("phone_lidar_walk");
+  SequenceOptions options = Options("phone_lidar_walk");
+  const auto count = [&] {
+    std::size_t depths = 0;
+    for (const ReadResult& result : ReadAll(OpenSequence(options).get())) {
+      EXPECT_TRUE(result.frame) << result.error;
+      if (!result.frame) continue;
+      const Image<float>& depth_m = result.frame->depth_m;
+      depths += depth_m.size() - std::count(depth_m.begin(), depth_m.end(), 0.0f);
+    }
+    return static_cast<double>(depths);
+  };
+  const SequenceInfo info = OpenSequence(options)->info();
+  EXPECT_THAT(info.warnings, IsEmpty());
+  EXPECT_THAT(info.assumed, Names("confidence", "2"));
+  ASSERT_TRUE(info.low_confidence_ratio);
+  const double kept = count();
+  options.confidence = false;
+  EXPECT_FALSE(OpenSequence(options)->info().low_confidence_ratio);
+  EXPECT_NEAR(1 - kept / count(), 0.377, 0.02);
+}
+
 // The first frames of each sequence, and frames with fast rotation.
 TEST(RecordedSequences, CauseNoRegistrationWarning) {
   for (const char* name :

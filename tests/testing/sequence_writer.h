@@ -25,6 +25,14 @@ inline void WriteDepth(const std::string& path, const Image<float>& metres) {
       path, cv::Mat(metres.height(), metres.width(), CV_32FC1, const_cast<float*>(metres.data())));
 }
 
+inline void WriteConfidence(const std::string& path, const Image<std::uint8_t>& confidence,
+                            const std::vector<int>& parameters = {}) {
+  cv::imwrite(path,
+              cv::Mat(confidence.height(), confidence.width(), CV_8UC1,
+                      const_cast<std::uint8_t*>(confidence.data())),
+              parameters);
+}
+
 inline void WriteColor(const std::string& path, const Image<Rgb8>& color,
                        const std::vector<int>& parameters = {}) {
   cv::Mat bgr(color.height(), color.width(), CV_8UC3);

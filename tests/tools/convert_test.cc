@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "surfit/io/camera_files.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"
@@ -21,6 +23,25 @@ TEST(ConvertTool, WritesASequenceAsKlg) {
   ASSERT_EQ(frames.size(), 3u);
   EXPECT_EQ(frames[2].frame->color, NumberedColor(4));
   EXPECT_DOUBLE_EQ(frames[2].stamp_s, 5.403);
+}
+
+// Confidence is low in the left quarter of each image.
+TEST(ConvertTool, ReportsDepthOfLowConfidence) {
+  const TempFolder folder;
+  WriteTumSequence(folder, 2);
+  Image<std::uint8_t> confidence(32, 24, 2);
+  for (int v = 0; v < 24; ++v) std::fill_n(confidence.row(v), 8, std::uint8_t{0});
+  for (int i = 0; i < 2; ++i)
+    WriteConfidence(folder / Format("confidence/%03d.png", i), confidence);
+  const auto convert = [&](const std::string& flag) {
+    return Succeeded(RunProgram(
+        "surfit_convert", {"--sequence=" + folder.path(), "--output=" + (folder / "a.klg"), flag}));
+  };
+  const ProgramResult with = convert("--confidence=true"), without = convert("--confidence=false");
+  EXPECT_THAT(with.err, Names("confidence", "25"));
+  EXPECT_THAT(with.out, Names("confidence"));
+  EXPECT_THAT(without.err, Not(Names("confidence")));
+  EXPECT_THAT(without.out, Not(Names("confidence")));
 }
 
 TEST(ConvertTool, WritesACameraYamlWithTheAssumedCamera) {

@@ -80,6 +80,14 @@ TEST_F(RecordTool, RecordsOneFileAsAFolder) {
   EXPECT_FALSE(copy->Next());
 }
 
+TEST_F(RecordTool, ReportsDepthOfLowConfidence) {
+  const TempFolder folder;
+  WriteTumSequence(folder, 2);
+  WriteConfidence(folder / "confidence/000.png", Image<std::uint8_t>(32, 24, 0));
+  WriteConfidence(folder / "confidence/001.png", Image<std::uint8_t>(32, 24, 1));
+  EXPECT_THAT(Succeeded(Record(folder.path())).out, Names("50.0", "confidence"));
+}
+
 TEST_F(RecordTool, StopsAtItsLimits) {
   Succeeded(Record(Room(), {"--max_frames=7"}));
   EXPECT_EQ(CountWholeFrames(), 7U);

@@ -9,8 +9,8 @@
 namespace surfit::tools {
 
 // Replaces each --flagfile=F (or --flagfile F) by the lines of F, one flag per line, without empty
-// lines and # comments. gflags ignores unknown flags in its own flag files; as arguments they are
-// rejected. Throws InputError with the name of a file that cannot be read, or that includes another
+// lines and # comments. Unknown flags in these files are rejected, in contrast to the flag files of
+// gflags. Throws InputError with the name of a file that cannot be read, or that includes another
 // flag file.
 std::vector<std::string> ExpandFlagFiles(const std::vector<std::string>& arguments);
 

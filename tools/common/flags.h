@@ -32,7 +32,6 @@ std::string CompletionWords(const std::vector<FlagHelp>& flags);
 // Help of the flags of a table. Default values are the present values of the options.
 std::vector<FlagHelp> Describe(const OptionTable& table);
 
-// True if an option has this flag.
 bool HasFlag(const OptionTable& table, const std::string& flag);
 
 // Flags of a program, from its table of options. Default values are the values of the options at

@@ -2,8 +2,8 @@
 # Checks the format of changed C++ files, runs clang-tidy, and compiles changed public headers separately:
 #   check_changes.sh [BASE]
 # BASE: commit to compare with; default: the last commit that is at least one day older than HEAD.
-# clang-tidy takes a minute per file, so it checks only the SURFIT_TIDY_FILES (4) files with the largest
-# changes. `cmake --build --preset tidy` checks all files.
+# Only the SURFIT_TIDY_FILES (4) files with the largest changes are checked by clang-tidy, which takes a
+# minute per file. `cmake --build --preset tidy` checks all files.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 cd "$root"

@@ -78,8 +78,8 @@ def rotation_matrix(vector):
 
 def epipolar_distances_px(pair, mount, focal):
     """Signed epipolar error of each match of a pair (rays a, rays b, poses of a and b), in pixels. `mount`
-    has the rotation vector and the position of the colour camera in the depth camera, and the logarithm of
-    the ratio of its focal length to `focal`."""
+    has the rotation vector and the position of the colour camera in the depth camera. Its last value is the
+    logarithm of the focal length of the colour camera, relative to `focal`."""
     rays_a, rays_b, (rotation_a, at_a), (rotation_b, at_b) = pair
     turn, center, scale = rotation_matrix(mount[:3]), mount[3:6], np.exp(-mount[6])
     rays_a, rays_b = (rays * [scale, scale, 1] for rays in (rays_a, rays_b))

@@ -5,8 +5,8 @@
 
 SCAN: output folder of surfit_scan. All scans have the same flags, and recordings of at least two
 lengths. plan.json and the receipts in jobs/ contain the number and the times of the jobs of each rule.
-The time of a job is the smaller of its wall time and its CPU time, because jobs wait for each other on
-a busy machine (seconds, cpu_seconds).
+The time of a job is the smaller of its wall time (seconds) and its CPU time (cpu_seconds). On a busy
+machine, jobs wait for each other.
 
 Jobs of a recording of F frames:
 

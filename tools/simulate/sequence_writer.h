@@ -11,7 +11,6 @@
 
 namespace surfit::tools {
 
-// Folder layout of a sequence.
 enum class SequenceLayout {
   // rgb.txt, depth.txt, associations.txt (colour first). File names are timestamps.
   kTum,
@@ -41,7 +40,6 @@ class SequenceWriter {
   SequenceWriter(const std::string& folder, SequenceLayout layout, const RgbdCamera& camera,
                  double latency_s);
 
-  // Writes the lists and the poses.
   void WriteLists(const Trajectory& world_from_camera) const;
   // Writes truth_camera.yaml and truth_color.txt.
   void WriteTruth(const Trajectory& world_from_camera, const SequenceTruth& truth) const;

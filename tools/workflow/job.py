@@ -4,10 +4,10 @@
     job.py RECEIPT PRODUCT -- PROGRAM [ARGUMENT...]
 
 PRODUCT: output file of the program, if any; it is deleted first. If the program ends with exit code 0,
-1 or 2, the receipt contains the exit code, the wall time, the CPU time, the peak memory and the error.
-Then the job is done, even if it failed, and other jobs continue. If a signal ends the program, or if
-it cannot be started, there is no receipt: job.py fails, and the job must be repeated. The output of
-the program is written to RECEIPT with the ending .log.
+1 or 2, the receipt contains exit code, wall time, CPU time, peak memory and error. Then the job is done,
+even if it failed, and other jobs continue. If a signal ends the program, or if it cannot be started, there
+is no receipt: job.py fails, and the job must be repeated. The output of the program is written to RECEIPT
+with the ending .log.
 """
 import fcntl
 import json

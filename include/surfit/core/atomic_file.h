@@ -7,13 +7,13 @@
 
 namespace surfit {
 
-// Replaces a file in one step: `path` has either the old or the complete new content, also after a
-// crash of the program or the machine. `write` fills a temporary file in the folder of `path`. The
-// file is flushed to the disk and then renamed to `path`. If `write` throws or the disk is full,
-// the old file is unchanged and the temporary file is removed. A killed process may leave the
-// temporary file. Devices and pipes, also behind a symbolic link, are written to directly. Other
-// symbolic links are rejected. Throws InputError with the path if the file cannot be written.
-// Exceptions of `write` are passed on.
+// Replaces a file in one step. After a crash of the program or the machine, `path` has either the
+// old or the complete new content. `write` fills a temporary file in the folder of `path`. The file
+// is flushed to the disk and then renamed to `path`. If `write` throws or the disk is full, the old
+// file is unchanged and the temporary file is removed. A killed process may leave the temporary
+// file. Devices and pipes, also behind a symbolic link, are written to directly. Other symbolic
+// links are rejected. Throws InputError with the path if the file cannot be written. Exceptions of
+// `write` are passed on.
 void WriteFileAtomically(const std::string& path, const std::function<void(std::ostream&)>& write);
 
 // File for records that are appended while a program runs. It contains complete records only.

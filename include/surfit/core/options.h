@@ -132,7 +132,6 @@ class OptionVisitor {
     Leave();
   }
   void AddText(OptionText& text, const Option& option) { AddValue(option, &text); }
-  // Constructs the Option from its arguments.
   template <typename T, typename... Rules>
   void Add(T& field, const char* name, const std::string& help, const Rules&... rules) {
     Add(field, Option(name, help, rules...));

@@ -159,8 +159,8 @@ std::optional<TimeOffset> EstimateTimeOffset(const Trajectory& ground_truth,
                                              const Trajectory& estimate,
                                              const MatchOptions& options);
 
-// Fit of a constant offset between two bodies: the ground truth describes another body than the
-// estimate, for example a marker or a colour camera beside the depth camera.
+// Fit of a constant offset between two bodies. The ground truth describes another body than the
+// estimate, for example a marker or a colour camera.
 struct MountFit {
   Eigen::Vector3d true_body_in_estimated_m = Eigen::Vector3d::Zero();  // in the estimate's body
   double scale = 1;             // true metres per estimated metre; 1 if it is not fitted

@@ -17,8 +17,11 @@ struct SequenceInfo {
   RgbdCamera camera;
   std::string camera_from;         // origin of the camera: file, preset or option
   bool camera_is_guessed = false;  // no origin found: a common camera is assumed
+  // Ratio of depth that is removed from the first images because of low confidence. std::nullopt:
+  // these images have no confidence, see SequenceOptions::confidence.
+  std::optional<double> low_confidence_ratio;
   // Assumed properties in two log lines, already logged. Line 1: format, number of frames, image
-  // sizes, colour registration. Line 2: depth camera, depth scale and `camera_from`.
+  // sizes, colour registration, confidence. Line 2: depth camera, depth scale and `camera_from`.
   std::string assumed;
   PinholeCamera pinhole;  // of the frames of Next(): undistorted, downsampled, fy > 0
   // Sensor model of the frames of Next().
@@ -39,7 +42,8 @@ struct SequenceInfo {
   // single frames have the timestamps of these frames. Other poses, for example of motion capture,
   // have the timestamps of the files.
   Trajectory ground_truth;
-  // Warnings about camera, depth scale and colour registration, already logged.
+  // Warnings about camera, depth scale, colour registration and missing confidence images, already
+  // logged.
   std::vector<std::string> warnings;
 };
 

@@ -31,8 +31,8 @@ struct DepthNoise {
 // counts_per_px in px, triangulation gives z = focal_px baseline_m / d:
 //   1 / z = (count - count_at_infinity) / (counts_per_px focal_px baseline_m).
 // Raw counts of a Kinect v1 decrease with the disparity: counts_per_px = -8, count_at_infinity of
-// about 1090, baseline_m = 0.075 (Khoshelham and Elberink 2012). focal_px is the focal length that
-// the disparities were computed with. It can differ from fx of the camera.
+// about 1090, baseline_m = 0.075 (Khoshelham and Elberink 2012). The disparities were computed with
+// the focal length focal_px, which can differ from fx of the camera.
 struct Disparity {
   double focal_px = 0;
   double baseline_m = 0;  // 0: depth images are not disparities

@@ -22,7 +22,8 @@ struct G2oFile {
 //   FIX id ...
 //   # comment
 // The rotation part of the information refers to a rotation vector in rad, as in GTSAM and in the
-// examples of Ceres. g2o itself refers to (qx, qy, qz) of the quaternion, half of that vector.
+// examples of Ceres. In g2o itself, it refers to (qx, qy, qz) of the quaternion, which is half of
+// this vector.
 //
 // The error of the edge is that of i_from_j^-1 (estimated i_from_j), in the frame of j. Therefore
 // the edge in the graph has a = j and b = i. An edge between ids that are not consecutive is a loop

@@ -46,10 +46,10 @@ void WritePly(const PointCloud& cloud, const std::string& path);
 // another size than `points`.
 void WritePcd(const PointCloud& cloud, const std::string& path);
 
-// Writes the map atomically as binary little-endian PLY, one vertex per surfel: float x y z nx ny
-// nz, uchar red green blue, float radius confidence, int first_seen last_seen (metres, world frame,
-// frame indices). CloudCompare, MeshLab and Open3D can open the file. Throws InputError that names
-// the file if it cannot be written.
+// Writes the map atomically as binary little-endian PLY, one vertex per surfel, in metres in the
+// world frame. Properties: float x y z nx ny nz, uchar red green blue, float radius confidence, int
+// first_seen last_seen (frame indices). CloudCompare, MeshLab and Open3D can open the file. Throws
+// InputError that names the file if it cannot be written.
 void WriteSurfelPly(const SurfelMap& map, const std::string& path);
 
 // Reads a file of WriteSurfelPly(). All its properties are required, in any order and of any scalar

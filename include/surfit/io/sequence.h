@@ -44,6 +44,14 @@ struct SequenceOptions {
   std::optional<double> color_latency_s;    // see RgbdCamera
   std::optional<double> readout_s;          // see RgbdCamera
 
+  // Uses the confidence images of a folder: depth of low confidence is missing. They are in
+  // confidence/ with the numbers or timestamps of depth/ in their names, or listed in
+  // confidence.txt, and have one channel of 8 bits. If no value of the first images is above 2, the
+  // values are 0 (low), 1 (medium) and 2 (high), as ARKit has them. Otherwise they are 0 to 255, as
+  // time-of-flight cameras have them, and values below 85 are low. A frame without a confidence
+  // image keeps all depth, and a warning has the number of such frames.
+  bool confidence = true;
+
   // Topics of depth and colour in a ROS bag (bag, db3, mcap). Empty: the only topic. Colour "none":
   // no colour.
   std::string depth_topic, color_topic;
@@ -79,9 +87,9 @@ std::string NameOfCamera(const SequenceOptions& options);
 // - files without timestamps: index / frames_per_second
 //
 // Frames are mirrored if fy < 0, see SequenceInfo. A frame that cannot be read later is a
-// ReadResult with an error. Throws InputError that names the folder, file or option, also for a
-// live format, if no frame can be read, or if the first readable frame has another size than the
-// camera.
+// ReadResult with an error. Throws InputError that names the folder, file or option. The format
+// must not be live, a frame must be readable, and the first readable frame must have the size of
+// the camera.
 std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options);
 
 // Reads the depth correction of a sequence: `inverse_depth_field` of its camera file, see
@@ -110,12 +118,14 @@ std::unique_ptr<FrameSource> OpenLive(const SequenceOptions& options, int capaci
 
 // Opens a folder that a phone or a recorder is filling. It has numbered PNG images in depth/, and
 // numbered PNG or JPEG images in color/, rgb/ or image/ if such a folder exists when the first
-// frame arrives. Each frame is read as soon as its files are complete. Frames come in the order of
-// their numbers N, with timestamps N / frames_per_second and the camera of OpenSequence().
+// frame arrives. Confidence images are in confidence/, see SequenceOptions::confidence; a list of
+// them is not read. Each frame is read as soon as its files are complete. If its confidence image
+// is missing for two seconds or at the end, the frame is used without one. Frames come in the order
+// of their numbers N, with timestamps N / frames_per_second and the camera of OpenSequence().
 //
 // The sequence ends when the folder has a file `done` and all frames before it are read, or when
-// `stop` becomes true. These frames are a ReadResult with an error: a frame that is incomplete for
-// two seconds or at the end, and a frame that arrives after a later frame was taken.
+// `stop` becomes true. A frame that is incomplete for two seconds or at the end is a ReadResult
+// with an error. A frame that arrives after a later frame was taken is an error as well.
 //
 // Waits for the first readable frame. Throws InputError that names the option, if the path is not a
 // folder, and if the sequence ends without a readable frame. `stop` must outlive the source.

@@ -40,9 +40,9 @@ class TumTrajectoryWriter {
   AppendedFile file_;
 };
 
-// Writes the poses atomically in the format of the KITTI odometry benchmark: the upper 3 x 4 of the
-// camera-to-world matrix per line, by rows, in metres, with 9 decimals. The format has no
-// timestamps. Throws InputError that names the file if it cannot be written.
+// Writes the poses atomically in the format of the KITTI odometry benchmark, in metres with 9
+// decimals. Each line has the upper 3 x 4 of a camera-to-world matrix, row by row. The format has
+// no timestamps. Throws InputError that names the file if it cannot be written.
 void WriteKittiTrajectory(const Trajectory& trajectory, const std::string& path);
 
 }  // namespace surfit

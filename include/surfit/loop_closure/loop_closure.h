@@ -57,16 +57,15 @@ struct LoopOptions {
   // Value of FusionOptions::active_frames with loop closure, if that option is 0. Old surfels must
   // not constrain a drifted camera before a loop closure corrects the drift. 0: no limit.
   int active_frames = 200;
-  // A loop closure merges duplicate surfels with at least this number of frames between the last
-  // observation of the older surfel and the first observation of the newer surfel.
-  // FusionOptions::active_frames is used instead if it is larger.
+  // Minimum number of frames between the observations of duplicate surfels that a loop closure
+  // merges. It counts from the last observation of the older surfel to the first observation of the
+  // newer surfel. FusionOptions::active_frames is used instead if it is larger.
   int frames_apart = 100;
   // Loop closures do not move the map if the displacement of each keyframe is at most this value.
   // The displacement is the translation plus 2 m times the rotation in rad.
   double min_correction_m = 0.002;
   // Memory of keyframe views, for LimitKeyframes().
-  std::size_t max_view_bytes = std::size_t{512}
-                               << 20;  // memory of keyframe views: LimitKeyframes()
+  std::size_t max_view_bytes = std::size_t{512} << 20;
   // Number of consecutive lost frames after which a new submap starts. A loop closure connects it
   // to the first submap. 0: never.
   int new_map_after = 0;

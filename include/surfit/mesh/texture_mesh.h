@@ -66,8 +66,8 @@ struct TextureSummary {
 // Computes a texture for a mesh with normals and colours (as Lempitsky and Ivanov, "Seamless
 // mosaicing of image-based texture maps", 2007). Each triangle takes its texture from a frame that
 // sees it sharply:
-// - A triangle is visible in a frame if it faces the camera and if neither another part of the mesh
-//   nor the measured depth occludes it.
+// - A triangle is visible in a frame if it faces the camera and is not occluded. The mesh and the
+//   measured depth can occlude it.
 // - Sharpness increases with image resolution and decreases with slant and motion blur, as in
 //   FrameColors.
 // - Frames that see most of the mesh nearly as sharply as any other frame are selected first, so

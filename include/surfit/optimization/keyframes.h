@@ -37,7 +37,7 @@ struct RefinementKeyframe {
 };
 
 // Computes the images of a frame at the middle of its readout. `motion` is the camera motion at
-// that time. The slopes follow from the normals of preprocessing, which use a window: with the
+// that time. The slopes follow from the normals of preprocessing, which use a window. With the
 // plane n . X = d and 1/z = n . ray / d, 1/z grows by n_x / (fx d) per column and n_y / (fy d) per
 // row. Inverse depth is not filtered: its errors stay independent per pixel, as the covariance
 // assumes, and curved surfaces are not smoothed.

@@ -65,13 +65,13 @@ struct RefinementOptions {
   // between. If one is 0: no motion prior.
   double motion_sigma_m = 0.0005;
   double motion_sigma_rad = 0.0005;
-  // Keeps the input calibration unless the estimate differs significantly: the squared Mahalanobis
+  // Keeps the input calibration unless the estimate differs significantly. The squared Mahalanobis
   // distance must exceed its mean by more than this many of its standard deviations.
   double calibration_sigmas = 3;
   // Relative systematic error of the model (disparity steps, curved surfaces, depth edges). It does
   // not decrease with the number of pixels. It adds standard deviations to the covariance of the
-  // calibration: this ratio of the focal length for fx fy cx cy, of the inverse of 3 m for inverse
-  // depth, and of 1 s for the readout.
+  // calibration. They are this ratio of the focal length (fx fy cx cy), of 1 / (3 m) (inverse
+  // depth) and of 1 s (readout).
   double model_error_ratio = 0.0005;
   // Factors of `observation_angle_rad` and of the kernel width if the input calibration is kept.
   // Residuals of single pixels are then about half a sigma, and wider gates would accept points of

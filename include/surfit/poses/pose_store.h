@@ -106,11 +106,10 @@ class PoseStore {
   // Marks the outliers of an optimisation, per verified loop.
   void SetLoopsInGraph(const std::vector<bool>& in_graph);
 
-  // Snapshot of the pose graph for a task of loop closure. All edges so far precede the edges that
-  // are added later, so that the sums of the optimisation do not depend on the duration of tasks.
+  // Snapshot of the pose graph for a task of loop closure. Its edges precede all later edges, so
+  // that the sums of the optimisation do not depend on the duration of tasks.
   PoseGraph Snapshot();
 
-  // Moves all frames.
   void Move(const FrameCorrections& corrections);
   // Moves the edges after a calibration has moved the frames.
   void RecalibrateEdges(const std::vector<Rigid3d>& world_from_keyframe_before) {

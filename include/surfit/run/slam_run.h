@@ -217,7 +217,7 @@ struct SlamRunSummary {
 //
 // Throws InputError for invalid options, for an output folder that another run is writing to, and
 // if no frame can be read. After the first frame, errors (out of memory, full disk, read error) end
-// the run: all results are written as far as possible, and the error is thrown as InputError.
+// the run. All results that can be written are written, and the error is thrown as InputError.
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
                        const std::function<void(const SlamRunProgress&)>& progress,
                        const std::function<void(const SlamRunResult&)>& finished = {});

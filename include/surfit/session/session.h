@@ -51,8 +51,7 @@ struct Session {
 };
 
 // Read a session, its runs, or its counts. They throw InputError that names the file, and the table
-// and row, if the folder is not a session, has another version, is locked by another program, or is
-// damaged.
+// and row of damage. The folder must be a session of this version that no other program has locked.
 Session ReadSession(const std::string& folder);
 std::vector<SessionRun> ReadSessionRuns(const std::string& folder);
 SessionCounts CountSession(const std::string& folder);

@@ -67,9 +67,10 @@ Image<Rgb8> ToSrgbImage(const LightImage& light, const Eigen::Vector3f& gains);
 RgbdFrame RenderFrame(const Scene& scene, const PinholeCamera& camera,
                       const Rigid3d& world_from_camera, int index = 0, double stamp_s = 0);
 
-// Noise model of a Kinect v1 (Handa, Whelan, McDonald and Davison, "A Benchmark for RGB-D Visual
-// Odometry, 3D Reconstruction and SLAM", ICRA 2014; Barron and Malik, "Intrinsic Scene Properties
-// from a Single RGB-D Image", CVPR 2013).
+// Noise model of a Kinect v1:
+// - Handa, Whelan, McDonald and Davison, "A Benchmark for RGB-D Visual Odometry, 3D Reconstruction
+//   and SLAM", ICRA 2014
+// - Barron and Malik, "Intrinsic Scene Properties from a Single RGB-D Image", CVPR 2013
 struct KinectOptions {
   double shift_sd_px = 0.5;         // standard deviation of the pixel shift in u and in v
   double disparity_sd = 1.0 / 6.0;  // standard deviation of the disparity, in quantisation steps

@@ -20,7 +20,6 @@ struct RecordingCheckOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Result of one check.
 struct RecordingCheck {
   std::string name;             // "median_depth"
   std::optional<double> value;  // measured value; std::nullopt: not observable
@@ -42,9 +41,12 @@ struct RecordingReport {
   bool IsSound() const;
 };
 
-// Checks all frames of a recording: depth scale, depth range, ratio of valid depth, image size,
-// registration and latency of colour, exposure, blur, missing and repeated frames, timestamps, and,
-// with `track`, the calibration.
+// Checks all frames of a recording:
+// - depth scale, depth range, ratio of valid depth, image size
+// - registration and latency of colour, exposure, blur
+// - missing and repeated frames, timestamps
+// - with `track`, the calibration
+//
 // Calls `progress` with the number of frames read so far. Stops before the next frame if
 // `interrupted` is true. Throws InputError for invalid options, or if the recording cannot be
 // opened.

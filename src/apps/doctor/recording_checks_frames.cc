@@ -43,7 +43,6 @@ std::optional<double> PercentOf(const std::vector<double>& values,
   return 100. * static_cast<double>(count) / static_cast<double>(values.size());
 }
 
-// Check with a maximum percentage.
 RecordingCheck AtMost(const char* name, std::optional<double> percent, double most,
                       const std::string& of_what, const char* advice) {
   RecordingCheck check = {name, percent, "%", Concat("at most ", 100 * most), "", ""};

@@ -46,8 +46,8 @@ class RecordingStatistics {
   void AddUnreadable(int index, const FrameStamps& stamps, const std::string& error);
 
   const std::vector<FrameStatistics>& frames() const { return frames_; }
-  // Median difference of the inverses of adjacent depth values of the sensor, 1/m. std::nullopt for
-  // float depth, or if fewer than 30 of these steps are wider than the unit of the file.
+  // Median difference of the inverses of adjacent depth values of the sensor, 1/m. Returns
+  // std::nullopt for float depth, and for fewer than 30 depth steps of the sensor.
   std::optional<double> InverseDepthStep() const;
 
  private:

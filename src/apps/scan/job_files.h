@@ -22,8 +22,8 @@ std::string AbsolutePath(const std::string& path);
 // Makes the paths absolute, so that the sequence can be read from any working directory.
 SequenceOptions WithAbsolutePaths(SequenceOptions sequence);
 
-// Text of a flag file (--flagfile) with one flag per line: the flags of a run that differ from
-// another run, or from the defaults, except `output`.
+// Text of a flag file (--flagfile) with one flag per line. Contains the flags of `run`, except
+// `output`, that differ from `other` or from the defaults.
 std::string FlagFileOf(const SlamRunOptions& run, const SlamRunOptions& other);
 std::string FlagFileOf(const SlamRunOptions& run);
 
@@ -38,7 +38,6 @@ struct JobReceipt {
   std::string Rule() const { return job.substr(0, job.find('_')); }
 };
 
-// Path of the receipt of a job in the workflow folder.
 std::string ReceiptPath(const std::string& folder, const std::string& job);
 JobReceipt ReadReceipt(const std::string& path);
 

@@ -10,10 +10,10 @@
 
 namespace surfit {
 
-// Loop candidate: keyframes of two fragments, by frame index. The source is in the later fragment.
+// Loop candidate: keyframes of two fragments. The source is in the later fragment of the plan.
 struct PlaceProposal {
-  int source_frame = 0, target_frame = 0;
-  double similarity = 0;
+  int source_frame = 0, target_frame = 0;  // frame indices in the sequences of both recordings
+  double similarity = 0;                   // PlaceCandidate::similarity
 };
 
 // Loop candidates between two fragments.
@@ -22,12 +22,15 @@ struct FragmentCandidates {
   std::vector<PlaceProposal> proposals;
 };
 
-// All functions throw InputError with the name of the file.
+// The files are JSON, written atomically. WriteCandidates() does not touch an unchanged file. All
+// functions of this header throw InputError with the name of a file that cannot be read or written,
+// or that is invalid.
 void WriteCandidates(const FragmentCandidates& pair, const std::string& path);
 FragmentCandidates ReadCandidates(const std::string& path);
 
-// Links between two fragments. ReadLinks() reads only the members that the graph needs: frames,
-// reason, overlap, pose and information.
+// Links between two fragments. ReadLinks() reads only a part of each link: source_frame,
+// target_frame, `reason` and `overlap_ratio` of the verdict, and for accepted links
+// `target_from_source` and `information`. Other members have their default values.
 struct FragmentLinks {
   std::string target, source;
   std::vector<ScanLink> links;
@@ -35,7 +38,8 @@ struct FragmentLinks {
 void WriteLinks(const FragmentLinks& pair, const std::string& path);
 FragmentLinks ReadLinks(const std::string& path);
 
-// Keyframes of a fragment; std::nullopt if it has no places.bin.
+// Reads the poses, keyframes and pose graph of a fragment. `scan` is the folder of the scan.
+// Returns std::nullopt if the fragment has no places.bin, because its run has failed.
 std::optional<RunPlaces> PlacesOf(const std::string& scan, const ScanFragment& fragment,
                                   PlacesPart part);
 

@@ -20,14 +20,12 @@ std::string NameOf(std::int64_t fragment) {
   return name.data();
 }
 
-// Options of the fragment runs.
 SlamRunOptions RunOfFragments(SlamRunOptions run) {
   run.slam.loops.enabled = run.keep_places = true;
   run.slam.calibration.enabled = run.refine = run.final_map = run.pictures = false;
   return run;
 }
 
-// Options of the calibration run.
 SlamRunOptions CameraRunOf(SlamRunOptions run, int frames) {
   SequenceOptions& sequence = run.sequence;
   const std::int64_t last = sequence.first + (frames - std::int64_t{1}) * sequence.stride;

@@ -128,7 +128,6 @@ class ScanReporter {
   }
 
  private:
-  // Deletes files of a former plan.
   void RemoveFormerFiles() const {
     std::set<std::string> trajectories;
     for (std::size_t r = 0; r < plan_.recordings.size(); ++r)

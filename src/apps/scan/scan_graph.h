@@ -59,7 +59,8 @@ class ScanGraph {
 
   std::vector<Connection> Connections() const;
   std::optional<Connection> Joint(std::size_t a, std::size_t b) const;
-  // Connected part of each fragment. Each fragment is placed by its first connection.
+  // Returns the connected part of each fragment. `world_from_fragment` chains the connections that
+  // join two parts, and ignores the other connections.
   std::vector<int> Parts(const std::vector<Connection>& connections,
                          std::vector<Rigid3d>* world_from_fragment) const;
   int LargestPart(const std::vector<int>& parts) const;

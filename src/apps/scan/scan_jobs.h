@@ -88,9 +88,10 @@ struct GraphResult {
 // Optimises the pose graph of all keyframes in the largest connected part. Consecutive fragments of
 // a recording are connected by the middle frame of their shared frames. Recordings are connected by
 // links only. Outlier loops and links are rejected (GNC).
-// Writes graph.json, tiles.json and for each recording R: trajectory_R.txt (TUM format, pose
-// convention of the sequence), poses_R.txt (index stamp tx ty tz qx qy qz qw, in the frame of the
-// map) and trajectory_R.png.
+// Writes graph.json and tiles.json, and for each recording R:
+// - trajectory_R.txt: TUM format, pose convention of the sequence
+// - poses_R.txt: index stamp tx ty tz qx qy qz qw, in the frame of the map
+// - trajectory_R.png
 GraphResult BuildScanGraph(const GraphOptions& options);
 
 struct TileOptions {

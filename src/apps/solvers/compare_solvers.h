@@ -42,7 +42,7 @@ struct CompareOptions {
 
   std::string output;  // output folder, created if missing
 
-  // Names; empty: all that are possible.
+  // Names to compare; empty: all supported names.
   std::vector<std::string> solvers, linear_solvers, residuals, associations;
   std::vector<int> threads = {2};  // one row per number
 
@@ -57,7 +57,7 @@ struct CompareOptions {
   double max_translation_error_m = 0.02;
 
   PreprocessOptions preprocess;
-  IcpOptions icp;  // solver, residual and association are replaced
+  IcpOptions icp;  // solver, residual and association are set per combination
 
   void Visit(OptionVisitor& visitor);
 };
@@ -82,7 +82,7 @@ struct ComparisonRow {
   int threads = 0;
   int runs = 0;
   std::optional<double> build_ms;  // time to build a Ceres problem
-  // Time of a linearisation; with association if done together.
+  // Time of a linearisation. Includes the association if both are one step of the solver.
   std::optional<double> linearize_ms;
   std::optional<double> solve_ms;  // time of a solve, without build_ms
   double total_ms = 0;             // from the initial to the final pose
@@ -91,7 +91,7 @@ struct ComparisonRow {
   std::optional<double> iteration_ms, memory_bytes;
   std::optional<double> final_cost;  // 1/2 sum of rho(s)
   std::optional<double> rotation_error_deg, translation_error_m;
-  std::optional<double> converged_ratio;  // ratio of all runs
+  std::optional<double> converged_ratio;  // converged runs / runs
   std::string termination;  // most frequent value of all runs; empty for known correspondences
 };
 
@@ -104,9 +104,9 @@ struct SlamComparisonRow {
   std::optional<double> ate_m;        // RMSE
   double frame_ms = 0, track_ms = 0;  // medians
   std::size_t map_points = 0;
-  // Distances from the points of this map to the planes of the nearest points of a reference map:
-  // the map of the first row with the same residual and association. shared_surface: ratio of the
-  // points of the reference map that are within 1 cm of this map.
+  // Distances from the points of this map to the planes of the nearest points of a reference map.
+  // The reference map is the map of the first row with the same residual and association.
+  // `shared_surface` is the ratio of reference points within 1 cm of this map.
   std::optional<double> surface_distance_mean_m, surface_distance_p90_m, shared_surface;
 };
 
@@ -125,12 +125,11 @@ struct Comparison {
 
 // Runs all combinations from all initial poses. Writes comparison.csv, comparison.json and
 // comparison.html (charts) into the output folder. SLAM runs add slam.csv, an entry of
-// comparison.json, and their results (RunSlam()) in folders of slam/.
-// Combinations alternate, so that other load of the machine affects all of them. ceres_per_point is
-// slow: it runs only on the first pair, from the initial poses on the diagonal of the grid. Except
-// for known correspondences, it runs only if it is named.
-// If `interrupted` becomes true, the results so far are written. Throws InputError for invalid
-// options or unreadable data.
+// comparison.json, and their results (RunSlam()) in folders of slam/. Combinations alternate, so
+// that other load of the machine affects all combinations. The slow solver ceres_per_point runs
+// only on the first pair, from the initial poses on the diagonal of the grid. It runs only if
+// `solvers` names it, or if correspondences are known. If `interrupted` becomes true, the results
+// so far are written. Throws InputError for invalid options or unreadable data.
 Comparison CompareSolvers(const CompareOptions& options, const std::atomic<bool>& interrupted,
                           const std::function<void(const CompareProgress&)>& progress);
 

@@ -18,7 +18,6 @@ struct ComparedRun {
   std::optional<bool> converged;
 };
 
-// All runs of a combination with a number of threads.
 struct ComparedRuns {
   SolverCombination combination;
   int threads = 0;
@@ -46,10 +45,9 @@ nlohmann::ordered_json ToJson(const ComparisonRow& row);
 // the name of the file.
 void WriteComparisonFiles(const Comparison& comparison, const std::string& folder);
 
-// Writes comparison.html, a self-contained page, into the output folder: times, ratio of converged
-// runs per perturbation (if the truth is known), loss per iteration from one initial pose on the
-// diagonal of the grid, and all figures. Writes nothing without runs. Throws InputError with the
-// name of the file.
+// Writes comparison.html, a self-contained page, into the output folder. The page shows the rows,
+// the ratio of converged runs per perturbation, and the loss per iteration from one initial pose.
+// Without runs, no file is written. Throws InputError with the name of the file.
 void WriteComparisonPage(const std::vector<ComparedRuns>& all,
                          const std::vector<std::string>& notes, const CompareOptions& options);
 

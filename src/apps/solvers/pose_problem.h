@@ -80,7 +80,6 @@ PoseProblem FramePairProblem(FramePyramid source, FramePyramid target,
 
 void SetCombination(const SolverCombination& combination, IcpOptions* icp);
 
-// Sets the median times of the solves.
 void SetTimes(const std::vector<SolveReport>& reports, SolveOutcome* outcome);
 
 // Converts the result of ICP and its time.

@@ -48,9 +48,9 @@ struct RefineRunSummary {
 
 // Refines the keyframes of a run and, depending on the options, the calibration of the camera.
 // Corrects the other poses, and fuses the map again. Writes refinement.json and, if refinement
-// succeeded, trajectory.txt, map.ply, camera.yaml and poses.json.
-// Throws InputError for invalid options, unreadable files, or a trajectory without a pose at a
-// frame of the sequence. Errors after the refinement are thrown when all other files are written.
+// succeeded, trajectory.txt, map.ply, camera.yaml and poses.json. Throws InputError for invalid
+// options, unreadable files, or a trajectory without a pose at a frame of the sequence. If a result
+// cannot be written, writes the other results before it throws InputError.
 RefineRunSummary RunRefinement(const RefineRunOptions& options,
                                const std::function<void(const std::string&)>& progress);
 

@@ -33,8 +33,8 @@ class ChunkedLog : public MessageLog {
 
   const BinaryFile& file() const { return file_; }
   // Calls `take` with the chunk number and the decompressed bytes until no bytes are left. If
-  // decompression or `take` throws InputError, the rest of the chunk is skipped with a warning that
-  // names byte `at`.
+  // decompression or `take` throws InputError, skips the remaining messages of the chunk with a
+  // warning that names byte `at`.
   void AddChunk(const Chunk& chunk, std::uint64_t at, const std::string& name,
                 const std::function<void(int, Cursor*)>& take);
   // Adds a message with the given bytes at position `at` of the part.

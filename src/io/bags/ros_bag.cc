@@ -10,7 +10,6 @@ namespace {
 
 constexpr std::string_view kRosBagLine = "#ROSBAG V2.0\n";
 
-// Fields of a record header by name.
 using RecordFields = std::map<std::string, std::string_view, std::less<>>;
 
 RecordFields ParseFields(std::string_view bytes, const std::string& name) {

@@ -48,7 +48,7 @@ class BinaryCursor {
   explicit BinaryCursor(std::string_view body) : rest_(body) {}
 
   std::size_t BytesLeft() const { return rest_.size(); }
-  // Minimum size of a value in bytes. A list may be empty and has only its length.
+  // Minimum size of a value in bytes. An empty list consists of its length only.
   static std::size_t LeastSize(const PlyProperty& p) {
     return PlySize(p.count_type ? *p.count_type : p.type);
   }

@@ -10,7 +10,6 @@
 
 namespace surfit {
 
-// Line of a text table.
 struct TextRow {
   std::string place;  // "file:line", for error messages
   std::vector<std::string> columns;

@@ -35,6 +35,11 @@ InputError NotADepthImage(int channels, int bits, const std::string& path) {
              " bits, a depth image must have one of 16-bit integers or 32-bit floats"));
 }
 
+InputError NotAConfidenceImage(int channels, int bits, const std::string& path) {
+  return InputError(Concat(path, " has ", channels, " channel(s) of ", bits,
+                           " bits, a confidence image must have one of 8 bits"));
+}
+
 InputError DamagedImage(const std::string& path) {
   return InputError(path + " is truncated, damaged or not an image");
 }
@@ -49,6 +54,18 @@ RawDepth DecodeDepthImage(const std::string& bytes, const std::string& path) {
   if (IsTiff(bytes)) return DecodeDepthTiff(bytes, path);
   if (IsPnm(bytes)) return DecodeDepthPnm(bytes, path);
   throw InputError(path, " is a JPEG file, a depth image must be PNG, TIFF or PGM");
+}
+
+Image<std::uint8_t> ReadConfidenceImage(const std::string& path) {
+  return DecodeConfidenceImage(ReadFile(path, kMaxOfImage), path);
+}
+
+Image<std::uint8_t> DecodeConfidenceImage(const std::string& bytes, const std::string& path) {
+  SizeInHeader(bytes, path);
+  if (IsPng(bytes)) return DecodeConfidencePng(bytes, path);
+  if (IsTiff(bytes)) return DecodeConfidenceTiff(bytes, path);
+  if (IsPnm(bytes)) return DecodeConfidencePnm(bytes, path);
+  throw InputError(path, " is a JPEG, a confidence image must be PNG, TIFF or PGM");
 }
 
 Image<Rgb8> ReadColorImage(const std::string& path) {

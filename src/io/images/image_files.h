@@ -31,6 +31,11 @@ void RequireValidSize(ImageSize size, const std::string& path);
 RawDepth ReadDepthImage(const std::string& path);
 RawDepth DecodeDepthImage(const std::string& bytes, const std::string& path);
 
+// Image of one channel of 8 bits: values as stored. JPEG is refused, because compression changes
+// the values.
+Image<std::uint8_t> ReadConfidenceImage(const std::string& path);
+Image<std::uint8_t> DecodeConfidenceImage(const std::string& bytes, const std::string& path);
+
 // 8-bit RGB. Grey images get three equal channels. Orientation tags are ignored, because the
 // intrinsics refer to the stored pixels.
 Image<Rgb8> ReadColorImage(const std::string& path);

@@ -14,10 +14,13 @@ namespace surfit {
 // Decoders of the image formats, called by image_files.h. `bytes` must have the right format and
 // pass SizeInHeader(). All functions throw InputError with `path`.
 RawDepth DecodeDepthPng(const std::string& bytes, const std::string& path);
+Image<std::uint8_t> DecodeConfidencePng(const std::string& bytes, const std::string& path);
 Image<Rgb8> DecodeColorPng(const std::string& bytes, const std::string& path);
 RawDepth DecodeDepthTiff(const std::string& bytes, const std::string& path);
+Image<std::uint8_t> DecodeConfidenceTiff(const std::string& bytes, const std::string& path);
 Image<Rgb8> DecodeColorTiff(const std::string& bytes, const std::string& path);
 RawDepth DecodeDepthPnm(const std::string& bytes, const std::string& path);
+Image<std::uint8_t> DecodeConfidencePnm(const std::string& bytes, const std::string& path);
 Image<Rgb8> DecodeColorPnm(const std::string& bytes, const std::string& path);
 
 // Chunk of a PNG file: four-letter type and data, as views of the file's bytes.
@@ -41,6 +44,7 @@ bool IsPnm(const std::string& bytes);  // PGM and PPM
 ImageSize PnmSize(const std::string& bytes, const std::string& path);
 
 InputError NotADepthImage(int channels, int bits, const std::string& path);
+InputError NotAConfidenceImage(int channels, int bits, const std::string& path);
 InputError DamagedImage(const std::string& path);
 
 }  // namespace surfit

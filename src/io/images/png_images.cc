@@ -102,6 +102,10 @@ class PngReader {
     return Read<std::uint16_t>([this] { png_set_swap(png_); });
   }
 
+  Image<std::uint8_t> ReadBytes() {
+    return Read<std::uint8_t>([this] { png_set_expand_gray_1_2_4_to_8(png_); });
+  }
+
   Image<Rgb8> ReadColor() {
     return Read<Rgb8>([this] {
       png_set_strip_16(png_);
@@ -188,6 +192,13 @@ RawDepth DecodeDepthPng(const std::string& bytes, const std::string& path) {
   PngReader reader(bytes, path);
   if (reader.type() == PNG_COLOR_TYPE_GRAY && reader.bits() == 16) return reader.ReadCounts();
   throw NotADepthImage(reader.channels(), reader.bits(), path);
+}
+
+Image<std::uint8_t> DecodeConfidencePng(const std::string& bytes, const std::string& path) {
+  PngChunks(bytes, path);
+  PngReader reader(bytes, path);
+  if (reader.type() == PNG_COLOR_TYPE_GRAY && reader.bits() <= 8) return reader.ReadBytes();
+  throw NotAConfidenceImage(reader.channels(), reader.bits(), path);
 }
 
 Image<Rgb8> DecodeColorPng(const std::string& bytes, const std::string& path) {

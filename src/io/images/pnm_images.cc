@@ -84,6 +84,17 @@ RawDepth DecodeDepthPnm(const std::string& bytes, const std::string& path) {
   return image;
 }
 
+Image<std::uint8_t> DecodeConfidencePnm(const std::string& bytes, const std::string& path) {
+  PnmReader reader(bytes, path);
+  reader.Begin();
+  if (reader.channels() != 1 || reader.bits() != 8)
+    throw NotAConfidenceImage(reader.channels(), reader.bits(), path);
+  Image<std::uint8_t> image(reader.size().width, reader.size().height);
+  for (std::uint8_t& value : image)
+    value = static_cast<std::uint8_t>(std::min(reader.Take(), reader.most()));
+  return image;
+}
+
 Image<Rgb8> DecodeColorPnm(const std::string& bytes, const std::string& path) {
   PnmReader reader(bytes, path);
   reader.Begin();

@@ -148,6 +148,12 @@ RawDepth DecodeDepthTiff(const std::string& bytes, const std::string& path) {
   throw NotADepthImage(reader.channels(), reader.bits(), path);
 }
 
+Image<std::uint8_t> DecodeConfidenceTiff(const std::string& bytes, const std::string& path) {
+  const TiffFile reader(bytes, path);
+  if (reader.Has(8, SAMPLEFORMAT_UINT)) return reader.ReadNumbers<std::uint8_t>();
+  throw NotAConfidenceImage(reader.channels(), reader.bits(), path);
+}
+
 Image<Rgb8> DecodeColorTiff(const std::string& bytes, const std::string& path) {
   return TiffFile(bytes, path).ReadColor();
 }

@@ -80,7 +80,7 @@ class OniRecording : public Recording {
 
   int frame_count() const override { return static_cast<int>(frames_.size()); }
   FrameStamps stamps(int index) const override { return frames_[index].stamps; }
-  // Fast for ascending frames. For an earlier frame, the rest of the file is played first.
+  // Fast for ascending frames. For an earlier frame, the file must play to its end first.
   FrameImages Read(int index) const override {
     const Frame& frame = frames_[index];
     FrameImages images;

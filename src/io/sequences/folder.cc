@@ -1,6 +1,7 @@
 #include "io/sequences/folder.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <filesystem>
 #include <limits>
@@ -87,6 +88,12 @@ bool HasFile(const std::string& path) {
 bool EndsWith(const std::string& name, const std::string& ending) {
   return name.size() >= ending.size() &&
          name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+bool IsImageName(const std::string& name) {
+  constexpr std::array kEndings = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff"};
+  return std::any_of(kEndings.begin(), kEndings.end(),
+                     [&](const char* ending) { return EndsWith(name, ending); });
 }
 
 std::optional<long> NumberInName(const std::string& name) {

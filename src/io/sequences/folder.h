@@ -16,6 +16,9 @@ bool IsFile(const std::string& path);
 bool HasFile(const std::string& path);
 bool EndsWith(const std::string& name, const std::string& ending);
 
+// Whether the name has the ending of an image file.
+bool IsImageName(const std::string& name);
+
 // Number of the first digits in a file name: 12 for frame-000012.color.png. Returns std::nullopt
 // without digits.
 std::optional<long> NumberInName(const std::string& name);

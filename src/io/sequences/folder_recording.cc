@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "io/images/image_files.h"
+#include "io/sequences/confidence.h"
 
 namespace surfit {
 namespace {
@@ -25,6 +26,7 @@ FrameImages ReadFrameFiles(const FrameFiles& files) {
   images.depth_name = files.depth_path;
   images.color_name = files.color_path;
   images.depth = ReadDepthImage(files.depth_path);
+  if (!files.confidence_path.empty()) RemoveLowConfidence(files, &images);
   if (!files.color_path.empty()) images.color = ReadColorImage(files.color_path);
   return images;
 }

@@ -18,12 +18,6 @@ namespace {
 
 FrameStamps BothAt(double stamp_s) { return {stamp_s, stamp_s}; }
 
-bool IsImage(const std::string& name) {
-  constexpr std::array kEndings = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff"};
-  return std::any_of(kEndings.begin(), kEndings.end(),
-                     [&](const char* ending) { return EndsWith(name, ending); });
-}
-
 // Images of a folder by number. If two images have the same number, calls `twice` with a message
 // and keeps the image with the shorter name.
 std::map<long, std::string> NumberedImages(const std::string& folder,
@@ -31,7 +25,7 @@ std::map<long, std::string> NumberedImages(const std::string& folder,
   std::map<long, std::string> images;
   for (const std::string& name : NamesIn(folder)) {
     const auto number = NumberInName(name);
-    if (!number || !IsImage(name)) continue;
+    if (!number || !IsImageName(name)) continue;
     const auto [it, is_new] = images.emplace(*number, name);
     if (is_new) continue;
     twice(Concat(folder, ": ", it->second, " and ", name, " are both number ", *number,
@@ -45,7 +39,7 @@ std::map<long, std::string> NumberedImages(const std::string& folder,
 std::map<double, std::string> StampedImages(const std::string& folder) {
   std::map<double, std::string> images;
   for (const std::string& name : NamesIn(folder)) {
-    if (!IsImage(name)) continue;
+    if (!IsImageName(name)) continue;
     const auto stamp_s = StampInName(name);
     if (!stamp_s) return {};
     images[*stamp_s] = Concat(folder, "/", name);

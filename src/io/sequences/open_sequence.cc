@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "io/sequences/confidence.h"
 #include "io/sequences/folder.h"
 #include "io/sequences/folder_recording.h"
 #include "io/sequences/raw_frames.h"
@@ -23,15 +24,17 @@ SequenceFiles ListSequence(const std::string& format, const std::string& folder,
 }
 
 OpenedRecording OpenRecording(const std::string& format, const std::string& path,
-                              const RgbdCamera& camera) {
+                              const RgbdCamera& camera, bool confidence) {
   if (format == "klg") return OpenKlg(path, {camera.depth.width, camera.depth.height});
   if (format == "sens") return OpenSens(path, camera.frames_per_second);
   SequenceFiles files = ListSequence(format, path, camera.frames_per_second);
-  return {MakeFolderRecording(std::move(files.frames)),
-          std::move(files.ground_truth),
-          files.has_clock,
-          {},
-          files.unpaired_images};
+  std::vector<std::string> warnings;
+  if (confidence) {
+    if (auto warning = AddConfidence(path, files.has_clock, &files.frames))
+      warnings.push_back(std::move(*warning));
+  }
+  return {MakeFolderRecording(std::move(files.frames)), std::move(files.ground_truth),
+          files.has_clock, std::move(warnings), files.unpaired_images};
 }
 
 std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
@@ -117,7 +120,8 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
   if (info.format == "oni") opened = OpenOni(options);
   ResolveCamera(options, opened.read_camera, &info);
 
-  if (!opened.frames) opened = OpenRecording(info.format, options.path, info.camera);
+  if (!opened.frames)
+    opened = OpenRecording(info.format, options.path, info.camera, options.confidence);
   if (!opened.has_clock) DropLatency(options, &info.camera);
   info.warnings.insert(info.warnings.end(), opened.warnings.begin(), opened.warnings.end());
   info.ground_truth = std::move(opened.ground_truth);

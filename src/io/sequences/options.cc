@@ -1,4 +1,3 @@
-// Option tables of io.
 #include "surfit/core/options.h"
 
 #include "core/shared_options.h"
@@ -63,6 +62,10 @@ void SequenceOptions::Visit(OptionVisitor& v) {
   v.Add(latency_s, SharedOption("latency_s"));
   v.Add(color_latency_s, SharedOption("color_latency_s"));
   v.Add(readout_s, SharedOption("readout_s"));
+  v.Add(confidence, "confidence",
+        "use the confidence images of a folder (confidence/ or confidence.txt): depth of low "
+        "confidence (0 of 0 to 2, or below 85 of 0 to 255) is missing",
+        Everyday());
   v.Add(depth_topic, "depth_topic", "depth image topic of a ROS bag; empty: the only depth topic",
         AsFlag());
   v.Add(color_topic, "color_topic",

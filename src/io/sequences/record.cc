@@ -189,6 +189,8 @@ RecordSummary RecordSequence(const RecordOptions& options, const std::atomic<boo
     const double seconds = frame->stamps.depth_s - first_s;
     if (options.max_seconds > 0 && seconds > options.max_seconds) break;
     folder.Write(*images, frame->stamps, &summary);
+    summary.depths += images->low_confidence.depths;
+    summary.low_confidence += images->low_confidence.removed;
     summary.seconds = seconds;
     ++summary.frames_written;
     progress(summary);

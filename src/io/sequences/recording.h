@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -23,9 +24,18 @@ struct FrameStamps {
 // Maximum time between colour and depth of one frame.
 constexpr double kMaxBetweenImages_s = 0.02;
 
+// Pixels with depth that are removed from an image because of low confidence.
+struct LowConfidence {
+  int range = 0;            // largest confidence value of the recording; 0: no confidence image
+  std::int64_t depths = 0;  // pixels with depth before the removal
+  std::int64_t removed = 0;
+};
+
+// Images of one frame, without depth of low confidence.
 struct FrameImages {
   RawDepth depth;
-  Image<Rgb8> color;       // empty: no colour
+  Image<Rgb8> color;  // empty: no colour
+  LowConfidence low_confidence;
   std::string depth_name;  // file and position in the file, for messages
   std::string color_name;
 };
@@ -63,8 +73,20 @@ struct OpenedRecording {
 struct FrameFiles {
   FrameStamps stamps;
   std::string depth_path;
-  std::string color_path;  // empty: no colour
+  std::string color_path;            // empty: no colour
+  std::string confidence_path = {};  // empty: no confidence image
+  int confidence_range = 0;          // ConfidenceRange()
 };
+
+// File with its timestamp.
+struct StampedFile {
+  double stamp_s = 0;
+  std::string path;
+};
+
+// Reads a list of timestamps and files, such as depth.txt, in ascending order of time. Throws
+// InputError that names the file and the line.
+std::vector<StampedFile> ReadStampedFiles(const std::string& folder, const std::string& name);
 
 // Files of a folder of images. The images are not opened.
 struct SequenceFiles {

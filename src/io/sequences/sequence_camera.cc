@@ -97,9 +97,9 @@ SourceCamera IclNuimCamera(const SequenceOptions& options) {
   return Guessed(CameraPreset("icl_nuim"));
 }
 
-// Preset by the recording name in the head of a list, as in TUM downloads:
+// Camera preset of the recording name in the header of an image list, for example in TUM datasets:
 //   # file: 'rgbd_dataset_freiburg1_desk.bag'
-// Empty without such a name.
+// Returns "" without a recording name.
 std::string PresetInHead(const std::string& list) {
   constexpr std::string_view kName = "freiburg";
   std::istringstream lines(ReadFile(list));

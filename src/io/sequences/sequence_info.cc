@@ -2,6 +2,8 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <sstream>
 
@@ -50,7 +52,28 @@ void CompleteCamera(const FrameImages& first, SequenceInfo* info) {
   RequireSizeOf(*camera, first);
 }
 
-std::string Assumed(const FrameImages& first, const SequenceInfo& info) {
+// SequenceInfo::low_confidence_ratio. The range is that of the recording, or 0 without confidence.
+std::optional<double> LowConfidenceRatio(const std::vector<FrameImages>& images, int* range) {
+  LowConfidence sum;
+  for (const FrameImages& image : images) {
+    sum.range = std::max(sum.range, image.low_confidence.range);
+    sum.depths += image.low_confidence.depths;
+    sum.removed += image.low_confidence.removed;
+  }
+  *range = sum.range;
+  if (sum.range == 0) return std::nullopt;
+  return sum.depths == 0 ? 0 : static_cast<double>(sum.removed) / static_cast<double>(sum.depths);
+}
+
+// "", or the range of confidence and the share of depth that is removed.
+std::string ConfidenceFigures(std::optional<double> removed_ratio, int range) {
+  if (!removed_ratio) return "";
+  return Concat(", confidence 0 to ", range, ": low confidence (below ", (range + 2) / 3,
+                ") removes ", 0.1 * std::round(1000 * *removed_ratio),
+                " % of depth in the first images");
+}
+
+std::string Assumed(const FrameImages& first, const SequenceInfo& info, int confidence_range) {
   const RgbdCamera& c = info.camera;
   std::string frames = info.frame_count < 0 ? "live frames" : Concat(info.frame_count, " frames");
   std::string color = "no colour";
@@ -60,8 +83,9 @@ std::string Assumed(const FrameImages& first, const SequenceInfo& info) {
                 : Concat("separate colour camera, ", c.color.width, " x ", c.color.height);
   }
   return Concat("format ", info.format, ", ", frames, ", depth ", c.depth.width, " x ",
-                c.depth.height, ", ", color, "\ndepth camera ", FormatDepthCamera(c), ": ",
-                info.camera_from);
+                c.depth.height, ", ", color,
+                ConfidenceFigures(info.low_confidence_ratio, confidence_range), "\ndepth camera ",
+                FormatDepthCamera(c), ": ", info.camera_from);
 }
 
 void Mirror(Trajectory* trajectory) {
@@ -85,7 +109,9 @@ FrameRectifier CompleteInfo(const std::vector<FrameImages>& images, const Rectif
                             SequenceInfo* info) {
   const FrameImages& first = images[0];
   CompleteCamera(first, info);
-  info->assumed = Assumed(first, *info);
+  int confidence_range = 0;
+  info->low_confidence_ratio = LowConfidenceRatio(images, &confidence_range);
+  info->assumed = Assumed(first, *info, confidence_range);
   if (!info->camera.disparity.IsGiven()) {
     if (auto warning =
             DepthScaleWarning(first.depth, info->camera.depth_units_per_metre, first.depth_name))

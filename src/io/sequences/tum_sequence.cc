@@ -11,11 +11,6 @@
 namespace surfit {
 namespace {
 
-struct StampedFile {
-  double stamp_s = 0;
-  std::string path;
-};
-
 // Rejects files outside the folder, because lists may be untrusted.
 StampedFile ParseStampedFile(const TextRow& row, int column, const std::string& folder) {
   const std::string& name = row.columns[column + 1];
@@ -28,19 +23,6 @@ StampedFile ParseStampedFile(const TextRow& row, int column, const std::string& 
 void RequireColumns(const TextRow& row, std::size_t count, const char* meaning) {
   ThrowIf(row.columns.size() != count, row.place, " has ", row.columns.size(),
           " columns, must have ", count, ": ", meaning);
-}
-
-// Reads rgb.txt or depth.txt and sorts by timestamp.
-std::vector<StampedFile> ReadStampedFiles(const std::string& folder, const std::string& name) {
-  std::vector<StampedFile> files;
-  ForEachTextRow(Concat(folder, "/", name), [&](const TextRow& row) {
-    RequireColumns(row, 2, "timestamp and file");
-    files.push_back(ParseStampedFile(row, 0, folder));
-  });
-  std::stable_sort(files.begin(), files.end(), [](const StampedFile& a, const StampedFile& b) {
-    return a.stamp_s < b.stamp_s;
-  });
-  return files;
 }
 
 std::vector<double> Stamps(const std::vector<StampedFile>& files) {
@@ -92,6 +74,18 @@ Trajectory ReadGroundTruth(const std::string& folder) {
 }
 
 }  // namespace
+
+std::vector<StampedFile> ReadStampedFiles(const std::string& folder, const std::string& name) {
+  std::vector<StampedFile> files;
+  ForEachTextRow(Concat(folder, "/", name), [&](const TextRow& row) {
+    RequireColumns(row, 2, "timestamp and file");
+    files.push_back(ParseStampedFile(row, 0, folder));
+  });
+  std::stable_sort(files.begin(), files.end(), [](const StampedFile& a, const StampedFile& b) {
+    return a.stamp_s < b.stamp_s;
+  });
+  return files;
+}
 
 SequenceFiles ListTumSequence(const std::string& folder) {
   SequenceFiles files;

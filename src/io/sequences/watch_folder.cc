@@ -3,12 +3,15 @@
 #include <chrono>
 #include <deque>
 #include <map>
+#include <memory>
 #include <set>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "core/repeated_warning.h"
 #include "core/trace.h"
+#include "io/sequences/confidence.h"
 #include "io/sequences/folder.h"
 #include "io/sequences/folder_recording.h"
 #include "io/sequences/raw_frames.h"
@@ -33,8 +36,12 @@ struct Arrival {
 // Reads numbered images as they appear, see WatchFolder().
 class WatchedFolder {
  public:
-  WatchedFolder(std::string path, double frames_per_second, const std::atomic<bool>& stop)
-      : path_(std::move(path)), frames_per_second_(frames_per_second), stop_(stop) {}
+  WatchedFolder(std::string path, double frames_per_second, bool confidence,
+                const std::atomic<bool>& stop)
+      : path_(std::move(path)),
+        frames_per_second_(frames_per_second),
+        stop_(stop),
+        confidence_(confidence) {}
 
   // Waits for the next frame; std::nullopt at the end.
   std::optional<Arrival> Next();
@@ -44,6 +51,9 @@ class WatchedFolder {
 
   // Adds new frames to waiting_.
   void List();
+  // Reads the images of a frame. A missing confidence image is an error, except in the last try.
+  // Throws InputError that names the file.
+  FrameImages Read(FrameFiles files, bool is_last_try);
   // Removes the first waiting frame if it is complete, or incomplete after the timeout;
   // std::nullopt otherwise.
   std::optional<Arrival> TakeFirst(bool ended);
@@ -51,6 +61,11 @@ class WatchedFolder {
   std::string path_;
   double frames_per_second_;
   const std::atomic<bool>& stop_;
+  const bool confidence_;     // use the images in confidence/, if this folder exists
+  int confidence_range_ = 0;  // ConfidenceRange() of the first image; 0: no image yet
+  // Frames without a confidence image. A pointer, because RepeatedWarning cannot be moved.
+  std::unique_ptr<RepeatedWarning> without_confidence_ =
+      std::make_unique<RepeatedWarning>("frames without a confidence image");
   std::optional<std::string> color_folder_;  // set by the first frame; "": frames without colour
   std::map<long, FrameFiles> waiting_;       // by frame number
   std::set<long> taken_;
@@ -63,12 +78,27 @@ void WatchedFolder::List() {
   const auto tell = [this](const std::string& twice) {
     if (told_.insert(twice).second) LOG(WARNING) << twice;
   };
-  for (FrameFiles& files : ListNumberedFrames(path_ + "/depth", color_folder, tell)) {
+  std::vector<FrameFiles> frames = ListNumberedFrames(path_ + "/depth", color_folder, tell);
+  if (confidence_) AddNamedConfidence(ConfidenceFolder(path_), /*has_clock=*/false, tell, &frames);
+  for (FrameFiles& files : frames) {
     const long number = static_cast<long>(files.stamps.depth_s);
     if (taken_.count(number) > 0) continue;
     files.stamps.depth_s = files.stamps.color_s = static_cast<double>(number) / frames_per_second_;
     waiting_[number] = files;
   }
+}
+
+FrameImages WatchedFolder::Read(FrameFiles files, bool is_last_try) {
+  const bool is_missing =
+      confidence_ && files.confidence_path.empty() && IsFolder(ConfidenceFolder(path_));
+  const std::string missing = files.depth_path + " has no confidence image";
+  if (is_missing && !is_last_try) throw InputError(missing);
+  if (!files.confidence_path.empty() && confidence_range_ == 0)
+    confidence_range_ = ConfidenceRange(ReadConfidenceImage(files.confidence_path));
+  files.confidence_range = confidence_range_;
+  FrameImages images = ReadFrameFiles(files);
+  if (is_missing) without_confidence_->Tell(missing + ": all of its depth is used");
+  return images;
 }
 
 std::optional<Arrival> WatchedFolder::TakeFirst(bool ended) {
@@ -80,13 +110,14 @@ std::optional<Arrival> WatchedFolder::TakeFirst(bool ended) {
     arrival.error =
         Concat(files.depth_path, " arrived after frame ", *taken_.rbegin(), " was read");
   } else {
+    const bool is_last_try = ended || (first_try_ && Clock::now() - *first_try_ >= kPatience);
     try {
       const StageTimer timer("read", static_cast<int>(taken_.size()), &arrival.read_ms);
-      arrival.images = ReadFrameFiles(files);
+      arrival.images = Read(files, is_last_try);
       if (!color_folder_) color_folder_ = FindColorFolder(path_);
     } catch (const InputError& error) {
       if (!first_try_) first_try_ = Clock::now();
-      if (!ended && Clock::now() - *first_try_ < kPatience) return std::nullopt;
+      if (!is_last_try) return std::nullopt;
       arrival.error = error.what();
     }
   }
@@ -166,7 +197,7 @@ RawSequence OpenWatchedFolder(const SequenceOptions& options, const std::atomic<
   info.frame_count = -1;
   ResolveCamera(options, /*tell=*/{}, &info);
   DropLatency(options, &info.camera);
-  WatchedFolder folder(options.path, info.camera.frames_per_second, stop);
+  WatchedFolder folder(options.path, info.camera.frames_per_second, options.confidence, stop);
   return MakeRawSequence(std::move(info),
                          std::make_unique<WatchedFrames>(options, std::move(folder)), options);
 }

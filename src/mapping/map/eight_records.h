@@ -4,9 +4,9 @@
 
 namespace surfit {
 
-// Transposes eight records of eight numbers to eight vectors and back: columns[i] contains number i
-// of all records. Each vector combines halves of two records, so that no shuffle crosses the
-// 128-bit halves.
+// Transposes eight records of eight floats to eight vectors and back: lane j of columns[i] is
+// records[j][i]. Records need no alignment. The loaded vectors combine halves of the records k and
+// k + 4, so that no shuffle crosses the 128-bit halves of a vector.
 template <typename Instructions>
 class EightRecords {
  public:

@@ -76,7 +76,7 @@ class FrameColors {
   const Eigen::Vector3f turn_, velocity_;  // per second
   // Times relative to the pose: capture time of the middle row, and time per row.
   const float middle_s_, row_s_;
-  std::vector<Range> rows_, columns_;  // indexed by the first of the two
+  std::vector<Range> rows_, columns_;  // per pair of lines, by the index of its first line
 };
 
 }  // namespace surfit

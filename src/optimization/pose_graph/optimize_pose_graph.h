@@ -37,8 +37,8 @@ std::optional<std::vector<Rigid3d>> ChordalPoses(const PoseGraph& graph,
 
 // Initial trust-region radii of Levenberg-Marquardt: the default of Ceres, and nearly that of
 // Gauss-Newton. From chordal poses, the default takes ten more iterations on a sphere of 10,000
-// poses: damping slows down the bending of long chains. From odometry poses, it takes fewer
-// iterations.
+// poses: damping slows down the bending of long chains. From odometry poses, the default takes
+// fewer iterations.
 inline constexpr double kFarFromMinimum = 1e4, kNearMinimum = 1e10;
 
 class PoseGraphProblem {
@@ -79,16 +79,15 @@ class PoseGraphProblem {
   ceres::Problem problem_;  // last member: points to other members
 };
 
-// Weights of graduated non-convexity with truncated least squares. A convex surrogate of the cost
-// is transformed into min(e^2, c^2) of the squared error e^2 of each loop closure, by a control
-// parameter mu that grows by a factor of 1.4 per round. Yang, Antonante, Tzoumas, Carlone:
-// Graduated Non-Convexity for Robust Spatial Perception, RA-L 2020, eq. 12 to 14 and remark 5,
-// where e^2 is called r^2.
+// Weights of graduated non-convexity with truncated least squares. The cost of a loop closure
+// changes from a convex surrogate to min(e^2, c^2) of its squared error e^2. The control parameter
+// mu grows by a factor of 1.4 per round. Yang, Antonante, Tzoumas, Carlone: Graduated Non-Convexity
+// for Robust Spatial Perception, RA-L 2020, eq. 12 to 14 and remark 5, where e^2 is called r^2.
 class LoopWeights {
  public:
   // `max_squared_error` is c^2. `squared_errors` are the errors of all loop closures at the initial
-  // poses. The paper starts from the minimum with all weights 1. Here they are odometry poses,
-  // because outliers fold a trajectory, and it does not unfold later.
+  // poses. The paper starts from the minimum with all weights 1. Here the initial poses are
+  // odometry poses, because outliers fold a trajectory irreversibly.
   LoopWeights(double max_squared_error, const std::vector<double>& squared_errors)
       : max_squared_error_(max_squared_error) {
     double largest = 0;

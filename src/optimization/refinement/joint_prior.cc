@@ -29,7 +29,6 @@ ceres::Matrix RootOf(const ReducedSystem::CalibrationMatrix& information) {
   return roots.asDiagonal() * upper * order;
 }
 
-// Residuals and Jacobian of an edge.
 struct EdgeRows {
   Eigen::Matrix<double, 6, 1> residual;
   Eigen::Matrix<double, 6, 2 * kPoseTangentSize> jacobian;  // by the perturbations of both poses

@@ -21,7 +21,6 @@ using CalibrationRow = Eigen::Matrix<double, kCalibrationSize, 1>;
 template <int kUnknowns>
 using SurfelRow = Eigen::Matrix<double, kUnknowns, 1>;
 
-// Parameters of a surfel.
 struct SurfelParameters {
   double displacement = 0;                            // m, along its normal
   Eigen::Vector2d texture = Eigen::Vector2d::Zero();  // differences of intensity, in sigmas

@@ -14,16 +14,15 @@ namespace surfit {
 // Prior of poses and calibration.
 class JointPrior {
  public:
-  // Empty prior.
   JointPrior() = default;
-  // Prior of the relative poses of consecutive keyframes, at the given poses. It holds keyframes
-  // that share few surfels, whose errors would otherwise move them.
+  // Prior of the relative poses of consecutive keyframes, at the given poses. It constrains
+  // keyframes that share few surfels.
   JointPrior(const std::vector<Rigid3d>& world_from_camera, double sigma_m, double sigma_rad);
-  // Prior of the calibration. It holds parameters that are not observable.
+  // Prior of the calibration. It constrains unobservable parameters.
   JointPrior(const DepthCalibration& given, const CalibrationPrior& prior);
 
-  // Sets the variance of the observations, relative to the error model. The prior is multiplied by
-  // it, because its own standard deviations are absolute.
+  // Sets the variance of the observations, relative to the error model. The cost of the prior is
+  // multiplied by this variance, because its standard deviations are absolute.
   void SetWeight(double weight) { weight_ = weight; }
 
   // Sum of the weighted rho: twice the cost of the prior.

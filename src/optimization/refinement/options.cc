@@ -1,4 +1,3 @@
-// The options of this module.
 #include "surfit/core/options.h"
 
 #include <cmath>
@@ -76,9 +75,11 @@ void RefinementOptions::Visit(OptionVisitor& v) {
         "significance of a new calibration, in standard deviations: the input calibration is kept "
         "if the estimate differs less",
         AtLeast(0));
-  v.Add(model_error_ratio, "model_error_ratio",
-        "relative error of the model: of the focal length, of depth, and of 1 s of readout",
-        AtLeast(0));
+  v.Add(
+      model_error_ratio, "model_error_ratio",
+      "systematic error of the model, as a ratio of the focal length, of the inverse depth at 3 m, "
+      "and of a readout of 1 s",
+      AtLeast(0));
   v.Add(kept_angle_ratio, "kept_angle_ratio",
         "factor of observation_angle_rad with a kept calibration", Positive(), Between(0, 1));
   v.Add(kept_kernel_ratio, "kept_kernel_ratio",

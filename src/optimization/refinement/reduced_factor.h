@@ -12,8 +12,8 @@ namespace surfit {
 // Cholesky factor L L^T of the pose part P of a reduced Hessian, without the fixed first pose.
 //
 // Uses the sparse solver of Eigen with minimum degree ordering, or the dense solver if it is
-// faster: in a room that is seen repeatedly, half of all keyframe pairs share surfels, and the
-// sparse factor is nearly full. Both run on one thread.
+// faster. In a room that is seen repeatedly, half of all keyframe pairs share surfels, and the
+// sparse factor is nearly full. Both solvers run on one thread.
 class PoseFactor {
  public:
   // Computes the ordering and the number of operations.

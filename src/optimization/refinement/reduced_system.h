@@ -58,10 +58,9 @@ struct ReducedSystem {
   Eigen::Index CalibrationBegin() const { return gradient.size() - kCalibrationSize; }
 
   const BlockPattern* pattern;
-  // Hessian: blocks of pose pairs in the order of the pattern, with the lower triangle of diagonal
-  // blocks; blocks of the calibration with each pose; block of the calibration.
-  std::vector<PoseMatrix> poses;
-  std::vector<MixedMatrix> mixed;
+  // Blocks of the Hessian.
+  std::vector<PoseMatrix> poses;   // in the order of the pattern; diagonal blocks: lower triangle
+  std::vector<MixedMatrix> mixed;  // calibration with each pose
   CalibrationMatrix calibration = CalibrationMatrix::Zero();
   Eigen::VectorXd gradient;
   double rho = 0;  // sum of rho: twice the cost

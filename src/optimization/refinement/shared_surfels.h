@@ -10,7 +10,6 @@
 
 namespace surfit {
 
-// Observation of a surfel plane by a keyframe.
 struct PlaneObservation {
   int keyframe = 0;
   float u = 0, v = 0;       // px
@@ -65,9 +64,9 @@ inline constexpr double kTextureRadiusPx = 4;
 // Moves each surfel to the optimal displacement of its plane, the linearisation point of the
 // images, and adds texture observations. A keyframe observes the texture if it observes the plane
 // everywhere around the points, because other surfaces move differently in the image. A surfel has
-// no texture if fewer than two keyframes observe it, or if its differences of intensity change by
-// less than a standard deviation per px in all keyframes. The result is the same for any number of
-// threads.
+// no texture if fewer than two keyframes observe the texture. In at least one keyframe, an image
+// shift of 1 px must change its intensity differences by a standard deviation. The result is the
+// same for any number of threads.
 void ObserveTextures(const std::vector<RefinementKeyframe>& keyframes,
                      const DepthCalibration& calibration, const ErrorModel& model,
                      SharedSurfels* shared);

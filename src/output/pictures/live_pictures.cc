@@ -47,8 +47,8 @@ Image<Rgb8> DepthPicture(const Image<float>& depth_m) {
   return picture;
 }
 
-// Fills one-pixel gaps between discs: a gap with a left and a right neighbour, or an upper and a
-// lower neighbour, gets the surfel of a neighbour.
+// Fills one-pixel gaps between discs: a pixel with surfels on two opposite sides gets the left or
+// the upper surfel.
 Image<std::int32_t> WithoutHoles(const Image<std::int32_t>& ids) {
   Image<std::int32_t> filled = ids;
   const auto fill = [&](int u, int v, std::int32_t before, std::int32_t after) {

@@ -42,8 +42,9 @@ class PictureSheet {
   Image<Rgb8> image_;
 };
 
-// Four views of the surfels with shown[id] != 0, in width x height pixels: from above, oblique from
-// above, from behind the first camera, and from behind the camera of MostDifferentPose().
+// Four views of the surfels with shown[id] != 0, in width x height pixels. The views are from
+// above, oblique from above, from behind the first camera, and from behind the camera of
+// MostDifferentPose().
 std::array<PictureView, 4> ChooseMapViews(const SurfelMap& map,
                                           const std::vector<std::uint8_t>& shown,
                                           const Trajectory& camera_path, int width, int height);

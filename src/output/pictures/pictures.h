@@ -13,22 +13,21 @@
 namespace surfit {
 
 // Writes map_color.png, map_normals.png, map_confidence.png and map_last_seen.png into the
-// directory. Each sheet has four views of the map: from above, oblique from above, from behind the
-// first camera, and from behind the camera whose view differs most from the first camera. The up
-// direction is the mean upward (-y) axis of the cameras, refined by the normals of floors and
-// tables. The world frame may have any orientation.
+// directory. Each sheet has four views of the map: from above, oblique from above, and from behind
+// two cameras. The two cameras are the first camera and the camera with the most different pose.
+// The up direction is the mean upward (-y) axis of the cameras, refined by the normals of floors
+// and tables. The world frame may have any orientation.
 //
-// Back faces are not drawn, so ceiling and near walls do not occlude the room. map_confidence shows
-// all surfels, the other sheets only surfels with confidence >= NoiseConfidence(). The colour of a
-// normal n in the world frame is (1 + n) / 2: x red, y green, z blue.
+// Back faces are not drawn, so ceiling and near walls do not occlude the room. All surfels are in
+// map_confidence. The other sheets only have surfels with confidence >= NoiseConfidence(). The
+// colour of a normal n in the world frame is (1 + n) / 2: x red, y green, z blue.
 //
 // For an empty map, the pictures have the text "empty map". Throws InputError if writing fails.
 void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
                       const std::string& directory);
 
 // Confidence below which surfels are treated as noise: 3 (about three central observations), or a
-// tenth of the 90 % quantile of the map if it is less, for example after few frames. 0 for an empty
-// map.
+// tenth of the 90 % quantile of the map if this is less. 0 for an empty map.
 float NoiseConfidence(const SurfelMap& map);
 
 // Writes a PNG of the camera path from above and from the side, in m along the world axes. Both

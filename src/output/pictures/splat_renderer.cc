@@ -34,7 +34,7 @@ PixelRange Clip(float first, float last, int size) {
           static_cast<int>(std::clamp(std::floor(last) + 1, 0.f, static_cast<float>(size)))};
 }
 
-// Offers the pixels whose rays intersect the disc (c, n, radius) in the camera frame. With c = z r
+// Draws the pixels whose rays intersect the disc (c, n, radius) in the camera frame. With c = z r
 // and r = (x, y, 1), the ray r + e with e = (ex, ey, 0) intersects the plane of the disc at depth z
 // + k:
 //   n . ((z + k) (r + e) - z r) = 0,   k = -z n.e / n.(r + e),
@@ -66,8 +66,8 @@ void DrawDisc(const Canvas& canvas, const Eigen::Vector3f& c, const Eigen::Vecto
       const float k = -z * n_e / (n_r + n_e);
       const Eigen::Vector3f offset((z + k) * ex + k * x, (z + k) * ey + k * y, k);
       if (offset.squaredNorm() > radius * radius) continue;
-      // Clamped against rounding: with depths below nearest_z, IsHidden() would make the result
-      // depend on the order of surfels.
+      // IsHidden() requires depths of at least nearest_z. A smaller depth, by rounding, would make
+      // the result depend on the order of surfels.
       canvas.image.Offer(column, row, std::max(z + k, nearest_z), index);
     }
   }

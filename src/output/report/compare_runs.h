@@ -22,8 +22,8 @@ struct RunAlignment {
 // std::nullopt for fewer than three equal timestamps.
 std::optional<RunAlignment> AlignRuns(const Trajectory& source, const Trajectory& target);
 
-// Distance of each surfel centre to the map, m: distance to the disc of the map surfel with the
-// nearest centre. kFarFromMap if no centre is within kFarFromMap.
+// Distance of each surfel centre to the disc of the map surfel with the nearest centre, m. At most
+// kFarFromMap.
 constexpr float kFarFromMap = 0.5f;
 std::vector<float> DistancesFromMap(const std::vector<Surfel>& surfels,
                                     const Rigid3d& map_from_surfels,

@@ -12,10 +12,10 @@ namespace surfit {
 template <typename T>
 class EvenSample {
  public:
-  // `most` must be even.
+  // `most` must be even and positive, which is not checked.
   explicit EvenSample(std::size_t most) : most_(most) {}
 
-  // Returns true if the next item must be passed to Keep(). Call it once per item.
+  // Returns true if the next item must be passed to Keep(). Call it once per item, in order.
   bool TakesNext() {
     if (offered_++ % stride_ != 0) return false;
     if (kept_.size() == most_) DropEveryOther();
@@ -26,7 +26,8 @@ class EvenSample {
   const std::vector<T>& kept() const { return kept_; }
 
  private:
-  // The current item has index most * stride. This is also a multiple of the new stride.
+  // The current item has index most * stride. This is also a multiple of the new stride, because
+  // `most` is even.
   void DropEveryOther() {
     for (std::size_t i = 1; 2 * i < kept_.size(); ++i) kept_[i] = std::move(kept_[2 * i]);
     kept_.resize(kept_.size() / 2);

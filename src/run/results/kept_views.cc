@@ -69,7 +69,7 @@ std::vector<KeptView> Merge(std::vector<KeptView> views) {
   return merged;
 }
 
-// Paths of all pictures that Kept::Write() may create. Kept is KeptViews or Thumbnails.
+// Paths of all pictures that Kept::Write() may create, with `Kept` KeptViews or Thumbnails.
 template <typename Kept>
 std::vector<std::string> AllFileNames(const std::vector<std::string>& pictures) {
   std::vector<std::string> names;

@@ -96,7 +96,7 @@ Json ErrorsOf(const RunPoses& run, const Rigid3d& estimated_from_true) {
   return errors;
 }
 
-// Kept is KeptViews or Thumbnails.
+// `Kept`: KeptViews or Thumbnails.
 template <typename Kept>
 Json ToJson(const std::vector<KeptView>& kept) {
   Json views = Json::array();

@@ -27,7 +27,7 @@ void WriteSummaryJson(const SlamRunSummary& summary, const SlamRunOptions& optio
 // object.
 struct RunPoses {
   const PinholeCamera& camera;
-  const EstimatedSensor& found;    // estimated calibration of the frames as read
+  const EstimatedSensor& found;    // estimated calibration of the prepared frames
   const Trajectory& trajectory;    // estimated poses
   const std::vector<int>& frames;  // frame index of each pose
   const Trajectory& truth;         // ground truth in its own world frame; empty if unknown
@@ -40,7 +40,7 @@ struct RunPoses {
 // Writes poses.json. Lengths are in metres. Poses are in the world frame of map.ply, which can
 // differ from the convention of the sequence that trajectory.txt uses. Content:
 //   camera          width height fx fy cx cy, px
-//   calibration     estimated calibration of the frames as read: fx fy cx cy (px),
+//   calibration     estimated calibration of the prepared frames: fx fy cx cy (px),
 //                   inverse_depth_field (1/m), readout_s; null: input calibration
 //   color_latency_s estimated colour latency beyond the input latency
 //   poses           one row per tracked frame: index stamp_s tx ty tz qx qy qz qw, camera-to-world
@@ -50,7 +50,7 @@ struct RunPoses {
 //                   without an ATE
 //   views           one per KeptView: index, stamp_s, why, and files: path by picture name
 //   thumbnails      one per thumbnail, with the keys of `views`
-//   keyframes       one row per KeyframeLink: frame, parent_frame (-1: none), submap
+//   keyframes       one row per KeyframeLink: frame, parent_frame (-1: no parent), submap
 // Throws InputError naming the file if it cannot be written.
 void WritePosesJson(const RunPoses& run, const std::string& path);
 
