@@ -25,9 +25,12 @@ std::string ConfidenceFolder(const std::string& folder);
 std::optional<std::string> AddConfidence(const std::string& folder, bool has_clock,
                                          std::vector<FrameFiles>* frames);
 
-// Sets the confidence image of each frame by its name: the name of the depth image except the
-// ending, or else the same timestamp within kMaxBetweenImages_s if `has_clock`, or else the same
-// number. Calls `twice` with a message if two images have this number.
+// Sets the confidence image of each frame by its name. The first match is used:
+// - name of the depth image, except the ending
+// - if `has_clock`: timestamp of the depth image, within kMaxBetweenImages_s
+// - number of the depth image
+//
+// Calls `twice` with a message if two images have this number.
 void AddNamedConfidence(const std::string& confidence_folder, bool has_clock,
                         const DuplicateCallback& twice, std::vector<FrameFiles>* frames);
 
@@ -35,9 +38,9 @@ void AddNamedConfidence(const std::string& confidence_folder, bool has_clock,
 // above 2, or else 255.
 int ConfidenceRange(const Image<std::uint8_t>& confidence);
 
-// Removes depth of low confidence: of a value below a third of the range. An image of another size
-// is resampled by nearest neighbour. Throws InputError that names the file if it cannot be read, if
-// its aspect ratio differs from depth, or if a value is above the range.
+// Removes depth with a confidence below a third of the range. An image of another size is resampled
+// by nearest neighbour. Throws InputError that names the file if it cannot be read. It must have
+// the aspect ratio of depth, and no value above the range.
 void RemoveLowConfidence(const FrameFiles& files, FrameImages* images);
 
 }  // namespace surfit

@@ -42,8 +42,8 @@ struct RecordSummary {
 // depth.txt, associations.txt, camera.yaml, and groundtruth.txt if the source has poses. Without
 // colour, there is no rgb.txt and no associations.txt.
 //
-// Pixel values and timestamps are identical to the source, except depth in m, which is converted to
-// counts of 1 / 5000 m, and depth of low confidence, which is written as missing, because
+// Pixel values and timestamps are identical to the source, with two exceptions. Depth in m is
+// converted to counts of 1 / 5000 m. Depth of low confidence is written as missing, because
 // confidence images are not written (SequenceOptions::confidence). Images are stored as PNG. Images
 // are written before their lines in the lists, so that an interrupted recording is valid.
 //
