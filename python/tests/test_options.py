@@ -85,3 +85,16 @@ def test_pickle_keeps_nested_values():
     options.icp.error_model.kernel.width = 4.5
     loaded = pickle.loads(pickle.dumps(options))
     assert loaded.icp.error_model.kernel.width == 4.5 and loaded.tracking == "frame_to_frame"
+
+
+def test_old_names_work_with_a_warning():
+    options = surfit.FusionOptions()
+    with pytest.warns(DeprecationWarning, match="max_inactive_frames"):
+        options.max_dormant_frames = 7
+    assert options.max_inactive_frames == 7
+    with pytest.warns(DeprecationWarning, match="max_inactive_frames"):
+        assert options.max_dormant_frames == 7
+    with pytest.warns(DeprecationWarning, match="RectifyOptions"):
+        assert surfit.PrepareOptions is surfit.RectifyOptions
+    with pytest.raises(AttributeError):
+        options.max_frames_dormant

@@ -46,6 +46,16 @@ TEST(RemovedFlags, NameTheirReplacement) {
   EXPECT_THAT(Succeeded(RunProgram("surfit_record", {"--help=all"})).out, Not(Names("--frames=")));
 }
 
+TEST(RenamedFlags, WorkWithAWarning) {
+  const ProgramResult refine = RunProgram("surfit_refine", {"--nofree_readout", "--help=words"});
+  EXPECT_EQ(refine.exit_code, 0) << refine.err;
+  EXPECT_THAT(refine.err, HasWarning("--nofree_readout", "--noestimate_readout"));
+  const ProgramResult slam = RunProgram("surfit_slam", {"--max_dormant_frames=7", "--help=words"});
+  EXPECT_EQ(slam.exit_code, 0) << slam.err;
+  EXPECT_THAT(slam.err, HasWarning("--max_dormant_frames", "--max_inactive_frames"));
+  EXPECT_THAT(slam.out, Not(Names("--max_dormant_frames=")));
+}
+
 TEST(OldNames, PrintTheNewCommandLine) {
   ExpectRefused(RunProgram("surfit_plan", {"--sequence=a b", "--output=scan"}), "surfit_scan",
                 "--step=plan", "--sequence=a\\ b", "--output=scan");
