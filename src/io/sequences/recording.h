@@ -35,9 +35,9 @@ struct LowConfidence {
 struct FrameImages {
   RawDepth depth;
   Image<Rgb8> color;  // empty: no colour
-  LowConfidence low_confidence;
   std::string depth_name;  // file and position in the file, for messages
   std::string color_name;
+  LowConfidence low_confidence = {};
 };
 
 // Frames of a sequence in a folder of images or in one file. Not thread-safe.
