@@ -40,8 +40,8 @@ TEST(CameraPreset, DataSetsHaveTheDefaultPrior) {
   }
 }
 
-// TUM's three calibrated sensors deviate from the kinect_v1 preset by at most three sigma, and
-// their mean squared deviation is about one variance: the prior is not too wide.
+// TUM's three calibrated sensors deviate from the kinect_v1 preset by at most three sigma. Their
+// mean squared deviation is about one variance, so the prior is not too wide.
 TEST(CameraPreset, PriorMatchesTheSpreadOfCalibratedSensors) {
   const RgbdCamera series = CameraPreset("kinect_v1");
   double focal = 0, aspect = 0, center = 0;  // mean squared deviations, in variances

@@ -286,7 +286,7 @@ TEST(Confidence, RejectsMalformedLists) {
   folder.Write("confidence.txt", "5.0 confidence/000.png\nnow confidence/001.png\n");
   ExpectInputError(open, HasSubstr("confidence.txt:2"));
   folder.Write("confidence.txt", "5.0 ../000.png\n");
-  ExpectInputError(open, HasSubstr("'../000.png' leaves the folder of the sequence"));
+  ExpectInputError(open, Names("../000.png"));
   folder.Write("confidence.txt", "5.003 confidence/000.png\n5.103 confidence/001.png\n");
   WriteConfidence(folder / "confidence/000.png", Stripes());
   const auto results = ReadFolder(folder);

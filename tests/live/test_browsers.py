@@ -2,8 +2,8 @@
 
 The viewers are ten Chromium processes, because one browser opens at most six connections to a server. They render on
 the same cores as the run. With open pages they use idle CPU time (SCHED_IDLE), so they send fewer requests than ten
-machines. test_viewers.py uses the maximum request rate of pages. Rendering delays a run on the same cores more than
-serving does, so the test compares the CPU time of both runs, not the frame times."""
+machines. test_viewers.py uses the maximum request rate of pages. The test compares the CPU time of both
+runs. Frame times would include the delay by rendering on the same cores."""
 
 import concurrent.futures
 import contextlib

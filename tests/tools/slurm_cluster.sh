@@ -85,7 +85,7 @@ start_cluster() {
   for node in "${nodes[@]}"; do wait_until "an idle $node" node_is "$node" IDLE; done
 }
 
-wait_until() {  # wait_until WHAT COMMAND...: waits for at most ten minutes
+wait_until() {  # waits for COMMAND for at most ten minutes
   local i
   for ((i = 0; i < 3000; ++i)); do
     if "${@:2}" >/dev/null 2>&1; then return; fi

@@ -65,7 +65,7 @@ void SequenceOptions::Visit(OptionVisitor& v) {
   v.Add(confidence, "confidence",
         "use the confidence images of a folder (confidence/ or confidence.txt): depth of low "
         "confidence (0 of 0 to 2, or below 85 of 0 to 255) is missing",
-        Everyday());
+        AsFlag());
   v.Add(depth_topic, "depth_topic", "depth image topic of a ROS bag; empty: the only depth topic",
         AsFlag());
   v.Add(color_topic, "color_topic",
