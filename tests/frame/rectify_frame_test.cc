@@ -1,7 +1,8 @@
+#include "surfit/frame/rectify_frame.h"
+
 #include <limits>
 
 #include "frame/lens.h"
-#include "surfit/frame/rectify_frame.h"
 #include "testing/matchers.h"
 #include "testing/pixels.h"
 

@@ -34,7 +34,7 @@ struct LowConfidence {
 // Images of one frame, without depth of low confidence.
 struct FrameImages {
   RawDepth depth;
-  Image<Rgb8> color;  // empty: no colour
+  Image<Rgb8> color;       // empty: no colour
   std::string depth_name;  // file and position in the file, for messages
   std::string color_name;
   LowConfidence low_confidence = {};
