@@ -56,18 +56,4 @@ void ApplyRecordedFlags(const std::string& run, const OptionTable& sequence,
   if (!camera.empty()) gflags::SetCommandLineOption("camera", camera.c_str());
 }
 
-SequenceOptions WithFoundCamera(const SequenceOptions& sequence, const std::string& run) {
-  const std::string camera = FoundCamera(run);
-  if (camera.empty()) return sequence;
-  SequenceOptions found;
-  found.path = sequence.path;
-  found.format = sequence.format;
-  found.camera = camera;
-  found.first = sequence.first;
-  found.last = sequence.last;
-  found.stride = sequence.stride;
-  found.rectify = sequence.rectify;
-  return found;
-}
-
 }  // namespace surfit::tools

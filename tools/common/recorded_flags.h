@@ -21,7 +21,4 @@ void ApplyRecordedFlags(const std::string& run, const OptionTable& sequence,
                         const std::set<std::string>& left_out = {},
                         RecordedCamera camera = RecordedCamera::kFound);
 
-// Options of the sequence of a run, with the calibrated camera if there is one.
-SequenceOptions WithFoundCamera(const SequenceOptions& sequence, const std::string& run);
-
 }  // namespace surfit::tools
