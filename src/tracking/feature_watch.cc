@@ -10,29 +10,29 @@ namespace surfit {
 namespace {
 
 constexpr int kMaxColumns = 400, kMaxCorners = 250;
-// Tolerance of a feature that agrees with the poses: the sum of kTogether_m, kSigmas of its error,
-// and the camera motion in kBetweenImages_s. This time covers the readout and the time between
-// depth and colour.
+// A feature agrees with the poses within kTogether_m + kSigmas * error + camera motion in
+// kBetweenImages_s. This time covers the readout and the delay between depth and colour.
 constexpr double kPlaceSigma_px = 0.5;  // error of a tracked corner
 constexpr double kTogether_m = 0.03, kSigmas = 3, kBetweenImages_s = 0.03;
-// Minimum number of features of a second motion, because wrong matches agree by chance. The number
-// is smaller if they are a large part of all features.
+// Minimum support of a second motion: kMinApart features and kLeastRatio of all features, or
+// kMinOfMost features and kMost. Wrong matches agree by chance.
 constexpr int kMinApart = 12, kMinOfMost = 7;
 constexpr double kLeastRatio = 0.25, kMost = 0.5;
 constexpr int kTries = 400;
 
-// Time between checks: at first, at most, and as a ratio of the elapsed time. Maximum time between
-// compared frames.
+// The check interval is kShareOfTime of the elapsed time, in [kBetween_s, kMaxBetween_s]. Frames
+// are compared if they are at most kComparable_s apart.
 constexpr double kBetween_s = 0.5, kMaxBetween_s = 8, kShareOfTime = 0.25, kComparable_s = 1;
 constexpr double kSlack_s = 0.005;
 
-// Motion of a point of the camera frame between the images, m.
+// Bound on the motion of a point between depth and colour image, m. `point` is in camera
+// coordinates.
 double Way(const CameraMotion& motion, const Eigen::Vector3d& point) {
   return kBetweenImages_s *
          (motion.velocity_m_per_s.norm() + motion.angular_velocity_rad_per_s.norm() * point.norm());
 }
 
-// Mean of each block of pixels.
+// Reduces an image by block means.
 Image<Rgb8> Reduced(const Image<Rgb8>& color, int step) {
   if (step == 1) return color;
   Image<Rgb8> small(color.width() / step, color.height() / step);

@@ -11,16 +11,17 @@
 
 namespace surfit {
 
-// Motion of the corners that two frames share, compared with their poses.
+// Result of a feature check: corners of two frames, classified by their poses.
 struct FeatureMotion {
-  int consistent_count = 0;       // corners that agree with the poses
-  int apart = 0;                  // corners that agree on one other motion
-  bool is_second_behind = false;  // the corners of the other motion are farther away
+  int consistent_count = 0;       // corners whose motion agrees with the poses
+  int apart = 0;                  // corners that agree on a second rigid motion
+  bool is_second_behind = false;  // corners of the second motion have the larger median depth
 
-  // Returns whether the corners show two motions: the poses may be relative to a moving object.
+  // Returns whether enough corners agree on the second motion. The poses may be relative to a
+  // moving object.
   bool HasTwoMotions() const;
-  // Returns whether most corners contradict the poses. Occluders are in front of the scene.
-  // Therefore corners of the other motion count twice if they are in the background.
+  // Returns whether more corners support the second motion than the poses. Background corners
+  // count twice, because moving objects are usually in front of the static scene.
   bool IsRejected() const {
     return HasTwoMotions() && (is_second_behind ? 2 : 1) * apart > consistent_count;
   }
@@ -31,28 +32,28 @@ struct MovingPose {
   CameraMotion motion;
 };
 
-// Compares the motion of corresponding points, with equal indices, with the poses. Poses refer to
-// the capture time of depth. Colour has another capture time, so the tolerance grows with the
-// camera motion.
+// Classifies point correspondences by the poses. Points are in camera coordinates, m.
+// Corresponding points have equal indices. The tolerance grows with the camera motion, because
+// depth and colour have different capture times.
 FeatureMotion CompareMotions(const FeaturePoints& source, const MovingPose& source_frame,
                              const FeaturePoints& target, const MovingPose& target_frame);
 
-// Checks poses by image features. Geometric registration can follow a near moving object while the
-// walls behind it slide along themselves. If the object moves from the first frame, there are no
-// free-space violations, but the images show the motion. Checks take place every 0.5 s in the
-// beginning, and every few seconds later.
+// Checks poses by image features. Geometric registration can follow a near moving object in
+// front of flat walls. An object that moves from the first frame on causes no free-space
+// violations. The check interval grows from 0.5 s to 8 s.
 class FeatureWatch {
  public:
   explicit FeatureWatch(const ErrorModel& error_model) : error_model_(error_model) {}
 
-  // Tracks the corners of the last checked frame. Call for each frame before Check(). The
-  // prediction of the corners uses the motion since the previous frame, if the frame has a pose.
+  // Tracks the corners of the last checked frame in a new frame. Call for each frame before
+  // Check(). `world_from_camera`: pose of the frame, predicts the corner positions;
+  // std::nullopt if lost.
   void Follow(const ColoredView& view, const std::optional<Rigid3d>& world_from_camera,
               double stamp_s);
   bool IsDue(double stamp_s) const { return was_apart_ || !last_ || stamp_s >= due_s_; }
-  // Compares a tracked frame with the last checked frame, if that is at most 1 s old. The frame
-  // becomes the last checked frame, unless its pose is rejected. After a rejection, every frame is
-  // checked until a pose is accepted.
+  // Compares a tracked frame with the last checked frame. Returns zeros if the last checked
+  // frame is older than 1 s. The frame becomes the last checked frame, unless its pose is
+  // rejected. After a rejection, IsDue() is true until a pose is accepted.
   FeatureMotion Check(const ColoredView& view, const CellMask& moving, const MovingPose& frame,
                       double stamp_s);
   // Applies a correction of the world.
@@ -60,7 +61,7 @@ class FeatureWatch {
 
  private:
   FeatureMotion Compare(const FrameLevel& surface, const MovingPose& frame) const;
-  // Detects corners in a frame, for tracking in the following frames.
+  // Detects new corners in a checked frame.
   void Begin(const ColoredView& view, const FrameLevel& surface);
 
   ErrorModel error_model_;

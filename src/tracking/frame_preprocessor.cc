@@ -17,8 +17,8 @@ PreprocessedFrame FramePreprocessor::Preprocess(const RgbdFrame& frame, const Ca
   return {frame, images, {std::move(pyramid), images.color}, motion, sensor.readout_s};
 }
 
-// Corrects depth and the colour timestamp. Colour pixels are not moved: the motion during their
-// readout is applied when they are looked up.
+// Corrects depth and the colour timestamp. Colour pixels are not moved: fusion corrects their
+// readout at each lookup.
 const RgbdFrame& FramePreprocessor::Corrected(const RgbdFrame& frame, const CameraMotion& motion,
                                               const DepthSensor& sensor,
                                               const SensorCorrection& correction) {

@@ -11,7 +11,7 @@
 
 namespace surfit {
 
-// Frame for tracking and fusion. The references must outlive the object.
+// Frame for tracking and fusion. Does not own the images.
 struct PreprocessedFrame {
   const RgbdFrame& measured;
   const RgbdFrame& images;  // calibrated, depth at the middle of the readout
@@ -30,20 +30,19 @@ struct SensorCorrection {
 };
 
 // Corrects frames with the estimated calibration and the camera motion, and preprocesses them. A
-// PreprocessedFrame refers to the input frame or to images of this object. The latter are valid
+// returned frame refers to the input frame or to buffers of this object. The buffers are valid
 // until the next call of the same function.
 class FramePreprocessor {
  public:
   // Keeps a reference to the options.
   explicit FramePreprocessor(const PreprocessOptions& options) : options_(options) {}
 
-  // Preprocesses a frame, with intensities if `with_intensities`. `motion` is the predicted motion
-  // during the readout.
+  // `motion` is the predicted motion during the readout.
   PreprocessedFrame Preprocess(const RgbdFrame& frame, const CameraMotion& motion,
                                const DepthSensor& sensor, const SensorCorrection& correction,
                                bool with_intensities);
 
-  // Removes the pixels of moving objects. Returns `frame` if the mask is empty.
+  // Removes the depth of moving objects. Returns `frame` if the mask is empty.
   PreprocessedFrame WithoutMovingObjects(PreprocessedFrame frame, const CellMask& moving);
 
  private:

@@ -10,9 +10,9 @@
 namespace surfit {
 namespace {
 
-// Bound on the deviation from the prior, in standard deviations, of weakly constrained frames.
-// Repetitive texture pulls their registration to a wrong minimum. With 2 m/s^2 the bound is an
-// acceleration of 1 g.
+// Maximum deviation of a weakly constrained frame from the motion prior, in standard deviations.
+// Repetitive texture pulls such registrations to a wrong minimum. At `acceleration_m_per_s2` =
+// 2, the bound is 1 g.
 constexpr double kMaxSigmas = 5;
 
 }  // namespace
@@ -33,7 +33,7 @@ Tracked FrameRegistration::Register(const PreprocessedFrame& frame, const Refere
   if (motion_prior) target.prior = In(initial, {Rigid3d(), *motion_prior});
   Tracked tracked = Validate(frame, target, MostLikelyPose(frame.view.pyramid, target, initial));
   if (tracked.has_pose()) return tracked;
-  // An object that hides most of the view pulls the registration to a wrong minimum.
+  // A moving object in a large part of the view can pull the registration to a wrong minimum.
   Estimate unmoved;
   unmoved.icp.target_from_source = initial;
   const Tracked hidden = Validate(frame, target, unmoved);

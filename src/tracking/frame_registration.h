@@ -15,16 +15,16 @@ namespace surfit {
 // Returns whether the frame has enough points for a registration.
 bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_options);
 
-// Registers frames to reference views, without state of its own.
+// Registers frames to reference views. Has no state.
 class FrameRegistration {
  public:
-  // Keeps references. `regions` finds moving objects.
+  // Keeps references to the arguments.
   FrameRegistration(const TrackingOptions& options, const MovingRegions& regions)
       : options_(options), regions_(regions) {}
 
   // Registers a frame and validates the pose. `motion_prior` is the covariance of the left
-  // increment at the initial pose. If the registration is rejected, the frame is registered again
-  // without the points that move at the initial pose.
+  // increment at the initial pose. A rejected frame is registered again without the objects
+  // that move relative to the initial pose.
   Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_initial, const IcpOptions& icp_options,
                    const std::optional<Matrix6d>& motion_prior = std::nullopt) const;
@@ -36,18 +36,20 @@ class FrameRegistration {
     std::optional<ExpectedPose> prior;  // in the frame of the reference
   };
   struct Estimate {
-    IcpResult icp;  // with the most likely pose
+    IcpResult icp;  // pose: combined with the motion prior
     bool is_weakly_constrained = false;
     std::optional<Matrix6d> covariance;  // of the left increment; only with a motion prior
   };
 
-  // Registers geometrically, and a weakly constrained frame with photometric residuals as well.
+  // Registers geometrically. Registers a weakly constrained frame again with photometric
+  // residuals.
   Estimate FromData(const FramePyramid& frame, const Target& target,
                     const Rigid3d& reference_from_initial) const;
   // Combines the registration with the motion prior.
   Estimate MostLikelyPose(const FramePyramid& frame, const Target& target,
                           const Rigid3d& reference_from_initial) const;
-  // Validates an estimate. A frame with moving objects is first registered again without them.
+  // Validates an estimate. If the frame has moving objects, registers it again without these
+  // objects first.
   Tracked Validate(const PreprocessedFrame& frame, const Target& target,
                    const Estimate& estimate) const;
 

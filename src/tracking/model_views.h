@@ -6,11 +6,11 @@
 
 namespace surfit {
 
-// View that a frame is registered to.
+// Target view of a registration.
 struct ReferenceView {
-  ColoredView view;  // has colours only with photometric residuals
+  ColoredView view;  // colours only with photometric residuals
   Rigid3d world_from_view;
-  Image<float> grey;  // brightness of the model's cells (ViewGrid), 0: unknown; may be empty
+  Image<float> grey;  // brightness per ViewGrid cell, 0: unknown; may be empty
 
   bool has_intensities() const { return !view.pyramid.levels.front().intensity.empty(); }
 };
@@ -20,21 +20,23 @@ class ModelViews {
  public:
   virtual ~ModelViews() = default;
 
-  // View for frames at the predicted pose.
+  // Model view for the registration of the next frame.
   virtual const ReferenceView& View() const = 0;
-  // Renders View() at a predicted pose: if `must`, in turn with fusion, or after a large shift of
-  // the image. Returns whether View() belongs to this pose alone.
+  // Renders View() at a predicted pose if `must` is true, if the frame is due for fusion, or
+  // if the image shift is large. Returns whether View() was rendered for this pose.
   virtual bool Update(const Rigid3d& world_from_predicted, bool must, bool with_intensities) = 0;
   // Renders the stable surfels.
   virtual ReferenceView ViewAt(const Rigid3d& world_from_view, bool with_intensities) = 0;
-  // Renders all surfels. A surface that has just come into view occludes the surface behind it.
+  // Renders stable and unstable surfels, so that new surfaces occlude the surfaces behind
+  // them.
   virtual ReferenceView NewestViewAt(const Rigid3d& world_from_view, bool with_intensities) = 0;
-  // Activates the surfels that were last seen near a frame, as of frame `now`.
+  // Activates inactive surfels that were last observed near frame `frame_index`. `now`: index
+  // of the current frame.
   virtual void ActivateAround(int frame_index, int now) = 0;
 };
 
-// Shift of the image centre by a motion, as a fraction of the image width at the mean depth of the
-// level. Infinite without depth.
+// Upper bound of the image shift by a motion, as a ratio of the image width, for a point at the
+// mean depth. Infinite without depth.
 double ImageShift(const Rigid3d& motion, const FrameLevel& level);
 
 }  // namespace surfit

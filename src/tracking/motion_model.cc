@@ -3,7 +3,7 @@
 namespace surfit {
 namespace {
 
-// Longest time of a steady hand motion.
+// Longest interval with approximately constant velocity of a hand-held camera.
 constexpr double kMaxMotion_s = 0.1;
 
 }  // namespace
@@ -43,8 +43,8 @@ CameraMotion MotionModel::Velocity(const TrackingState& state, const Rigid3d& la
   return MotionOver(last_from_frame, seconds);
 }
 
-// A motion over lost frames or to a found frame does not continue, unless the frame was expected
-// there.
+// A motion across lost frames or to a search result does not predict the next motion. The
+// prediction is kept if the pose is near the predicted pose.
 void MotionModel::Update(const TrackingState& state, const MeasuredMotion& motion) {
   const bool is_next = state.HasLastPose() && !motion.is_found;
   const std::optional<Matrix6d> prior = PriorCovariance(state, motion.seconds);

@@ -14,8 +14,8 @@ namespace surfit {
 struct MeasuredMotion {
   Rigid3d last_from_frame;
   double seconds = 0;
-  bool is_found = false;               // the frame was found by search
-  bool is_expected = false;            // it was found near the predicted pose
+  bool is_found = false;               // pose from PoseSearch
+  bool is_expected = false;            // the pose is near the predicted pose
   std::optional<Matrix6d> covariance;  // in the camera frame
 };
 
@@ -25,30 +25,33 @@ class MotionModel {
   // Keeps a reference to the options.
   explicit MotionModel(const TrackingOptions& options);
 
-  // Pose of the next frame. Returns std::nullopt if it depends on the images of the frame.
+  // Pose of the next frame. std::nullopt for the model so3, which needs the images of the
+  // frame.
   std::optional<Rigid3d> PredictPose(const TrackingState& state,
                                      const Rigid3d& world_from_last) const;
-  // Motion during the next frame. Zero after lost frames.
+  // Velocity during the next frame. Zero after lost frames.
   CameraMotion PredictMotion(const TrackingState& state) const;
-  // Covariance of the next motion. Returns std::nullopt without a motion prior.
+  // Covariance of the motion to the next frame (rad, m). std::nullopt without a motion prior.
   std::optional<Matrix6d> PriorCovariance(const TrackingState& state, double seconds) const;
-  // Returns whether a motion prior bridges the lost frames, if any.
+  // Returns whether there is a motion prior, and few enough frames were lost to predict the
+  // motion.
   bool HasPredictableMotion(const TrackingState& state) const;
 
-  // Velocity of a motion from the last frame. Zero after lost frames and after more than 0.1 s.
+  // Velocity of a motion from the last frame. Zero after lost frames and for intervals of 0.1
+  // s or more.
   static CameraMotion Velocity(const TrackingState& state, const Rigid3d& last_from_frame,
                                double seconds);
 
-  // Adds the motion to a frame with a pose. `state` is the state before this frame.
+  // Adds the motion to a frame with a pose. `state` precedes this frame.
   void Update(const TrackingState& state, const MeasuredMotion& motion);
-  // `state` is the state after a lost frame.
+  // Adds a lost frame. `state` follows this frame.
   void Lose(const TrackingState& state);
 
  private:
   const TrackingOptions& options_;
-  CameraMotion motion_;     // to the last frame
+  CameraMotion motion_;     // velocity of the last motion
   MotionPrior prior_;       // covariance of motion_
-  Rigid3d last_from_next_;  // for constant_velocity
+  Rigid3d last_from_next_;  // predicted motion of constant_velocity
 };
 
 }  // namespace surfit

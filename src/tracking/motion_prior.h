@@ -7,7 +7,7 @@
 
 namespace surfit {
 
-// Predicted pose, and the covariance of the left perturbation (rad, m) from it to the true pose.
+// Predicted pose with the covariance of its left perturbation (rad, m).
 struct ExpectedPose {
   Rigid3d target_from_source;
   Matrix6d covariance;
@@ -16,13 +16,13 @@ struct ExpectedPose {
 // Transforms a predicted pose into another target frame.
 ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected);
 
-// Combines a predicted pose and a registered pose, with the information I of the left perturbation:
-// the update of a Kalman filter. P is the covariance of the predicted pose. Along the columns v of
-// V with V^T P^-1 V = 1 and V^T I V = diag(w), the result moves by w / (1 + w) of the distance z
-// between both poses. 1 / (1 + w) of the variance remains.
+// Kalman update of a predicted pose (covariance P) by a registered pose (information I of the
+// left perturbation). Let V^T P^-1 V = 1 and V^T I V = diag(w), and let z be the difference of
+// both poses along a column of V. The result moves by z w / (1 + w) along this column. The
+// variance shrinks by the factor 1 / (1 + w).
 //
-// z has the variance 1 + 1 / w. If z exceeds `most_sigmas` standard deviations, the registration is
-// overconfident: w is reduced until z is within this bound.
+// The variance of z is 1 + 1 / w. If z exceeds `most_sigmas` standard deviations, the
+// registration is overconfident: w is reduced until z is within this bound.
 ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
                         const Matrix6d& information, double most_sigmas);
 
@@ -34,10 +34,11 @@ class MotionPrior {
 
   // Resets the velocity to unknown.
   void Forget() { of_velocity_.reset(); }
-  // Sets the covariance of the last motion, in the camera frame, and its duration.
+  // Sets the velocity covariance from the covariance of the last motion (rad, m), in the
+  // camera frame, and its duration.
   void Keep(const Matrix6d& covariance, double seconds);
-  // Covariance of the motion in the next `seconds`. An unknown velocity has the covariance of hand
-  // motion.
+  // Covariance (rad, m) of the motion in the next `seconds`. An unknown velocity has the
+  // variance of typical hand motion.
   Matrix6d Covariance(double seconds) const;
 
  private:

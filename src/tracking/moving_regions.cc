@@ -7,20 +7,20 @@
 namespace surfit {
 namespace {
 
-// Views are stored five times per second, for ten seconds. An object that stays longer becomes a
-// part of the scene.
+// Views are stored every 0.2 s, for 10 s. An object that rests longer becomes a part of the
+// scene.
 constexpr double kBetweenSights_s = 0.2;
 constexpr std::size_t kMaxSights = 50;
 // Minimum size of a region as a ratio of all cells. Smaller regions are noise at edges.
 constexpr double kLeastMovingRatio = 0.01;
-// Minimum ratio of a region that an earlier view saw as free space, or that was moving in the last
-// frame.
+// Minimum ratio of a moving region that an earlier view observed as free space, or that moved in
+// the last frame.
 constexpr double kMinSeenThrough = 0.5, kMinMoved = 0.3;
-// Margin behind a surfel for a free-space violation, as in Fusion.
+// Minimum distance of a free-space violation from the observed depth, as in Fusion.
 constexpr double kMargin_m = 0.05, kMarginSigmas = 4;
 
-// Returns whether a cell and most of its neighbours are in front of the model. Depth edges cause
-// lines of cells.
+// Returns whether a cell and most of its neighbours are in front of the model. Excludes thin
+// lines of cells at depth edges.
 bool IsCore(const Image<Side>& sides, int u, int v) {
   constexpr int kMinNeighbours = 6;
   if (u < 1 || v < 1 || u + 1 >= sides.width() || v + 1 >= sides.height()) return false;
@@ -31,10 +31,11 @@ bool IsCore(const Image<Side>& sides, int u, int v) {
   return sides(u, v) == Side::kInFront && count > kMinNeighbours;
 }
 
-// Kinds of cells of a region. Cells of kind kBeside are not passed on to the next frame.
+// Kinds of cells of a region. kBeside: margin around the object, not used by MovedBefore().
 enum : std::uint8_t { kNone, kBeside, kCore };
 
-// Returns the connected region of a cell: neighbours with a similar depth. Removes it from `left`.
+// Returns the connected region of a cell: neighbours with a similar depth. Removes the region
+// from `left`.
 std::vector<int> Grow(int first, const FrameLevel& frame, CellMask* left) {
   constexpr float kSamePart = 0.04f;  // of the depth
   const ViewGrid grid(frame.camera);
@@ -59,7 +60,6 @@ std::vector<int> Grow(int first, const FrameLevel& frame, CellMask* left) {
   return cells;
 }
 
-// Marks the cells and their neighbourhood.
 void Mark(const std::vector<int>& cells, const CellMask& kinds, CellMask* mask) {
   constexpr int kBeyond = 2;
   const int width = mask->width(), height = mask->height();
@@ -80,7 +80,6 @@ bool IsMasked(const CellMask& mask, double scale, int u, int v) {
   return mask(x, y) != 0;
 }
 
-// Number of points of a region in an earlier view.
 struct FreeSpaceCount {
   int seen = 0;     // visible and not occluded
   int through = 0;  // observed as free space
@@ -95,7 +94,7 @@ struct MovingRegions::Sight {
   PinholeCamera camera;
   DepthNoise noise;
   Image<float> depth_m;
-  CellMask moving;  // in `last_` only
+  CellMask moving;  // empty except in `last_`
 
   // Returns the cell of a point of the camera frame, or -1.
   int CellOf(const Eigen::Vector3d& point) const {
@@ -174,7 +173,7 @@ bool MovingRegions::Moves(const std::vector<int>& cells, const FrameLevel& frame
   });
 }
 
-// Includes cells without a model surface: a moving object can enter them.
+// Includes cells without a model surface, because a moving object can enter them.
 CellMask MovingRegions::MovedBefore(const FrameLevel& frame, const Image<Side>& sides,
                                     const Rigid3d& world_from_camera, double stamp_s) const {
   constexpr double kSameThing_m = 0.15, kMost_m = 0.45, kMetresPerSecond = 1.5;
@@ -198,8 +197,8 @@ CellMask MovingRegions::MovedBefore(const FrameLevel& frame, const Image<Side>& 
   return moved;
 }
 
-// Without a model surface, a cell may belong to the moving object or lie beside it. It is static if
-// the second to last stored view, some tenths of a second old, shows the same surface there.
+// Removes cells without a model surface if the second to last stored view shows the same surface
+// there. Such cells may be static surfaces beside the moving object.
 void MovingRegions::RemoveStaticCells(const FrameLevel& frame, const Image<Side>& sides,
                                       const Rigid3d& world_from_camera,
                                       std::vector<int>* cells) const {

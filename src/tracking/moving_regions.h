@@ -10,21 +10,21 @@
 
 namespace surfit {
 
-// Mask of ViewGrid cells: not 0 on moving objects. Empty without moving objects.
+// Mask of ViewGrid cells, nonzero on moving objects. Empty without moving objects.
 using CellMask = Image<std::uint8_t>;
 
-// Detects moving objects. A surface in front of the model may be new or moving. A connected region
-// of such points is moving if an earlier frame saw free space at a large part of it.
+// Detects moving objects. A connected region in front of the model is moving if an earlier frame
+// observed free space at most of its points. Otherwise it may be a new surface.
 class MovingRegions {
  public:
   MovingRegions();
   ~MovingRegions();
 
-  // Returns the moving cells of a frame, from its CompareViews().
+  // Returns the moving cells of a frame. `comparison`: result of CompareViews() for the frame.
   CellMask Find(const FrameLevel& frame, const ViewComparison& comparison,
                 const Rigid3d& world_from_camera, double stamp_s) const;
 
-  // Stores a frame with a pose and its moving cells, for the comparison with the next frames.
+  // Stores a frame for the comparison with the next frames.
   void Remember(const FrameLevel& frame, const CellMask& moving, const Rigid3d& world_from_camera,
                 double stamp_s);
   // Applies a correction of the world.
@@ -33,7 +33,7 @@ class MovingRegions {
  private:
   struct Sight;
 
-  // Cells that show the moving objects of the last frame; empty if there were none.
+  // Cells on the moving objects of the last frame; empty if there were none.
   CellMask MovedBefore(const FrameLevel& frame, const Image<Side>& sides,
                        const Rigid3d& world_from_camera, double stamp_s) const;
   void RemoveStaticCells(const FrameLevel& frame, const Image<Side>& sides,
@@ -41,11 +41,11 @@ class MovingRegions {
   bool Moves(const std::vector<int>& cells, const FrameLevel& frame, const CellMask& kinds,
              const CellMask& moved, const Rigid3d& world_from_camera) const;
 
-  std::deque<Sight> sights_;     // by time
+  std::deque<Sight> sights_;     // stored views, by time
   std::unique_ptr<Sight> last_;  // last frame with its moving cells; null if there are none
 };
 
-// Removes the moving cells.
+// Removes the depth of moving cells.
 Image<float> Without(Image<float> depth_m, const CellMask& moving);
 RgbdFrame Without(RgbdFrame frame, const CellMask& moving);
 FramePyramid Without(FramePyramid pyramid, const CellMask& moving);

@@ -8,27 +8,28 @@
 namespace surfit {
 namespace {
 
-// Longest time between the last pose in a given map and the first frame for tracking from this
-// pose.
+// A frame is tracked from the last pose of a given map if it is at most this much later.
 constexpr double kFollows_s = 1;
 
-// Interval of searched frames after many lost frames. A search takes as long as ten registrations.
+// After the first lost frames, every kSearchStride-th lost frame is searched. A search takes as
+// long as ten registrations.
 constexpr int kSearchStride = 5;
 
-// Interval of relocalised frames. A relocalisation takes as long as many registrations.
+// Every kRelocalizeStride-th lost frame is relocalised.
 constexpr int kRelocalizeStride = 3;
 
-// Criteria without brightness, because motion blur changes it. Confirm() validates the pose with
-// the map.
+// Acceptance criteria without brightness, which motion blur changes. Confirm() also compares the
+// brightness with the map.
 FitCriteria ShapesAlone() {
   FitCriteria fit = InitializeOptions::FrameCriteria();
   fit.min_value_correlation = fit.min_detail_correlation = -1;
   return fit;
 }
 
-// Prefers the search result if tracking disagrees: a wrong pose near the last pose may have as many
-// inliers. Ignores a search result far from the expected pose, which shows a place with similar
-// appearance. Without a search result, an uncertain pose of tracking is lost.
+// Combines the poses of tracking and search. If they disagree, returns the search result,
+// because a wrong pose of tracking may have as many inliers. A search result far from the
+// predicted pose is ignored: it may be a place with similar appearance. Without a usable search
+// result, an uncertain frame is lost.
 Tracked Better(const SearchStart& start, Tracked tracked, std::optional<Tracked> found) {
   const bool is_unexpected =
       found && start.expected && !AreOnePlace(*start.expected, found->world_from_camera);
@@ -43,8 +44,8 @@ Tracked Better(const SearchStart& start, Tracked tracked, std::optional<Tracked>
   return tracked;
 }
 
-// After a long loss, an impossible motion or a single registration, the next frame must confirm the
-// pose.
+// Returns whether the next frame must confirm the pose: after a long loss, after an implausible
+// motion, or without a second registration.
 bool NeedsConfirmation(const SearchStart& start, const Tracked& tracked) {
   if (!start.state.is_localised) return true;
   if (start.state.lost_frames == 0 && !tracked.found_by_search) return false;
@@ -87,7 +88,7 @@ std::optional<Tracked> PoseSearch::FromLastFrame(const PreprocessedFrame& frame,
   const TraceSlice slice("find_again", frame.images.index);
   InitializeOptions initialization;
   initialization.method = options_.initialize;
-  // A plane fits itself everywhere: colours are necessary.
+  // On a single plane, the pose is not unique without colours.
   const bool is_plain = state.last.is_weakly_constrained && options_.acceleration_m_per_s2 > 0;
   if (verifies && !is_plain) initialization.fit = ShapesAlone();
   IcpOptions icp_options = GlobalIcpOptions();

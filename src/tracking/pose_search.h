@@ -13,9 +13,9 @@
 
 namespace surfit {
 
-// Pose of a lost camera by place recognition.
+// Relocalisation result.
 struct KeyframePose {
-  int keyframe = 0;  // position
+  int keyframe = 0;  // position in the list of keyframes
   int frame_index = 0;
   Rigid3d world_from_camera;
 };
@@ -25,10 +25,10 @@ class Relocalizer {
  public:
   virtual ~Relocalizer() = default;
 
-  // Returns std::nullopt if no keyframe shows the same place.
+  // Relocalises a frame. Returns std::nullopt if no keyframe matches.
   virtual std::optional<KeyframePose> Find(const ColoredView& view) = 0;
-  // Begins a new submap after this number of consecutive lost frames. Returns the pose of the
-  // camera in it, or std::nullopt if the submap is not due.
+  // Begins a new submap if `lost_frames` consecutive lost frames are enough. Returns the
+  // camera pose in the new submap, or std::nullopt if no submap was begun.
   virtual std::optional<Rigid3d> BeginSubmap(int lost_frames, const Rigid3d& world_from_last) = 0;
 };
 
@@ -36,11 +36,12 @@ struct SearchStart {
   const TrackingState& state;
   const ReferenceView& last;  // last frame with a pose
   double seconds = 0;         // since the last frame with a pose
-  // Predicted pose, std::nullopt without a motion prior.
+  // Predicted pose; std::nullopt without a motion prior.
   std::optional<Rigid3d> expected;
 };
 
-// Searches uncertain frames without a usable prediction. The map confirms each found pose.
+// Estimates poses of lost or uncertain frames by global registration and relocalisation. Each
+// pose is verified by registration to the map.
 class PoseSearch {
  public:
   // Keeps references and the pointer.
@@ -51,16 +52,17 @@ class PoseSearch {
   // Null: no place recognition.
   void UseRelocalizer(Relocalizer* relocalizer) { relocalizer_ = relocalizer; }
 
-  // Searches a frame that is lost or uncertain after registration. An uncertain result becomes a
-  // tentative pose, and the frame is lost.
+  // Searches the pose of a frame. `tracked`: outcome of its registration from the predicted
+  // pose. A pose that needs confirmation becomes tentative, and the frame is lost.
   Tracked Search(const PreprocessedFrame& frame, const SearchStart& start, Tracked tracked) const;
 
  private:
-  // Global registration to the last frame with a pose. Returns std::nullopt if the pose is not
-  // found, or if this frame is not searched.
+  // Global registration to the last frame with a pose. Returns std::nullopt if the
+  // registration fails or is not due.
   std::optional<Tracked> FromLastFrame(const PreprocessedFrame& frame,
                                        const SearchStart& start) const;
-  // Relocalisation by keyframes. Returns std::nullopt in the same cases.
+  // Relocalisation by keyframes. Returns std::nullopt if no keyframe matches, or if no
+  // relocalisation is due.
   std::optional<Tracked> ByKeyframes(const PreprocessedFrame& frame,
                                      const SearchStart& start) const;
   std::optional<Tracked> Confirm(const PreprocessedFrame& frame, const SearchStart& start,

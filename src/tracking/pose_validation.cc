@@ -6,17 +6,18 @@
 namespace surfit {
 namespace {
 
-// Bounds on the ratio of contradicting points among the points of both model and frame. In 99 of
-// 100 frames with a correct pose, the ratio is below kSureRatio. With an error of more than 10 cm,
-// the ratio is above kMostRatio, unless wrong frames have been fused before.
+// Bounds on (cells in front of or behind the model) / compared cells. For 99 % of correct poses,
+// the ratio is below kSureRatio. For errors of more than 10 cm, it is above kMostRatio, unless
+// wrong frames were fused before.
 constexpr double kSureRatio = 0.12, kMostRatio = 0.25;
-// Bound on the ratio of the points that do not move.
+// Bound on the same ratio without moving cells.
 constexpr double kSureRest = 0.08;
 // Bounds on the correlation of brightness.
 constexpr double kSureAlike = 0.5, kMinAlike = 0.3;
 
-// Bound on the ratio of cells behind the model. A frame that passes the side of a doorway has less
-// than 0.2 %. At a wrong pose the ratio in front of the map is similar, and the sum is above 12 %.
+// Bound on cells behind the model / compared cells. Beside a door frame, the ratio is below 0.2
+// %. At a wrong pose, this ratio and the ratio in front are similar, and their sum is above 12
+// %.
 constexpr double kMaxBehindNewest = 0.02;
 
 bool IsRegistered(const IcpResult& icp, const TrackingOptions& options) {

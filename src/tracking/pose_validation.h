@@ -11,27 +11,27 @@
 
 namespace surfit {
 
-// Validates a registration by its residuals and by the views at its pose: free-space violations,
-// occlusions and brightness. `moving` is the number of cells in front of the model that belong to
-// moving objects.
+// Validates a registration by inlier ratio, RMSE, free-space violations, occlusions and
+// brightness. `views` is the comparison at the registered pose. `moving`: number of moving cells
+// in front of the model.
 Verdict ValidateRegistration(const IcpResult& icp, const ViewComparison& views, int moving,
                              const TrackingOptions& options);
 
-// Returns whether a frame with an uncertain or rejected pose may show new surfaces. The frame then
-// has few cells behind the model, in contrast to a frame with a wrong pose.
+// Returns whether new surfaces may be the reason for an uncertain or rejected pose. The frame
+// then has few cells behind the model. At a wrong pose there are more.
 bool MayShowNewSurfaces(const Tracked& tracked);
 
-// Returns whether a hand can move a camera by this motion.
+// Returns whether a hand-held camera can make this motion in this time.
 bool IsPossibleMotion(const Rigid3d& motion, double seconds);
 
-// Returns whether two registrations to the map agree. Wrong poses differ by more.
+// Returns whether two poses agree within 5 cm and 0.05 rad.
 bool AreOnePlace(const Rigid3d& a, const Rigid3d& b);
 
-// Returns whether two registrations agree as closely as a forward and a backward registration.
+// Returns whether two poses agree within the forward-backward consistency bounds of FitCriteria.
 bool AgreeClosely(const Rigid3d& a, const Rigid3d& b);
 
-// Validates a pose by image features, if a check is due: the frame is lost if most features
-// contradict the pose. `since_last` is the camera motion since the last frame.
+// Runs the feature check if it is due or the pose was found by search. Marks the frame as lost
+// if most features contradict the pose. `since_last`: camera velocity since the last frame.
 Tracked ValidateByFeatures(const PreprocessedFrame& frame, Tracked tracked,
                            const CameraMotion& since_last, FeatureWatch* features);
 

@@ -12,12 +12,12 @@
 namespace surfit {
 
 enum class Verdict {
-  kAccepted,   // registration, surfaces and brightness agree with the pose
+  kAccepted,   // residuals, surfaces and brightness agree with the pose
   kUncertain,  // accepted if a second registration agrees with the pose
-  kRejected,   // wrong, or not constrained
+  kRejected,   // failed registration or wrong pose
 };
 
-// A lost frame with a pose that the next frame must confirm.
+// Pose of a lost frame. The next frame confirms or rejects the pose.
 struct TentativePose {
   RgbdFrame frame;     // measured frame without moving objects
   ReferenceView view;  // view of `frame`; view.world_from_view is the pose
@@ -31,18 +31,18 @@ struct Tracked {
   IcpResult icp;              // last registration
   Verdict verdict = Verdict::kAccepted;
   FrameQuality quality;
-  bool found_by_search = false;  // found by search
+  bool found_by_search = false;  // pose from PoseSearch
   bool has_second = false;       // two registrations agree on the pose
   int keyframe = -1;             // keyframe of the relocalisation; -1: none
-  bool has_own_view = false;     // the reference was rendered for this frame
-  CellMask moving;               // not registered, not fused
+  bool has_own_view = false;     // the reference view was rendered for this frame
+  CellMask moving;               // moving cells: neither registered nor fused
   double moving_ratio = 0;       // moving cells / cells with depth
   double behind_ratio = 0;       // cells behind the model / compared cells
   bool has_two_motions = false;  // the feature check found two motions
   // Covariance of the motion to this frame, in the camera frame. Only with a motion prior.
   std::optional<Matrix6d> motion_covariance;
-  std::optional<TentativePose> tentative;  // pose of this lost frame
-  std::optional<TentativePose> confirmed;  // pose of the previous frame, confirmed by this frame
+  std::optional<TentativePose> tentative;  // set if the frame is lost with a tentative pose
+  std::optional<TentativePose> confirmed;  // confirmed pose of the previous frame
 
   bool has_pose() const { return state != FrameState::kLost; }
 };

@@ -96,7 +96,6 @@ Tracked Tracker::TrackFirst(const PreprocessedFrame& frame) {
   return CheckFeatures(frame, std::move(tracked));
 }
 
-// Checks the features, and remembers the frame for the detection of moving objects.
 Tracked Tracker::CheckFeatures(const PreprocessedFrame& frame, Tracked tracked) {
   if (options_.VerifiesBySearch()) {
     CameraMotion since_last;
@@ -146,8 +145,8 @@ Tracked Tracker::Register(const PreprocessedFrame& frame, const ReferenceView& r
                                 motion_model_.PriorCovariance(state_, SecondsTo(frame)));
 }
 
-// A frame that is not accepted may show surfaces that the frames before have begun to map. Then the
-// registration to all surfels yields the same pose.
+// Registers a frame to all surfels, because it may show surfaces whose surfels are not stable
+// yet. Returns this registration if it is accepted and agrees with the pose of `tracked`.
 Tracked Tracker::AgainstNewest(const PreprocessedFrame& frame, Tracked tracked) const {
   const Rigid3d& pose = tracked.world_from_camera;
   Tracked by_newest = Register(frame, views_->NewestViewAt(pose, frame.HasIntensities()), pose);
@@ -157,8 +156,8 @@ Tracked Tracker::AgainstNewest(const PreprocessedFrame& frame, Tracked tracked) 
   return by_newest;
 }
 
-// Registers the frame from its pose to the tentative frame. Returns the frame with the confirmed
-// pose, or std::nullopt if the pose is not confirmed or there is none.
+// Registers the frame to the frame with the tentative pose. Returns std::nullopt without a
+// tentative pose, or if the registration does not confirm it.
 std::optional<Tracked> Tracker::CompareWithTentative(const PreprocessedFrame& frame,
                                                      const Tracked& tracked) {
   if (!state_.IsTentative()) return std::nullopt;
@@ -192,7 +191,6 @@ bool Tracker::IsUncertain(const PreprocessedFrame& frame, const Prediction& pred
           IsFar(frame, prediction.world_from_camera) || IsFar(frame, tracked.world_from_camera));
 }
 
-// Farther from the last frame than tracking follows reliably.
 bool Tracker::IsFar(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) const {
   const Rigid3d motion = last_.world_from_view.Inverse() * world_from_camera;
   return ImageShift(motion, frame.view.pyramid.levels.back()) > options_.max_view_shift;
@@ -209,7 +207,7 @@ Rigid3d Tracker::WithMeasuredMotion(const PreprocessedFrame& frame, const Tracke
                            frame.motion, motion, SecondsTo(frame));
 }
 
-// After a long loss without a tentative pose.
+// Begins a new submap after a long loss without a tentative pose.
 std::optional<Tracked> Tracker::InNewSubmap(const PreprocessedFrame& frame,
                                             const Tracked& tracked) {
   if (!relocalizer_ || tracked.tentative || !HasEnoughDepth(frame, options_.icp))
@@ -252,14 +250,14 @@ void Tracker::PredictAhead(bool has_color) {
   UpdateView(*world_from_next, NeedsIntensities() && has_color);
 }
 
-// Intensities need a view of the same pose: with shared views the largest error in front of
-// textured walls is twice as large.
+// With photometric residuals, each frame needs its own view: shared views double the maximum
+// error in front of textured walls.
 bool Tracker::UpdateView(const Rigid3d& world_from_predicted, bool has_intensities) {
   return views_->Update(world_from_predicted, state_.NeedsAllPoints() || has_intensities,
                         has_intensities);
 }
 
-// Returns std::nullopt if the prediction depends on the frame.
+// Returns std::nullopt if the prediction needs the images of the frame.
 std::optional<Rigid3d> Tracker::PredictedPose() const {
   if (state_.IsTentative()) return tentative_->view.world_from_view;
   return motion_model_.PredictPose(state_, last_.world_from_view);

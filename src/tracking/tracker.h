@@ -19,11 +19,11 @@
 
 namespace surfit {
 
-// Predicted pose of a frame, and the view that it is registered to.
+// Predicted pose of a frame, and its reference view.
 struct Prediction {
   Rigid3d world_from_camera;
   const ReferenceView* reference = nullptr;
-  bool has_own_view = false;  // the reference was rendered for this frame
+  bool has_own_view = false;  // the reference view was rendered for this frame
 };
 
 // Tracks the camera. Each frame passes Predict(), Track() and Update() in this order:
@@ -40,31 +40,33 @@ class Tracker {
 
   void UseRelocalizer(Relocalizer* relocalizer);
   void OnLostFrame(std::function<void(const LostFrame&)> call) { on_lost_ = std::move(call); }
-  // The map is given, with the last pose at this time. The camera pose is unknown.
+  // Starts with a given map and an unknown camera pose. `last_stamp_s`: time of the last pose
+  // in the map.
   void StartInGivenMap(double last_stamp_s);
 
   const TrackingState& state() const { return state_; }
-  // Returns whether the next frame may be registered by intensities.
+  // Returns whether the next frame may need photometric residuals.
   bool NeedsIntensities() const;
-  // Predicted motion of the camera. Zero after lost frames.
+  // Predicted camera velocity. Zero after lost frames.
   CameraMotion ExpectedMotion() const { return motion_model_.PredictMotion(state_); }
-  // Motion from the last frame to a pose. Zero after lost frames.
+  // Camera velocity from the last frame to a pose. Zero after lost frames.
   CameraMotion MotionTo(double stamp_s, const Rigid3d& world_from_camera) const;
-  // Motion from the last frame to a tracked frame. Zero for a frame that was found by search.
+  // Camera velocity from the last frame to a tracked frame. Zero if the pose was found by
+  // search.
   CameraMotion MotionTo(double stamp_s, const Tracked& tracked) const;
 
-  // Returns whether the frame is a duplicate: its depth equals the depth of the frame before.
+  // Returns whether the depth equals the depth of the previous frame. Call once per frame.
   bool IsDuplicate(const RgbdFrame& frame);
-  // Outcomes of a duplicate frame, of the first frame and of a frame with a given pose.
+  // Outcomes of a duplicate frame, the first frame and a frame with a given pose.
   Tracked Repeat() const;
   Tracked TrackFirst(const PreprocessedFrame& frame);
   Tracked TrackGiven(const PreprocessedFrame& frame, const Rigid3d& world_from_camera);
 
   Prediction Predict(const PreprocessedFrame& frame);
   Tracked Track(const PreprocessedFrame& frame, const Prediction& prediction);
-  // Ends a frame, except a duplicate. `frame` has no moving objects.
+  // Completes a frame. Not for duplicates. `frame`: without the pixels of moving objects.
   void Update(PreprocessedFrame frame, Tracked tracked);
-  // Renders the view of the next frame before it arrives.
+  // Renders the model view of the next frame in advance.
   void PredictAhead(bool has_color);
 
   // Applies a correction of the world.
@@ -102,7 +104,7 @@ class Tracker {
 
   TrackingState state_;
   std::optional<TentativePose> tentative_;  // in TrackingPhase::kTentative
-  ReferenceView last_;  // last frame with a pose: the view as far as the options require it
+  ReferenceView last_;  // last frame with a pose; `view` only if the options need it
   double last_stamp_s_ = 0;
   MotionModel motion_model_;
   Image<float> last_depth_m_;

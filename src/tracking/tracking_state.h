@@ -4,20 +4,20 @@ namespace surfit {
 
 // Phase of the tracker between two frames.
 enum class TrackingPhase {
-  kNotStarted,   // no frame has a pose
+  kNotStarted,   // no frame has had a pose
   kTracking,     // the last frame has a pose
-  kRelocalised,  // the last frame was found after a jump or a loss: search verifies the next frame
+  kRelocalised,  // the last pose was found by search; the next frame is verified by search
   kLost,         // the last frame has no pose
-  kTentative,    // the last frame has no pose, but a tentative pose for the next frame to confirm
+  kTentative,    // the last frame is lost, with a tentative pose
 };
 
 // Event that changes the state. A duplicate frame is no event.
 enum class TrackingEvent {
-  kPose,               // the frame was registered from the predicted pose, or its pose is given
-  kFound,              // the frame was found by search
-  kNoPose,             // the frame is lost
-  kTentativePose,      // the frame is lost, and search has found a tentative pose
-  kTentativeCompared,  // the next frame has confirmed or rejected the tentative pose
+  kPose,           // registration from the predicted pose, first frame, given pose, or new submap
+  kFound,          // pose from PoseSearch, or a confirmed tentative pose
+  kNoPose,         // lost frame
+  kTentativePose,  // lost frame with a tentative pose
+  kTentativeCompared,  // comparison of the next frame with the tentative pose
 };
 
 // Transitions. A tracker begins in kNotStarted, or in kLost if the map is given (InGivenMap()).
@@ -34,34 +34,34 @@ enum class TrackingEvent {
 //   kLost        | kTracking | kRelocalised | kLost       | kTentative     | -
 //   kTentative   | kTracking | -            | -           | -              | kLost
 
-// Properties of a registered frame that its successor depends on.
+// Properties of a registered frame. They affect the registration of the next frame.
 struct FrameQuality {
-  bool is_weakly_constrained = false;  // by shapes: TrackingOptions::min_turn_eigenvalue
-  bool is_by_newest = false;           // accepted by surfels that are not stable yet
+  bool is_weakly_constrained = false;  // see TrackingOptions::min_turn_eigenvalue
+  bool is_by_newest = false;           // registered to all surfels, including unstable surfels
 };
 
 struct TrackingState {
   TrackingPhase phase = TrackingPhase::kNotStarted;
   int lost_frames = 0;       // consecutive frames without a pose
-  bool is_localised = true;  // false: the map is given, and no frame has a pose in it yet
+  bool is_localised = true;  // false: given map without a tracked frame yet
   FrameQuality last;         // last frame with a pose
 
-  // The map is given, and the camera pose in it is unknown.
+  // Initial state with a given map: the camera pose is unknown.
   static TrackingState InGivenMap() { return {TrackingPhase::kLost, 0, false, {}}; }
 
   bool HasStarted() const { return phase != TrackingPhase::kNotStarted; }
   bool IsTentative() const { return phase == TrackingPhase::kTentative; }
-  // The last frame has a pose: its motion predicts the next pose.
+  // The last frame has a pose.
   bool HasLastPose() const { return HasStarted() && is_localised && lost_frames == 0; }
-  // The next frame is registered without subsampling, to its own view, and is fused.
+  // The next frame is registered without subsampling to its own model view, and is fused.
   bool NeedsAllPoints() const {
     return lost_frames > 0 || last.is_weakly_constrained || last.is_by_newest;
   }
-  // The next frame is searched even if its registration is accepted.
+  // The pose of the next frame is searched even if its registration is accepted.
   bool NeedsSearch() const { return lost_frames > 0 || !is_localised; }
-  // The next frame is searched if TrackingOptions::VerifiesBySearch().
+  // As NeedsSearch(), but only with TrackingOptions::VerifiesBySearch().
   bool NeedsVerification() const { return phase == TrackingPhase::kRelocalised; }
-  // The camera continues its motion despite few lost frames.
+  // Few enough frames were lost to predict the motion.
   bool HasPredictableMotion() const;
 };
 

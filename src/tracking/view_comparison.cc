@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-// Projects points of one view into the other view.
+// Projects points of one view into another view.
 class ViewProjection {
  public:
   ViewProjection(const FrameLevel& to, const ErrorModel& error_model, const Rigid3d& to_from_view)
@@ -53,7 +53,7 @@ class ViewProjection {
   Eigen::Vector3f translation_;
 };
 
-// Returns 1 for images without texture, which correlate at any pose or by noise only.
+// Correlation. 1 for too few cells or images without texture, where it has no meaning.
 double Alike(const CorrelationSums& sums) {
   constexpr double kMinCells = 200, kMinVariance = 0.03 * 0.03;
   const auto variance = [&](double sum, double squares) {
@@ -64,7 +64,6 @@ double Alike(const CorrelationSums& sums) {
   return tells ? sums.Correlation(0) : 1;
 }
 
-// Uses the model cells, because other model pixels have no brightness.
 CorrelationSums CompareBrightness(const FrameLevel& frame, const Image<Rgb8>& color,
                                   const FrameLevel& model, const Image<float>& model_grey,
                                   const ViewProjection& in_frame) {

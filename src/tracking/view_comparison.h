@@ -10,8 +10,8 @@
 
 namespace surfit {
 
-// Grid of about 80 columns for the comparison of views. A cell represents step x step pixels by its
-// centre pixel.
+// Grid of about 80 columns for the comparison of views. A cell has step x step pixels and uses
+// the values of its centre pixel.
 struct ViewGrid {
   explicit ViewGrid(const PinholeCamera& camera)
       : step(std::max(1, camera.width / 80)),
@@ -23,7 +23,7 @@ struct ViewGrid {
   int step, width, height;
 };
 
-// Position of a point of a frame relative to the model surface.
+// Position of a frame point relative to the model surface.
 enum class Side : std::uint8_t { kUnknown, kAtSurface, kInFront, kBehind };
 
 // Comparison of a frame with the model at a pose.
@@ -39,8 +39,8 @@ struct ViewComparison {
   int CountInFront(const Image<std::uint8_t>& mask) const;
 };
 
-// Compares a frame with the model. "Clearly" is beyond kFreeSpaceSigmas of the error model, along
-// the normal of the model. `model_grey` is the brightness of the model cells, 0 if unknown.
+// Compares a frame with the model. "Clearly": farther than kFreeSpaceSigmas of the error model
+// from the surface, along its normal. `model_grey`: brightness per model cell, 0 if unknown.
 // `model_grey` and `color` may be empty.
 ViewComparison CompareViews(const FrameLevel& frame, const Image<Rgb8>& color,
                             const FrameLevel& model, const Image<float>& model_grey,
