@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-// Increments: rotation (left), translation, mount, log of the scale.
+// Unknowns: left rotation increment, translation, mount, log of the scale.
 constexpr int kUnknowns = 10;
 constexpr int kScale = 9;
 using Vector = Eigen::Matrix<double, kUnknowns, 1>;
@@ -15,8 +15,8 @@ using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
 constexpr int kMaxIterations = 100;
 constexpr double kConverged = 1e-12;  // length of the last increment, m and rad
-// Minimum information of an observable direction, relative to the largest eigenvalue. Real paths
-// have more than 1e-8 in all directions, because of millimetre noise.
+// Minimum eigenvalue of an observable direction, relative to the largest. Real paths have more
+// than 1e-8 in all directions, because of millimetre noise.
 constexpr double kInformationTolerance = 1e-10;
 
 struct Fit {
@@ -25,7 +25,7 @@ struct Fit {
   double scale = 1;
 };
 
-// The true position that the fit predicts: R (s p + R_i m) + t.
+// Predicted true position.
 Eigen::Vector3d Predicted(const Fit& fit, const Rigid3d& estimate) {
   return fit.true_from_estimated *
          (fit.scale * estimate.translation + estimate.rotation * fit.mount_m);
@@ -42,8 +42,7 @@ struct NormalEquations {
   Vector g = Vector::Zero();
 };
 
-// d Predicted / d increment: the rotation turns about `center`, so that it is independent of the
-// translation.
+// Rotations are about `center`, to decouple them from the translation.
 NormalEquations Linearize(const Fit& fit, const Eigen::Vector3d& center, bool fit_scale,
                           const std::vector<MatchedPose>& poses) {
   NormalEquations normal;
@@ -66,7 +65,7 @@ struct Step {
   bool is_unique = true;
 };
 
-// Shortest solution: the increment is zero along unobservable directions.
+// Minimum-norm step: zero along unobservable directions.
 Step Solve(const NormalEquations& normal, bool fit_scale) {
   const int unknowns = fit_scale ? kUnknowns : kScale;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
@@ -96,7 +95,7 @@ void Apply(const Vector& increment, const Eigen::Vector3d& center, Fit* fit) {
 
 }  // namespace
 
-// Gauss-Newton from the alignment without a mount. The problem is linear except for the rotation.
+// Gauss-Newton, starting from the alignment without a mount.
 std::optional<MountFit> FitMount(const std::vector<MatchedPose>& poses, bool fit_scale) {
   const auto plain = ComputeAbsoluteTrajectoryError(poses);
   if (!plain) return std::nullopt;

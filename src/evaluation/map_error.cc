@@ -16,10 +16,10 @@ using Points = std::vector<Eigen::Vector3f>;
 
 constexpr int kSamplesPerTask = 4096;
 
-// k-d tree of the finite points of a cloud, and their normals in the order of the tree.
+// Finite points of a cloud.
 struct Cloud {
   KdTree tree;
-  Points normals;  // empty: none
+  Points normals;  // in the order of the tree; may be empty
 };
 
 Cloud Prepare(const Points& points, const Points& normals, const char* name) {
@@ -39,7 +39,6 @@ Cloud Prepare(const Points& points, const Points& normals, const char* name) {
   return cloud;
 }
 
-// Point-to-point accuracy, and point-to-plane accuracy if the reference has normals.
 void MeasureAccuracy(const Cloud& map, const Cloud& reference, MapError* error) {
   const int count = static_cast<int>(map.tree.size());
   const bool has_planes = !reference.normals.empty();

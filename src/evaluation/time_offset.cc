@@ -8,20 +8,21 @@
 namespace surfit {
 namespace {
 
-// Exposure, readout and transfer shift timestamps by less than three frame periods.
+// Search range of 0.1 s: exposure, readout and transfer shift timestamps by less than three
+// frame periods.
 constexpr int kOffsetSteps = 20;   // in each direction
 constexpr double kStep_s = 0.005;  // much shorter than the period of hand-held motion
 constexpr double kTolerance_s = 1e-5;
 
-// RMSE of the absolute trajectory error for an offset of the estimated timestamps.
+// RMSE of the ATE; infinite without ATE.
 double RmseAt(double offset_s, const Trajectory& ground_truth, const Trajectory& estimate,
               const MatchOptions& options) {
   const auto at = EvaluateTimeOffset(ground_truth, estimate, offset_s, options);
   return at ? at->ate.translation_m.rmse : std::numeric_limits<double>::infinity();
 }
 
-// Estimated poses with ground truth at every tested offset. All offsets are compared over these
-// poses.
+// Estimated poses with ground truth at all tested offsets, so that all offsets are compared over
+// equal poses.
 Trajectory CommonPoses(const Trajectory& ground_truth, const Trajectory& estimate,
                        const MatchOptions& options) {
   Trajectory known;
@@ -37,7 +38,7 @@ Trajectory CommonPoses(const Trajectory& ground_truth, const Trajectory& estimat
   return known;
 }
 
-// Stores the offset with the lowest RMSE. For equal RMSE, the first tested offset wins.
+// Stores the offset with the lowest RMSE, the first one if equal.
 class Search {
  public:
   Search(const Trajectory& ground_truth, const Trajectory& estimate, const MatchOptions& options)
@@ -54,7 +55,7 @@ class Search {
     return rmse_m;
   }
 
-  // Golden-section search in an interval with one minimum.
+  // Golden-section search.
   void Narrow(double begin_s, double end_s) {
     const double section = (std::sqrt(5.) - 1) / 2;
     std::array<double, 2> inner_s = {end_s - section * (end_s - begin_s),

@@ -11,9 +11,8 @@
 namespace surfit {
 namespace {
 
-// Relative second singular value of the cross-covariance below which the points are collinear. It
-// is about 1e-16 (rounding) for a straight line, and 1e-8 for a real path of 10 m with millimetre
-// noise.
+// Bound on the second singular value of the cross-covariance of collinear points, relative to
+// the first. It is 1e-16 for a straight line, and 1e-8 for a path of 10 m with millimetre noise.
 constexpr double kRankTolerance = 1e-12;
 
 Eigen::Vector3d Mean(const std::vector<Eigen::Vector3d>& points) {
@@ -38,7 +37,7 @@ std::size_t FindNearest(const std::vector<MatchedPose>& poses, double stamp_s) {
   return (take_before ? before : after) - poses.begin();
 }
 
-// Index of the pose at distance delta from pose i; std::nullopt if there is none.
+// Index of the pose at the interval delta after pose i.
 std::optional<std::size_t> FindPartner(const std::vector<MatchedPose>& poses, std::size_t i,
                                        const RelativePoseErrorOptions& options) {
   if (options.delta_unit == Unit::kFrames) {
@@ -66,10 +65,9 @@ Rigid3d RelativeError(const MatchedPose& i, const MatchedPose& j) {
 
 }  // namespace
 
-// For centred points, R maximises tr(R^T C), where C = sum target_i source_i^T = U D V^T and D >= 0
-// is in descending order. The maximum over rotations is R = U S V^T with S = diag(1, 1, det U det
-// V). R is unique only if d_2 + s_3 d_3 > 0. Otherwise, rotations about the first principal axis do
-// not change tr(R^T C).
+// For centred points, R maximises tr(R^T C) with C = sum target_i source_i^T = U D V^T. The
+// maximum over rotations is R = U S V^T with S = diag(1, 1, det U det V). R is unique if d_2 +
+// s_3 d_3 > 0.
 Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
                       const std::vector<Eigen::Vector3d>& target) {
   CHECK_EQ(source.size(), target.size());

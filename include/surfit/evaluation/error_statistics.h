@@ -5,8 +5,8 @@
 
 namespace surfit {
 
-// Quantile of the values, linearly interpolated between ranks as in numpy. `share` is in [0, 1].
-// Returns 0 without values.
+// Quantile of finite values, linearly interpolated between ranks as in numpy. `share` must be in
+// [0, 1]. Returns 0 without values.
 double Quantile(std::vector<double> values, double share);
 
 // Statistics of a set of errors, in the unit of the errors.
@@ -19,7 +19,7 @@ struct ErrorStatistics {
   double max = 0;
 };
 
-// Errors must be finite and not negative. Aborts without errors.
+// Computes statistics of finite, nonnegative errors. Aborts if there are none.
 ErrorStatistics Summarize(std::vector<double> errors);
 
 }  // namespace surfit

@@ -18,14 +18,15 @@ struct MapErrorOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Accuracy and completeness of a map, with respect to a reference surface that is given as points.
+// Accuracy and completeness of a map, relative to a point cloud of the reference surface.
 struct MapError {
-  // Distances from each map point to the nearest reference point. They depend on the spacing of the
-  // reference: if it is a square grid with spacing s, an exact map has a mean of 0.38 s.
+  // Distances from each map point to the nearest reference point. They depend on the point
+  // spacing of the reference: for a square grid of spacing s, an exact map has a mean of 0.38
+  // s.
   ErrorStatistics accuracy_m;
-  // Absolute distances from each map point to the plane of the nearest reference point. The spacing
-  // of the reference has no effect, but errors along the surface are not visible. std::nullopt if
-  // the reference has no normals.
+  // Distances from each map point to the tangent plane of the nearest reference point.
+  // Independent of the point spacing, but blind to errors along the surface. std::nullopt
+  // without reference normals.
   std::optional<ErrorStatistics> plane_accuracy_m;
   // Ratio of complete reference points, in [0, 1].
   double completeness = 0;
@@ -34,10 +35,11 @@ struct MapError {
   std::size_t reference_points = 0;
 };
 
-// All points are in one frame, in metres: the map is not aligned to the reference.
-// `reference_normals` are unit vectors, one per reference point, or empty. The result does not
-// depend on the number of threads. Throws InputError for invalid options, and for a cloud without a
-// finite point or with more than 2^30 points. Aborts on another number of normals.
+// Computes the errors of a map. Both clouds are in the same frame, in metres: the map is not
+// aligned. `reference_normals`: one unit vector per reference point, or empty. Runs on all
+// worker threads; the result does not depend on their number. Throws InputError for invalid
+// options, and for a cloud without finite points or with more than 2^30 points. Aborts if the
+// number of normals is wrong.
 MapError ComputeMapError(const std::vector<Eigen::Vector3f>& map,
                          const std::vector<Eigen::Vector3f>& reference,
                          const std::vector<Eigen::Vector3f>& reference_normals,

@@ -15,7 +15,7 @@ class OptionVisitor;
 
 enum class AlignmentStatus {
   kAligned,
-  // The points lie on a line or coincide: other rotations give the same residuals.
+  // The points are collinear or coincide: other rotations have the same residuals.
   kRotationNotUnique,
   // Fewer than 3 points; the transform is the identity.
   kTooFewPoints,
@@ -35,29 +35,28 @@ Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
 
 // Options of the association of estimated poses with ground truth.
 struct MatchOptions {
-  // Largest time to the nearest ground-truth pose, if no pose is interpolated. Default of evo; the
-  // TUM scripts use 0.02.
+  // Maximum time difference to the nearest ground-truth pose, if no pose is interpolated, s.
+  // Default of evo; the TUM scripts use 0.02.
   double max_difference_s = 0.01;
-  // Ground truth is interpolated between poses at most this far apart: translation linearly,
-  // rotation along the shortest arc. At an acceleration a, the error is at most a max_gap_s^2 / 8:
-  // 1 mm at 3 m/s^2. The nearest pose of motion capture at 100 Hz is up to 5 ms away and has this
-  // error at 0.2 m/s. 0: the nearest pose, as in evo and the TUM scripts.
+  // Maximum interval of ground-truth poses for interpolation, s. 0: nearest pose, as in evo
+  // and the TUM scripts. Interpolation is linear for translations and slerp for rotations. At
+  // an acceleration a, its error is at most a max_gap_s^2 / 8: 1 mm at 3 m/s^2.
   double max_gap_s = 0.05;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Estimated pose with the ground-truth pose of the same time. Both are world-from-camera, each in
-// its own world frame.
+// Estimated pose and ground-truth pose of the same time, both world_from_camera. The world
+// frames may differ.
 struct MatchedPose {
   double stamp_s = 0;  // timestamp of the estimate
   Rigid3d ground_truth;
   Rigid3d estimate;
 };
 
-// Estimated poses that have ground truth at their timestamps, by time. At a timestamp of the ground
-// truth, the ground-truth pose is returned bitwise identical. Throws InputError for invalid
-// options.
+// Associates estimated poses with ground truth. Estimated poses without ground truth at their
+// timestamp are omitted. At equal timestamps, the ground-truth pose is used unchanged. Throws
+// InputError for invalid options.
 std::vector<MatchedPose> MatchPoses(const Trajectory& ground_truth, const Trajectory& estimate,
                                     const MatchOptions& options);
 
@@ -65,19 +64,18 @@ std::vector<MatchedPose> MatchPoses(const Trajectory& ground_truth, const Trajec
 std::vector<double> Stamps(const Trajectory& trajectory);
 
 // Absolute trajectory error (ATE): distances of the camera centres after rigid alignment of the
-// whole estimate (Sturm et al., IROS 2012, eq. 3-4).
+// trajectories (Sturm et al., IROS 2012, eq. 3-4).
 struct AbsoluteTrajectoryError {
   Alignment alignment;  // target: world of the ground truth; source: world of the estimate
   ErrorStatistics translation_m;  // |true centre - aligned centre|
 };
 
-// Returns std::nullopt for fewer than 3 poses. On a straight path the rotation is not unique, but
-// the error is.
+// Computes the ATE. Returns std::nullopt for fewer than 3 poses. On a straight path, the
+// rotation of the alignment is not unique, but the error is. Aborts if a position is not finite.
 std::optional<AbsoluteTrajectoryError> ComputeAbsoluteTrajectoryError(
     const std::vector<MatchedPose>& poses);
 
-// Difference of two rigid transforms: norm of the translation and angle of the rotation of truth^-1
-// * estimated.
+// Translation norm and rotation angle of truth^-1 * estimated.
 struct PoseError {
   double translation_m = 0;
   double rotation_deg = 0;
@@ -88,9 +86,8 @@ PoseError ErrorOf(const Rigid3d& estimated, const Rigid3d& truth);
 // Interval of the relative pose error.
 struct RelativePoseErrorOptions {
   enum class Unit {
-    kFrames,   // `delta` is a number of matched poses, as in evo and the TUM scripts; lost frames
-               // are not counted
-    kSeconds,  // `delta` is a time; the nearest pose may deviate by a tenth of `delta`
+    kFrames,   // `delta` is a number of matched poses, as in evo and the TUM scripts
+    kSeconds,  // `delta` is a time in s; pairs may deviate by 10 % of `delta`
   };
   double delta = 1;
   Unit delta_unit = Unit::kFrames;
@@ -98,16 +95,17 @@ struct RelativePoseErrorOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Relative pose error (RPE): drift over a fixed interval. With the estimate P, the ground truth Q,
-// and every pair of poses i and j: E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) (Sturm et al., IROS 2012, eq.
-// 1; --all_pairs of evo). The TUM script inverts the relative poses: its rotation error is equal,
-// and its translation error differs in second order.
+// Relative pose error (RPE): drift over a fixed interval, for all pairs of poses i and j at this
+// interval. With the estimate P and the ground truth Q, E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) (Sturm
+// et al., IROS 2012, eq. 1; --all_pairs of evo). The TUM script inverts the relative poses: its
+// translation error differs in second order.
 struct RelativePoseError {
   ErrorStatistics translation_m;  // norm of the translation of E
   ErrorStatistics rotation_deg;   // rotation angle of E
 };
 
-// Returns std::nullopt if no pair of poses is `delta` apart. Throws InputError for invalid options.
+// Computes the RPE. `poses` must be ordered by time. Returns std::nullopt without a pair of
+// poses at the interval `delta`. Throws InputError for invalid options.
 std::optional<RelativePoseError> ComputeRelativePoseError(const std::vector<MatchedPose>& poses,
                                                           const RelativePoseErrorOptions& options);
 
@@ -121,17 +119,18 @@ struct TrajectoryEvaluationOptions {
 
 // Errors of a trajectory.
 struct TrajectoryEvaluation {
-  int expected = 0;  // frames that have ground truth
-  int matched = 0;   // estimated poses that have ground truth
-  // matched / expected, at most 1; 0 without expected frames. Errors are not representative at a
-  // low coverage.
+  int expected = 0;  // number of frames with ground truth
+  int matched = 0;   // number of estimated poses with ground truth
+  // matched / expected, at most 1; 0 without expected frames. The errors are not
+  // representative if the coverage is low.
   double coverage = 0;
   std::optional<AbsoluteTrajectoryError> ate;
   std::optional<RelativePoseError> rpe;
 };
 
-// Computes coverage, ATE and RPE. `frame_stamps_s` are the ascending timestamps of all frames that
-// should have an estimated pose. Throws InputError for invalid options.
+// Computes coverage, ATE and RPE. `frame_stamps_s`: timestamps of all frames of the recording,
+// including lost frames. ATE and RPE are std::nullopt as in their functions. Throws InputError
+// for invalid options.
 TrajectoryEvaluation EvaluateTrajectory(const Trajectory& ground_truth, const Trajectory& estimate,
                                         const std::vector<double>& frame_stamps_s,
                                         const TrajectoryEvaluationOptions& options);
@@ -145,35 +144,36 @@ struct TimeOffset {
   AbsoluteTrajectoryError ate;
 };
 
-// ATE with a given time offset. Returns std::nullopt if fewer than 3 poses match. Throws InputError
-// for invalid options.
+// Computes the ATE with a time offset. Returns std::nullopt if fewer than 3 poses match. Throws
+// InputError for invalid options.
 std::optional<TimeOffset> EvaluateTimeOffset(const Trajectory& ground_truth,
                                              const Trajectory& estimate, double offset_s,
                                              const MatchOptions& options);
 
-// Estimates the time offset within +-0.1 s that minimises the ATE. The offset also removes errors
-// of the estimate that resemble an offset: report its ATE in addition to the plain ATE, never
-// instead of it. Poses without ground truth at one of the tested offsets are not used. Returns
-// std::nullopt for fewer than 3 remaining poses. Throws InputError for invalid options.
+// Estimates the time offset within +-0.1 s that minimises the ATE. The offset can also
+// compensate tracking errors: report this ATE in addition to the plain ATE, not instead of it.
+// The search uses only poses that have ground truth at all tested offsets. The returned ATE uses
+// all matched poses. Returns std::nullopt for fewer than 3 poses in the search. Throws
+// InputError for invalid options.
 std::optional<TimeOffset> EstimateTimeOffset(const Trajectory& ground_truth,
                                              const Trajectory& estimate,
                                              const MatchOptions& options);
 
-// Fit of a constant offset between two bodies. The ground truth describes another body than the
-// estimate, for example a marker or a colour camera.
+// Fitted lever arm between the estimated body and the body of the ground truth, for example a
+// marker.
 struct MountFit {
-  Eigen::Vector3d true_body_in_estimated_m = Eigen::Vector3d::Zero();  // in the estimate's body
-  double scale = 1;             // true metres per estimated metre; 1 if it is not fitted
-  bool is_unique = true;        // false: the path does not determine all parameters
-  AbsoluteTrajectoryError ate;  // of the true body's positions
+  Eigen::Vector3d true_body_in_estimated_m = Eigen::Vector3d::Zero();  // m, see FitMount()
+  double scale = 1;             // true metres per estimated metre; 1 if not fitted
+  bool is_unique = true;        // false: a parameter is not observable on this path
+  AbsoluteTrajectoryError ate;  // residuals of the fit; alignment: R, t
 };
 
-// Minimises sum |q_i - R (s p_i + R_i m) - t|^2 over R, t, the offset m and optionally the scale s.
-// The estimate has position p_i and rotation R_i, the ground truth has position q_i. The rotations
-// of the ground truth are not used. Returns std::nullopt for fewer than 3 poses.
+// Fits the lever arm m: minimises sum |q_i - R (s p_i + R_i m) - t|^2 over R, t, m and, with
+// `fit_scale`, the scale s. p_i and R_i: position and rotation of the estimate. q_i: position of
+// the ground truth, whose rotations are not used. Returns std::nullopt for fewer than 3 poses.
 std::optional<MountFit> FitMount(const std::vector<MatchedPose>& poses, bool fit_scale);
 
-// Warning if the offset is longer than 5 cm, or is not unique. Else empty.
+// Warning text if the lever arm is longer than 5 cm or not unique. Empty otherwise.
 std::string MountWarning(const MountFit& fit);
 
 }  // namespace surfit
