@@ -12,15 +12,15 @@
 
 namespace surfit {
 
-// Rolling-shutter correction of an image: rows were moved to the middle of the readout by this
-// camera motion and readout time.
+// Applied rolling-shutter correction: rows were moved to the middle of the readout, with this
+// camera motion.
 struct KeyframeReadout {
   CameraMotion motion;
   double readout_s = 0;
 };
 
-// Images of one frame for refinement, all of one size. They do not depend on the calibration,
-// except on the input readout.
+// Images of one frame for refinement, all of one size. They do not depend on the estimated
+// calibration.
 struct KeyframeImages {
   Image<float> inverse_depth;  // 1/m, as measured; 0: missing
   // Slopes of inverse depth along rows and columns, 1/m per px. NaN: missing.
@@ -30,17 +30,17 @@ struct KeyframeImages {
   KeyframeReadout readout;
 };
 
-// Keyframe with a pose to refine.
+// Keyframe for Refine().
 struct RefinementKeyframe {
   Rigid3d world_from_camera;
   KeyframeImages images;
 };
 
-// Computes the images of a frame at the middle of its readout. `motion` is the camera motion at
-// that time. The slopes follow from the normals of preprocessing, which use a window. With the
-// plane n . X = d and 1/z = n . ray / d, 1/z grows by n_x / (fx d) per column and n_y / (fy d) per
-// row. Inverse depth is not filtered: its errors stay independent per pixel, as the covariance
-// assumes, and curved surfaces are not smoothed.
+// Computes the images of a frame at the middle of its readout. `motion`: camera motion during
+// the readout. The images must have the size of `sensor.camera`; colour may be empty. Slopes
+// follow from the normals of preprocessing: n_x / (fx d) per column and n_y / (fy d) per row,
+// with the plane n . X = d. Inverse depth is not filtered, so that its errors are independent
+// per pixel.
 KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const DepthSensor& sensor,
                                   const CameraMotion& motion, const PreprocessOptions& options);
 
@@ -48,16 +48,16 @@ KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const DepthSensor& sen
 bool HasMoved(const Rigid3d& a, const Rigid3d& b, double min_translation_m,
               double min_rotation_rad);
 
-// Returns the ascending indices of keyframes: the first pose, and each pose that HasMoved() since
-// the last keyframe. If there are more than `max_count` (0: no limit), both thresholds grow until
-// there are at most `max_count`.
+// Returns the ascending indices of keyframes: the first pose, and each pose that HasMoved()
+// since the last keyframe. Both thresholds grow until there are at most `max_count` keyframes;
+// 0: no limit. With a limit, the thresholds must be positive. Empty for an empty trajectory.
 std::vector<std::size_t> ChooseKeyframes(const Trajectory& trajectory, double min_translation_m,
                                          double min_rotation_rad, std::size_t max_count);
 
-// Moves a trajectory with its keyframes. A pose between two keyframes moves with both, and both
-// results are interpolated by time. A pose after the last keyframe moves with that keyframe.
-// `keyframes` are ascending indices with the new poses `world_from_keyframe`. Aborts if they are
-// empty or have different sizes.
+// Moves a trajectory with its keyframes. `keyframes`: ascending indices of poses.
+// `world_from_keyframe`: their new poses. Between two keyframes, the corrections of both are
+// interpolated by time. Before the first or after the last keyframe, its correction is used.
+// Aborts if there are no keyframes, or if the sizes differ.
 Trajectory CorrectTrajectory(const Trajectory& trajectory,
                              const std::vector<std::size_t>& keyframes,
                              const std::vector<Rigid3d>& world_from_keyframe);

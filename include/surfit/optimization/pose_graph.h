@@ -19,17 +19,15 @@ struct PoseGraphPose {
   bool fixed = false;  // constant during optimisation
 };
 
-// Relative pose measurement. Its error is the left perturbation (w [rad], v [m]) in the frame of a
-// that transforms the measured pose into the estimate. With the transform
-// E = world_from_a^-1 world_from_b a_from_b^-1, w is the rotation vector of E, and v is the
-// translation of E.
+// Relative pose measurement. Its error is a left perturbation (w [rad], v [m]) in frame a: the
+// rotation vector and the translation of world_from_a^-1 world_from_b a_from_b^-1.
 struct PoseGraphEdge {
   std::size_t a = 0, b = 0;  // indices of poses
   Rigid3d a_from_b;
-  // Information of this perturbation (1/rad^2, 1/m^2), as IcpResult::information with a = target
-  // and b = source. 0 along directions that were not measured.
+  // Information of the error (1/rad^2, 1/m^2), as IcpResult::information with a = target and b
+  // = source. 0 along unobservable directions.
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Identity();
-  bool loop = false;  // loop closure, possibly an outlier; false: odometry, trusted
+  bool loop = false;  // loop closure, may be an outlier; false: odometry
 };
 
 // Returns whether a matrix is finite, symmetric and positive semidefinite. Eigenvalues down to
@@ -49,15 +47,15 @@ struct PoseGraph {
   void Validate() const;
 };
 
-// Returns (w, v)^T information (w, v) of the error of an edge. It has a chi-square distribution
-// with 6 degrees of freedom if the information is correct. Requires valid indices of poses.
+// Returns (w, v)^T information (w, v) of the error of an edge. With correct information, it has
+// a chi-square distribution with 6 degrees of freedom. Requires valid pose indices.
 double SquaredError(const PoseGraph& graph, const PoseGraphEdge& edge);
 
 // Returns half the sum of SquaredError() of all edges, including outliers.
 double Cost(const PoseGraph& graph);
 
-// Sparse linear solvers of Ceres in this build, the default first: "suite_sparse" (if Ceres has it
-// and SURFIT_SUITESPARSE is on), "eigen_sparse". Throws InputError if Ceres has none of them.
+// Sparse linear solvers of Ceres in this build, the default first: "suite_sparse" (requires
+// SURFIT_SUITESPARSE), "eigen_sparse". Throws InputError if Ceres has neither.
 std::vector<std::string> SparseBackendNames();
 
 // Initial poses:
@@ -80,12 +78,11 @@ struct PoseGraphOptions {
   std::string sparse_backend = SparseBackendNames().front();
   std::string initialization = "chordal";  // one of PoseGraphInitializationNames()
   std::string loop_robustness = "none";    // one of LoopRobustnessNames()
-  // For "gnc": loop closures with a larger SquaredError() are outliers. 99.9 % of correct loop
-  // closures are below the default (chi-square, 6 degrees of freedom).
+  // For "gnc": loop closures with a larger SquaredError() are outliers. Default: 99.9 %
+  // quantile of correct loop closures (chi-square, 6 degrees of freedom).
   double max_loop_squared_error = 22.457744;
-  // Maximum number of iterations of Levenberg-Marquardt, and convergence threshold. All
-  // rounds of "gnc" except the final round have at most 10 iterations and a threshold of at least
-  // 1e-3.
+  // Maximum number of Levenberg-Marquardt iterations, and convergence threshold. Rounds of
+  // "gnc" before the final round have at most 10 iterations and a threshold of at least 1e-3.
   int max_iterations = 200;
   double min_relative_cost_change = 1e-11;
 
@@ -94,7 +91,7 @@ struct PoseGraphOptions {
 
 enum class PoseGraphTermination {
   kConverged,      // relative change of the cost below the threshold
-  kMaxIterations,  // best poses so far
+  kMaxIterations,  // success with the best poses so far
   kFailed,         // solver failure, or no "chordal" initial poses; the graph is unchanged
 };
 
@@ -104,9 +101,9 @@ std::string ToString(PoseGraphTermination termination);
 // Iteration of Levenberg-Marquardt. Iteration 0 of a round is the state before its first step.
 struct PoseGraphIteration {
   int round = 0;          // round of "gnc"; 0 for "none"
-  double cost = 0;        // cost after the step, also if rejected; with loop weights of the round
-  double step_norm = 0;   // norm of the change of all unit quaternions and translations (m)
-  bool accepted = false;  // the step was taken; true for iteration 0
+  double cost = 0;        // cost with the loop weights of the round
+  double step_norm = 0;   // norm of the change of all quaternions and translations (m)
+  bool accepted = false;  // false: the step was rejected
   double time_ms = 0;     // duration of this iteration
 };
 
@@ -116,11 +113,11 @@ struct PoseGraphSummary {
   std::string sparse_backend;
   double given_cost = 0;    // Cost() of the input graph, all edges
   double initial_cost = 0;  // cost of the initial poses, all edges
-  double final_cost = 0;    // final cost, without outliers
+  double final_cost = 0;    // cost of the final poses, without outliers
   std::vector<PoseGraphIteration> iterations;
   int round_count = 0;  // number of Levenberg-Marquardt runs
-  // Number of held poses, which do not move: fixed poses, and the first pose of each component of
-  // the graph without a fixed pose.
+  // Number of held poses, which do not move: fixed poses, and the first pose of each connected
+  // component without a fixed pose.
   std::size_t held_count = 0;
   std::size_t loop_count = 0;
   // Outlier loop closures of "gnc": ascending indices of edges. Empty for "none".
@@ -130,10 +127,9 @@ struct PoseGraphSummary {
   bool Succeeded() const { return termination != PoseGraphTermination::kFailed; }
 };
 
-// Moves the poses of the graph to a local minimum of Cost(), without outlier loop closures. Held
-// poses do not move. Runs on one thread: the same graph gives bitwise identical poses. A solver
-// failure is a termination, not an exception. Throws InputError for an invalid graph or invalid
-// options.
+// Moves the poses of the graph to a local minimum of Cost(), without outlier loop closures. Runs
+// on one thread: equal graphs give bitwise identical poses. A solver failure is a termination,
+// not an exception. Throws InputError for an invalid graph or invalid options.
 PoseGraphSummary OptimizePoseGraph(const PoseGraphOptions& options, PoseGraph* graph);
 
 }  // namespace surfit

@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-// Edge, from the point of view of one of its poses.
+// Neighbour of a pose, connected by an edge.
 struct LinkedPose {
   std::size_t pose;
   Rigid3d pose_from_neighbour;
@@ -73,7 +73,7 @@ class Chain {
 using RowsOf3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 constexpr int kHeld = -1;
 
-// Index of each pose among the poses that are not held.
+// Indices of the poses that are not held; kHeld for held poses.
 std::vector<int> NumberUnknowns(const std::vector<bool>& held, int* count) {
   std::vector<int> numbers(held.size(), kHeld);
   *count = 0;
@@ -83,8 +83,8 @@ std::vector<int> NumberUnknowns(const std::vector<bool>& held, int* count) {
   return numbers;
 }
 
-// Linear least squares over blocks X_i of kSize rows and 3 columns, with terms k |X_b - F X_a -
-// c|^2 and orthogonal F.
+// Linear least squares over kSize x 3 blocks X_i. Terms: k |X_b - F X_a - c|^2 with orthogonal
+// F.
 template <int kSize>
 class BlockSystem {
  public:
@@ -93,7 +93,7 @@ class BlockSystem {
 
   explicit BlockSystem(int count) : right_side_(RowsOf3::Zero(kSize * count, 3)) {}
 
-  // Held poses (number kHeld) have the constant blocks known_a, known_b.
+  // `a`, `b`: block indices. If one is kHeld, its block is the constant known_a or known_b.
   void Add(double k, int a, int b, const Factor& factor, const Block& constant,
            const Block& known_a, const Block& known_b) {
     if (a != kHeld) AddDiagonal(k, a);
@@ -138,7 +138,7 @@ class BlockSystem {
   RowsOf3 right_side_;
 };
 
-// Rotation with the least squared difference from the elements of a matrix.
+// Rotation with the smallest Frobenius distance to a matrix.
 Eigen::Quaterniond NearestRotation(const Eigen::Matrix3d& matrix) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d u = svd.matrixU();

@@ -13,10 +13,10 @@
 namespace surfit {
 namespace {
 
-// Rounds before the last classify the loop closures. They need not converge.
+// Limits of the GNC rounds before the final round. These rounds need not converge.
 constexpr int kRoundIterations = 10;
 constexpr double kRoundCostChange = 1e-3;
-// mu grows by a factor of 1.4 per round: from 1e-30 for an extreme error to binary weights.
+// Enough rounds for an initial mu of 1e-30.
 constexpr int kMaxRounds = 300;
 
 std::vector<Rigid3d> PosesOf(const PoseGraph& graph) {
@@ -36,7 +36,7 @@ PoseGraphInitialization InitializationOf(const PoseGraphOptions& options) {
   return misled ? PoseGraphInitialization::kOdometry : way;
 }
 
-// Returns the initial poses, or std::nullopt if the chordal initialisation has no solution.
+// Returns std::nullopt if the chordal initialisation fails.
 std::optional<std::vector<Rigid3d>> Initialize(PoseGraphInitialization way, const PoseGraph& graph,
                                                const ChainedPoses& chained) {
   switch (way) {
@@ -72,7 +72,8 @@ std::vector<double> EdgeWeights(const std::vector<double>& loop_weights,
   return weights;
 }
 
-// Sets binary weights of the loop closures: see LoopWeights. Returns false if a solver run failed.
+// Runs GNC, sets the weights of outlier loop closures to 0, and lists the outliers. Returns
+// false if a solver run failed.
 bool FindWrongLoops(const PoseGraph& graph, const PoseGraphOptions& options,
                     PoseGraphProblem* problem, PoseGraphSummary* summary) {
   PoseGraphOptions round = options;

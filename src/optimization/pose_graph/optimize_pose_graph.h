@@ -23,22 +23,21 @@ struct ChainedPoses {
   std::vector<bool> held;
 };
 
-// Chains measurements from the held poses. Uses loop closures only to reach poses without odometry.
+// Chains measurements from the held poses. Uses loop closures only for poses that odometry does
+// not reach.
 ChainedPoses ChainPoses(const PoseGraph& graph);
 
-// Chordal initial poses from two linear systems. They do not depend on the drift. First, the
-// matrices R_i minimise the sum of k |R_b - R_a R_ab|^2 over all edges, and are then projected to
-// rotations. Second, the translations minimise the sum of k' |t_b - t_a - R_a t_ab|^2. k and k' are
-// the mean information of rotation and translation. Held poses do not move. Returns std::nullopt if
-// a system cannot be solved. Carlone et al.: Initialization techniques for 3D SLAM, ICRA 2015,
-// IV.B.
+// Chordal initial poses from two linear systems (Carlone et al.: Initialization techniques for
+// 3D SLAM, ICRA 2015, IV.B). First, matrices R_i minimise sum k |R_b - R_a R_ab|^2 over all
+// edges and are projected to rotations. Second, the translations minimise sum k' |t_b - t_a -
+// R_a t_ab|^2. k and k': mean of the diagonal information of rotation and translation. Held
+// poses do not move. Returns std::nullopt if a system cannot be solved.
 std::optional<std::vector<Rigid3d>> ChordalPoses(const PoseGraph& graph,
                                                  const std::vector<bool>& held);
 
-// Initial trust-region radii of Levenberg-Marquardt: the default of Ceres, and nearly that of
-// Gauss-Newton. From chordal poses, the default takes ten more iterations on a sphere of 10,000
-// poses: damping slows down the bending of long chains. From odometry poses, the default takes
-// fewer iterations.
+// Initial trust-region radii of Levenberg-Marquardt. kFarFromMinimum: default of Ceres, faster
+// from odometry poses. kNearMinimum: almost undamped, saves ten iterations from chordal poses of
+// a sphere graph with 10,000 poses.
 inline constexpr double kFarFromMinimum = 1e4, kNearMinimum = 1e10;
 
 class PoseGraphProblem {
@@ -52,7 +51,7 @@ class PoseGraphProblem {
   PoseGraphTermination Minimize(const PoseGraphOptions& options, double initial_radius,
                                 PoseGraphSummary* summary);
 
-  // Sets one weight per edge. Odometry edges ignore it.
+  // Sets one weight per edge. Odometry edges ignore their weights.
   void SetWeights(const std::vector<double>& weights);
 
   // Unweighted squared errors of all edges at the current poses.
@@ -61,7 +60,7 @@ class PoseGraphProblem {
   std::vector<Rigid3d> Poses() const;
 
  private:
-  // Scales the squared error of an edge by a weight that can change between solver runs.
+  // Weight of a squared error.
   struct WeightLoss final : ceres::LossFunction {
     void Evaluate(double squared_error, double rho[3]) const override {
       rho[0] = weight * squared_error;
@@ -79,15 +78,15 @@ class PoseGraphProblem {
   ceres::Problem problem_;  // last member: points to other members
 };
 
-// Weights of graduated non-convexity with truncated least squares. The cost of a loop closure
-// changes from a convex surrogate to min(e^2, c^2) of its squared error e^2. The control parameter
-// mu grows by a factor of 1.4 per round. Yang, Antonante, Tzoumas, Carlone: Graduated Non-Convexity
-// for Robust Spatial Perception, RA-L 2020, eq. 12 to 14 and remark 5, where e^2 is called r^2.
+// Weights of graduated non-convexity with truncated least squares. Source: Yang, Antonante,
+// Tzoumas, Carlone: Graduated Non-Convexity for Robust Spatial Perception, RA-L 2020, eq. 12 to
+// 14 and remark 5. The cost of a squared error e^2 (r^2 in the paper) changes from a convex
+// surrogate to min(e^2, c^2). The control parameter mu grows by a factor of 1.4 per round.
 class LoopWeights {
  public:
-  // `max_squared_error` is c^2. `squared_errors` are the errors of all loop closures at the initial
-  // poses. The paper starts from the minimum with all weights 1. Here the initial poses are
-  // odometry poses, because outliers fold a trajectory irreversibly.
+  // `max_squared_error`: c^2. `squared_errors`: loop closures at the initial poses. The paper
+  // starts from the minimum with all weights 1. Here the initial poses are odometry poses,
+  // because outliers can fold a trajectory irreversibly.
   LoopWeights(double max_squared_error, const std::vector<double>& squared_errors)
       : max_squared_error_(max_squared_error) {
     double largest = 0;

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kNormTolerance = 1e-6;
 constexpr double kSymmetryTolerance = 1e-9;  // of the largest element
-// Tolerance of negative eigenvalues, relative to the largest eigenvalue. Rounding of all elements
-// to six digits changes eigenvalues by at most 6 * 5e-6 of the largest element.
+// Tolerance of negative eigenvalues, relative to the largest. Rounding to 6 digits changes
+// eigenvalues by at most 6 * 5e-6 of the largest element.
 constexpr double kRounding = 3e-5;
 
 bool IsRigid(const Rigid3d& pose) {

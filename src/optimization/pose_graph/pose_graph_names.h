@@ -7,7 +7,6 @@
 
 namespace surfit {
 
-// Values of PoseGraphOptions with their names.
 enum class PoseGraphInitialization { kGiven, kOdometry, kChordal };
 enum class LoopRobustness { kNone, kGnc };
 

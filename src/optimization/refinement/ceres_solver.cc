@@ -1,4 +1,3 @@
-// Solver of the joint problem by Ceres, with all residuals and all parameters.
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
@@ -20,12 +19,11 @@ namespace {
 constexpr NamedValue<ceres::LinearSolverType> kLinearSolvers[] = {
     {"sparse_schur", ceres::SPARSE_SCHUR}, {"iterative_schur", ceres::ITERATIVE_SCHUR}};
 
-// Relative precision of a step by conjugate gradients. The default of Ceres, 0.1, takes less time
-// per step and many more steps.
+// Relative precision of conjugate gradients. The default of Ceres, 0.1, needs many more steps.
 constexpr double kStepPrecision = 1e-3;
 
-// Residuals of surfels without and with texture. The parameters of a surfel are one block, [d] or
-// [d a_1 a_2]: blocks that are eliminated first must not share a residual.
+// All parameters of a surfel are one block, [d] or [d a_1 a_2]: blocks that are eliminated first
+// must not share a residual.
 using PlaneCost =
     ceres::AutoDiffCostFunction<PlaneInverseDepth, 1, kPoseSize, kCalibrationSize, kPlaneUnknowns>;
 using TexturedPlaneCost = ceres::AutoDiffCostFunction<PlaneInverseDepth, 1, kPoseSize,
@@ -42,7 +40,7 @@ ceres::Problem::Options RowsOwnedByUs() {
   return options;
 }
 
-// Poses, calibration and surfels as parameter blocks, with all residuals.
+// The complete ceres::Problem.
 class AllRows {
  public:
   AllRows(const JointProblem& joint, const RefinementOptions& options, const JointState& state)
@@ -121,7 +119,8 @@ class AllRows {
             SurfelResiduals(joint_.shared, surfel, placed).Best(joint_.kernels);
         numbers_[s][0] = best.displacement;
         if (surfel.textures_begin == surfel.textures_end) continue;
-        // SurfelParameters::texture is in standard deviations, which are equal for all keyframes.
+        // SurfelParameters::texture is in standard deviations, the block in intensity.
+        // All keyframes have the same sigma.
         const double sigma = 1. / joint_.shared.textures[surfel.textures_begin].inverse_sigma;
         numbers_[s][1] = sigma * best.texture[0];
         numbers_[s][2] = sigma * best.texture[1];

@@ -9,19 +9,19 @@
 namespace surfit {
 namespace {
 
-constexpr int kStride = 4;         // stride of the compared pixels, in rows and columns
-constexpr int kNeighbours = 3;     // number of preceding keyframes that a keyframe is compared with
-constexpr int kMinKeyframes = 10;  // fewer keyframes do not determine their scatter
+constexpr int kStride = 4;      // stride of the compared pixels, in rows and columns
+constexpr int kNeighbours = 3;  // each keyframe is compared with this number of preceding keyframes
+constexpr int kMinKeyframes = 10;  // minimum for the scatter of the gradients
 constexpr int kMaxIterations = 15;
 constexpr double kConverged_s = 1e-4;
-constexpr double kMaxLatency_s = 0.1;  // the motion of a frame is not constant for longer
-// In units of intensity in [0, 1]. Wide, because informative points have large initial residuals.
+constexpr double kMaxLatency_s = 0.1;  // validity of the constant-velocity assumption
+// Unit: intensity in [0, 1]. A narrow kernel would reject informative points with large initial
+// residuals.
 constexpr double kKernelWidth = 0.3;
 constexpr double kMaxDepthSigmas = 6;     // gate on the difference of inverse depth
-constexpr double kModelSigma_s = 0.0015;  // minimum error by timestamps and exposure
+constexpr double kModelSigma_s = 0.0015;  // systematic error by timestamps and exposure
 constexpr double kSureSigmas = 3;
 
-// Intensity of a point in an image, and its derivative by the latency.
 struct Sighting {
   double value = 0, by_latency = 0;
 };
@@ -43,7 +43,7 @@ class ColorComparison {
   ColorComparison(const std::vector<ColoredKeyframe>& keyframes, const PinholeCamera& camera)
       : keyframes_(keyframes), camera_(camera) {}
 
-  // Sums of keyframe k with its preceding keyframes.
+  // Sums over the pairs of keyframe k and its preceding keyframes.
   LatencySums SumsOf(int k, double latency_s) const {
     LatencySums sums;
     for (int j = std::max(0, k - kNeighbours); j < k; ++j) {
@@ -128,8 +128,7 @@ std::vector<ColorComparison::Row> ColorComparison::RowsOf(const ColoredKeyframe&
   return rows;
 }
 
-// The first pass estimates gain and offset from all rows, the second from rows with small
-// residuals.
+// The second pass repeats the estimate of gain and offset with updated kernel weights.
 std::optional<LatencySums> ColorComparison::SumsOfPair(const ColoredKeyframe& here,
                                                        const ColoredKeyframe& there,
                                                        double latency_s) const {
@@ -164,8 +163,8 @@ std::optional<LatencySums> ColorComparison::SumsOfPair(const ColoredKeyframe& he
   return sums;
 }
 
-// Variance of a sum of correlated terms, as neighbouring terms share keyframes (Newey and West
-// 1987).
+// Variance of a sum of correlated terms (Newey and West 1987). Neighbouring terms share
+// keyframes.
 double VarianceOfSum(const std::vector<double>& terms) {
   double variance = 0;
   for (std::size_t lag = 0; lag <= kNeighbours; ++lag) {
@@ -175,7 +174,7 @@ double VarianceOfSum(const std::vector<double>& terms) {
   return variance;
 }
 
-// Combines an estimate with the prior. Variances are in s^2.
+// Combines an estimate with the zero-mean prior. Variances are in s^2.
 ColorLatency WithPrior(double latency_s, double variance, double prior_variance, int keyframes) {
   const double joint_s = latency_s * prior_variance / (prior_variance + variance);
   const double sigma_s = std::sqrt(variance * prior_variance / (prior_variance + variance));

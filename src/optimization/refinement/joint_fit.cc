@@ -58,7 +58,7 @@ CalibrationChange ChangeOf(const DepthCalibration& calibration, const DepthCalib
     if (covariance(i, i) > 0) free.push_back(i);
   }
   const Eigen::VectorXd change = (found - was)(free);
-  // Scaled, because px and 1/m differ by orders of magnitude.
+  // Scaling is necessary, because px and 1/m differ by orders of magnitude.
   const Eigen::VectorXd sigma = covariance.diagonal()(free).cwiseSqrt();
   const Eigen::MatrixXd correlation = sigma.cwiseInverse().asDiagonal() *
                                       covariance(free, free).eval() *

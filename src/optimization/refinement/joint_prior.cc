@@ -9,8 +9,8 @@
 namespace surfit {
 namespace {
 
-// Six residuals of unit variance have a norm of 2.4. An edge with a larger norm, for example across
-// lost frames, has a bounded gradient.
+// Bounds the gradient of inconsistent edges, for example across lost frames. Six residuals of
+// unit variance have a norm of 2.4.
 constexpr RobustKernel kKernel = {RobustKernelType::kHuber, 4};
 
 PoseInformation InformationOf(double sigma_m, double sigma_rad) {
@@ -20,7 +20,7 @@ PoseInformation InformationOf(double sigma_m, double sigma_rad) {
   return information;
 }
 
-// Returns A with A^T A = information. The information P^T L D L^T P may be singular.
+// Returns A with A^T A = information, which may be singular.
 ceres::Matrix RootOf(const ReducedSystem::CalibrationMatrix& information) {
   using Matrix = ReducedSystem::CalibrationMatrix;
   const Eigen::LDLT<Matrix> ldlt(information);

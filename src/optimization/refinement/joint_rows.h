@@ -11,7 +11,7 @@
 
 namespace surfit {
 
-// Number of parameters of a surfel: its displacement, and two differences of intensity with
+// Number of surfel parameters: the displacement, and two intensity differences if the surfel has
 // texture.
 inline constexpr int kPlaneUnknowns = 1;
 inline constexpr int kTexturedUnknowns = 3;
@@ -23,11 +23,10 @@ using SurfelRow = Eigen::Matrix<double, kUnknowns, 1>;
 
 struct SurfelParameters {
   double displacement = 0;                            // m, along its normal
-  Eigen::Vector2d texture = Eigen::Vector2d::Zero();  // differences of intensity, in sigmas
+  Eigen::Vector2d texture = Eigen::Vector2d::Zero();  // intensity differences, in sigmas
 };
 
-// Residual and its derivatives by the pose perturbation (w, v) of ProductPoseManifold, the
-// calibration and the displacement.
+// Residual with Jacobian rows. The pose perturbation is (w, v) of ProductPoseManifold.
 struct JointRow {
   double residual = 0;
   PoseRow by_pose;
@@ -35,10 +34,9 @@ struct JointRow {
   double by_displacement = 0;
 };
 
-// PlaneInverseDepth of one observation, for one pose and calibration. Terms without the
-// displacement are precomputed: with N = n . R e and D = n . (p - t),
-//   r(d) = (1/z_measured + c - N / (D + d)) / sigma.
-// e and t belong to the capture time of the pixel row.
+// Analytic version of PlaneInverseDepth for one observation. The displacement is d:
+//   r(d) = (1/z_measured + c - N / (D + d)) / sigma,  N = n . R e,  D = n . (p - t).
+// e and t: viewing ray and camera centre at the capture time of the pixel row.
 class PlaneResidual {
  public:
   PlaneResidual(const PlaneObservation& observation, const SharedSurfel& surfel,
@@ -106,7 +104,7 @@ class PlaneResidual {
   double along_ray_, from_camera_;  // N, D
 };
 
-// Motion of the image row of an observation. `rows` is the height of the image.
+// Camera motion at the image row of an observation. `rows`: image height.
 inline RowMotion MotionOf(const PlaneObservation& observation, const KeyframeReadout& readout,
                           int rows) {
   const double share = (observation.v + 0.5) / rows - 0.5;
@@ -114,8 +112,7 @@ inline RowMotion MotionOf(const PlaneObservation& observation, const KeyframeRea
           share * readout.motion.velocity_m_per_s, readout.readout_s};
 }
 
-// SurfelTexture of one observation, for one pose and calibration. Terms without the surfel
-// parameters are precomputed.
+// Analytic version of SurfelTexture for one observation.
 class TextureResidual {
  public:
   TextureResidual(const TextureObservation& observation, const SharedSurfel& surfel,
@@ -132,7 +129,7 @@ class TextureResidual {
     }
   }
 
-  // Measured differences of intensity, in standard deviations.
+  // Measured intensity differences, in standard deviations.
   Eigen::Vector2d Differences(double displacement) const {
     const double center = Intensity(0, displacement);
     return inverse_sigma_ * Eigen::Vector2d(Intensity(1, displacement) - center,
@@ -163,7 +160,6 @@ class TextureResidual {
     }
     return rows;
   }
-  // Derivatives of the residuals by the displacement.
   Eigen::Vector2d ByDisplacement(double displacement) const {
     const double center = Slope(0, displacement).dot(normal_in_camera_);
     return inverse_sigma_ * Eigen::Vector2d(Slope(1, displacement).dot(normal_in_camera_) - center,

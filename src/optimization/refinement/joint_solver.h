@@ -15,22 +15,22 @@ namespace surfit {
 class JointPrior {
  public:
   JointPrior() = default;
-  // Prior of the relative poses of consecutive keyframes, at the given poses. It constrains
-  // keyframes that share few surfels.
+  // Prior of the relative poses of consecutive keyframes. Its mean values are the relative
+  // poses of `world_from_camera`.
   JointPrior(const std::vector<Rigid3d>& world_from_camera, double sigma_m, double sigma_rad);
-  // Prior of the calibration. It constrains unobservable parameters.
+  // Prior of the calibration.
   JointPrior(const DepthCalibration& given, const CalibrationPrior& prior);
 
-  // Sets the variance of the observations, relative to the error model. The cost of the prior is
-  // multiplied by this variance, because its standard deviations are absolute.
+  // Sets the variance of the observations, relative to the error model. The cost of the prior
+  // is multiplied by this variance.
   void SetWeight(double weight) { weight_ = weight; }
 
   // Sum of the weighted rho: twice the cost of the prior.
   double Rho(const JointState& state) const;
   // Adds the normal equations of the prior.
   void AddTo(const JointState& state, ReducedSystem* system) const;
-  // Adds the residuals to a problem that does not own residuals and losses. Prior and `losses` must
-  // outlive the problem.
+  // Adds the residuals to a problem without ownership of cost and loss functions. The prior
+  // and `losses` must outlive the problem.
   void AddTo(const std::vector<double*>& poses, double* calibration,
              std::vector<std::unique_ptr<ceres::LossFunction>>* losses,
              ceres::Problem* problem) const;
@@ -39,13 +39,13 @@ class JointPrior {
   CalibrationRow ChangeOf(const DepthCalibration& calibration) const;
 
   std::vector<std::unique_ptr<AnalyticRelativePose>> edges_;  // between consecutive keyframes
-  std::unique_ptr<ceres::CostFunction> residuals_;            // of the calibration; may be null
+  std::unique_ptr<ceres::CostFunction> residuals_;  // prior of the calibration; null: none
   CalibrationRow given_ = CalibrationRow::Zero();
   ReducedSystem::CalibrationMatrix information_ = ReducedSystem::CalibrationMatrix::Zero();
   double weight_ = 1;
 };
 
-// Problem of a round, with fixed surfels and observations.
+// Problem of one round.
 struct JointProblem {
   const SharedSurfels& shared;
   const JointPrior& prior;
@@ -66,21 +66,20 @@ struct JointReport {
 // Returns which of the 11 calibration parameters are fixed.
 std::vector<bool> FixedCalibration(const RefinementOptions& options);
 
-// Minimises the cost over the poses and the estimated calibration parameters by
-// Levenberg-Marquardt, with the solver of the options. The first pose is fixed. The state does not
-// change without a solution. The result is the same for any number of threads.
+// Minimises the cost over poses and estimated calibration parameters with `options.solver`. The
+// first pose is fixed. A failure leaves the state unchanged. The result is the same for any
+// number of threads.
 JointReport MinimizeJointly(const JointProblem& problem, const RefinementOptions& options,
                             JointState* state);
 
-// Solver "reduced": the surfel parameters are optimal for the poses and calibration of each step.
-// Steps follow the trust region of Ceres (Nielsen's rule for the damping).
+// Solver "reduced": Levenberg-Marquardt over poses and calibration (Nielsen's damping rule). The
+// surfel parameters are at their optimum in each step.
 JointReport MinimizeReduced(const JointProblem& problem, const RefinementOptions& options,
                             JointState* state);
 
-// Solver "ceres": a ceres::Problem with autodiff residuals PlaneInverseDepth and SurfelTexture,
-// whose parameters include those of the surfels. Ceres eliminates the surfels first and solves the
-// Schur complement with the linear solver of the options. Runs on one thread: with more threads,
-// Ceres sums costs and gradients in a varying order.
+// Solver "ceres": a ceres::Problem over poses, calibration and surfel parameters, with autodiff
+// residuals. `options.linear_solver` solves the Schur complement of the surfels. Runs on one
+// thread: with more threads, Ceres sums costs and gradients in a varying order.
 JointReport MinimizeWithCeres(const JointProblem& problem, const RefinementOptions& options,
                               JointState* state);
 

@@ -20,7 +20,7 @@ struct JointState {
   DepthCalibration calibration;
 };
 
-// Poses with rotation matrices, for the rows. The state must outlive it.
+// State with precomputed rotation matrices. Keeps a reference to the state.
 struct PlacedPoses {
   explicit PlacedPoses(const JointState& joint) : state(joint) {
     for (const Rigid3d& pose : joint.world_from_camera) {
@@ -48,9 +48,8 @@ inline void CalibrationFromBlock(const double* block, DepthCalibration* calibrat
   calibration->readout_s = block[kReadout];
 }
 
-// Robust kernels of all residuals. The photometric weight W is part of the standard deviation of
-// texture residuals. All kernels have the form rho(s) = k^2 f(s / k^2), so W rho(s) is rho(W s)
-// with the width k sqrt(W).
+// Robust kernels of all residuals. The photometric weight W scales the texture residuals and
+// their kernel width: W rho(s) = rho(W s) with the width k sqrt(W).
 struct JointKernels {
   RobustKernel plane, texture;
 
@@ -75,19 +74,19 @@ inline double InversePlaneSigma(const ErrorModel& model, const DepthNoise& noise
   return z * z / model.Sigma(z, noise);
 }
 
-// 1 / sigma of the differences of intensity, including the photometric weight.
+// 1 / sigma of intensity differences, including the photometric weight.
 inline double InverseTextureSigma(const ErrorModel& model) {
   return std::sqrt(model.photometric_weight) / model.intensity_sigma;
 }
 
-// Residuals of all observations at the optimal surfel parameters.
+// Sums over observations, at the optimal surfel parameters.
 struct JointFit {
   double rho = 0;                  // sum of rho: twice the cost
   double weight = 0;               // sum of the kernel weights rho' of plane residuals
   double squared_sigmas = 0;       // weighted sum of r^2
   double squared_metres = 0;       // weighted sum of the squared point-to-plane distances
   double texture_weight = 0;       // sum of the kernel weights rho' of texture residuals
-  double squared_differences = 0;  // weighted sum of the squared differences of intensity
+  double squared_differences = 0;  // weighted sum of squared intensity differences
 
   JointFit& operator+=(const JointFit& other) {
     rho += other.rho;
@@ -102,24 +101,23 @@ struct JointFit {
 
 RefinementFit Agreement(const JointFit& fit);
 
-// Variance of an observation relative to the error model: the weighted mean square of the plane
-// residuals, corrected for the degrees of freedom. It is larger if surfels share the errors of
-// their normals (`correlation_px`). 0 without redundant observations.
+// Variance factor: weighted mean square of the plane residuals, corrected for degrees of freedom
+// and for the correlation of normals (`correlation_px`). 0 without redundant observations.
 double VarianceOf(const JointFit& fit, const SharedSurfels& shared, const JointState& state,
                   const RefinementOptions& options);
 
-// Covariance of RefinementOptions::model_error_ratio, 11 x 11 and diagonal; 0 for fixed parameters.
+// Diagonal covariance (11 x 11) of the model error, see RefinementOptions::model_error_ratio. 0
+// for fixed parameters.
 Eigen::MatrixXd ModelErrorOf(const DepthCalibration& calibration, const std::vector<bool>& held,
                              const RefinementOptions& options);
 
-// Squared Mahalanobis distance between two calibrations by a covariance (11 x 11, 0 for fixed
-// parameters), with the number of estimated parameters.
+// Squared Mahalanobis distance between two calibrations.
 struct CalibrationChange {
   double squared_distance = 0;
   int free = 0;
 
-  // Mean plus `sigmas` standard deviations of the squared distance of equal calibrations: a
-  // chi-square distribution with `free` degrees of freedom.
+  // Mean plus `sigmas` standard deviations of the chi-square distribution with `free` degrees
+  // of freedom.
   double Limit(double sigmas) const;
 };
 CalibrationChange ChangeOf(const DepthCalibration& calibration, const DepthCalibration& given,

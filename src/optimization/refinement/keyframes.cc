@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kSmoothingPx = 2;
 
-// Smoothing suppresses the noise and sampling of the texture below this scale.
+// Suppresses noise and aliasing.
 Image<float> Smoothed(Image<float> intensity) {
   if (intensity.empty()) return intensity;
   cv::Mat image(intensity.height(), intensity.width(), CV_32F, intensity.data());

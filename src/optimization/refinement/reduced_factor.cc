@@ -77,7 +77,6 @@ Eigen::MatrixXd PoseFactor::Solve(const Eigen::MatrixXd& right) const {
 ReducedSystem::PoseMatrix PoseFactor::InverseBlock(int pose) const {
   const Eigen::Index begin = kSize * (pose - 1);
   if (is_dense_) {
-    // The rows above this pose are zero.
     const Eigen::Index rest = size_ - begin;
     const Eigen::MatrixXd x = dense_.bottomRightCorner(rest, rest)
                                   .triangularView<Eigen::Lower>()
@@ -147,7 +146,7 @@ ReducedStep ReducedFactor::Solve(const Eigen::VectorXd& gradient) const {
   return {-scale_.cwiseProduct(y), scaled.dot(y) + damping_ * y.squaredNorm()};
 }
 
-// Inverse of a bordered matrix: P^-1 + P^-1 B (C - B^T P^-1 B)^-1 B^T P^-1.
+// Block inverse: P^-1 + P^-1 B (C - B^T P^-1 B)^-1 B^T P^-1.
 Eigen::MatrixXd ReducedFactor::PoseCovariance(int pose) const {
   using Rows = Eigen::Matrix<double, kPoseTangentSize, kCalibrationSize>;
   const Eigen::Index begin = kPoseTangentSize * pose;
@@ -177,8 +176,7 @@ JointCovariance ReducedFactor::Covariance() const {
 
 JointCovariance CovarianceOf(const ReducedSystem& system,
                              const std::vector<bool>& fixed_calibration) {
-  // Rounding errors of a singular Hessian with a unit diagonal are about this large. With larger
-  // errors, the factorisation needs more damping.
+  // Typical rounding error of the pivots of a singular matrix with a unit diagonal.
   constexpr double kMinPivot = 1e-12, kGrowth = 10;
   ReducedFactor factor(*system.pattern, fixed_calibration);
   double damping = kMinPivot;

@@ -9,11 +9,10 @@
 
 namespace surfit {
 
-// Cholesky factor L L^T of the pose part P of a reduced Hessian, without the fixed first pose.
+// Cholesky factor of the pose part P of a reduced Hessian, without the fixed first pose.
 //
-// Uses the sparse solver of Eigen with minimum degree ordering, or the dense solver if it is
-// faster. In a room that is seen repeatedly, half of all keyframe pairs share surfels, and the
-// sparse factor is nearly full. Both solvers run on one thread.
+// Uses the dense solver of Eigen if it is faster than the sparse solver: in a single room, half
+// of all keyframe pairs share surfels. Runs on one thread.
 class PoseFactor {
  public:
   // Computes the ordering and the number of operations.
@@ -21,14 +20,13 @@ class PoseFactor {
 
   bool is_dense() const { return is_dense_; }
 
-  // Factorises S P S + damping I. `scale` is the diagonal of S. It normalises the diagonal of P to
-  // 1, or is 0 for parameters without residuals, whose diagonal is set to 1. Returns false if the
-  // matrix is not positive definite.
+  // Factorises S P S + damping I, with the diagonal S of `scale`. The diagonal of S P S is set
+  // to 1. Returns false if the matrix is not positive definite.
   bool Factorize(const ReducedSystem& system, const Eigen::VectorXd& scale, double damping);
 
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& right) const;
 
-  // Diagonal block of the inverse for a pose, from pose 1.
+  // Diagonal block of the inverse. `pose` must be at least 1.
   ReducedSystem::PoseMatrix InverseBlock(int pose) const;
 
  private:
@@ -36,8 +34,8 @@ class PoseFactor {
     // Approximate number of multiplications of a factorisation. Call after analyzePattern().
     double Operations() const { return m_nonZerosPerCol.cast<double>().squaredNorm() / 2; }
   };
-  // Approximate speed of the dense solver relative to the sparse solver, per operation: 6 with 1300
-  // unknowns, 10 with 2300.
+  // Operations per second of the dense solver relative to the sparse solver. Measured: 6 with
+  // 1300 unknowns, 10 with 2300.
   static constexpr double kDenseSpeed = 10;
 
   Eigen::Index size_;
@@ -46,18 +44,18 @@ class PoseFactor {
   bool is_dense_;
 };
 
-// Damped step to the minimum of the quadratic model of the cost.
+// Damped Gauss-Newton step.
 struct ReducedStep {
   Eigen::VectorXd increments;  // of poses and calibration; 0 for fixed parameters
   double rho_decrease = 0;     // predicted decrease of rho, without the damping
 };
 
 // Marginal covariances for residuals of unit variance: blocks of the inverse of the reduced
-// Hessian. The first pose and fixed calibration parameters are constant.
+// Hessian.
 struct JointCovariance {
   Eigen::MatrixXd calibration;  // 11 x 11; rows and columns of fixed parameters are 0
-  // Covariance of each pose perturbation (w [rad], v [m]), 6 x 6. 0 for the first pose, infinite on
-  // the diagonal of poses without shared surfels.
+  // Covariance of each pose perturbation (w [rad], v [m]), 6 x 6. 0 for the first pose.
+  // Infinite diagonal for poses without residuals.
   std::vector<Eigen::MatrixXd> poses;
 };
 
@@ -92,8 +90,8 @@ class ReducedFactor {
   Eigen::LLT<CalibrationMatrix> calibration_;
 };
 
-// Covariance by the smallest damping that can be factorised. The variance of unobservable
-// directions is about 1e12 times the variance that their diagonal elements alone would give.
+// Covariance, with the smallest damping that allows a factorisation. Unobservable directions get
+// a variance of about 1e12 times the inverse of their diagonal elements.
 JointCovariance CovarianceOf(const ReducedSystem& system,
                              const std::vector<bool>& fixed_calibration);
 

@@ -10,9 +10,8 @@ namespace surfit {
 
 namespace {
 
-// Coupling of the parameters of one surfel to poses and calibration, for their elimination. With
-// weighted rows [A b], where b are the derivatives by the surfel parameters: A^T W b by blocks, b^T
-// W b and b^T W r.
+// Terms for the elimination of one surfel: A^T W b by blocks, b^T W b and b^T W r. See
+// ReducedSystem.
 template <int kUnknowns>
 struct Coupling {
   using Square = Eigen::Matrix<double, kUnknowns, kUnknowns>;
@@ -20,7 +19,7 @@ struct Coupling {
   explicit Coupling(std::size_t observations)
       : poses(observations, Eigen::Matrix<double, kPoseTangentSize, kUnknowns>::Zero()) {}
 
-  // Adds a row of the keyframe with the given position in the observations of the surfel.
+  // Adds a row. `observation`: index of the keyframe in the observations of the surfel.
   void Add(std::size_t observation, const JointRow& row, const SurfelRow<kUnknowns>& by_surfel,
            double weight) {
     const SurfelRow<kUnknowns> weighted = weight * by_surfel;
@@ -195,7 +194,7 @@ JointFit FitOf(const SharedSurfels& shared, const JointState& state, const Joint
 
 ReducedSystem Reduce(const SharedSurfels& shared, const BlockPattern& pattern,
                      const JointState& state, const JointKernels& kernels) {
-  constexpr int kBlocks = 4;  // each block of surfels has its own system
+  constexpr int kBlocks = 4;  // number of partial sums
   const PlacedPoses placed(state);
   const int count = static_cast<int>(shared.surfels.size());
   return ParallelSum(0, count, std::max(1, (count + kBlocks - 1) / kBlocks), ReducedSystem(pattern),

@@ -11,8 +11,8 @@
 
 namespace surfit {
 
-// Sparsity pattern of the reduced system. It has blocks for poses that share a surfel, and for each
-// pose with itself and with the next pose (JointPrior).
+// Sparsity pattern of the reduced system. Pairs of poses with a block: poses that share a
+// surfel, consecutive poses (JointPrior), and each pose with itself.
 class BlockPattern {
  public:
   static constexpr std::int32_t kNoBlock = -1;
@@ -22,8 +22,8 @@ class BlockPattern {
   int pose_count() const { return pose_count_; }
   std::size_t block_count() const { return block_count_; }
 
-  // Index of the block of two poses, row >= column, or kNoBlock. Blocks are numbered by rows. The
-  // table takes 4 bytes per pair, 1/72 of the size of a block.
+  // Index of the block of two poses, or kNoBlock. Requires row >= column. Blocks are numbered
+  // by rows.
   std::int32_t IndexOf(int row, int column) const { return indices_[PairOf(row, column)]; }
 
  private:
@@ -33,7 +33,7 @@ class BlockPattern {
 
   int pose_count_;
   std::size_t block_count_ = 0;
-  std::vector<std::int32_t> indices_;  // of the lower triangle, by rows
+  std::vector<std::int32_t> indices_;  // lower triangle, by rows
 };
 
 // Normal equations of poses and calibration with eliminated surfel parameters. Unknowns are the
@@ -48,25 +48,24 @@ struct ReducedSystem {
   using MixedMatrix = Eigen::Matrix<double, kCalibrationSize, kPoseTangentSize>;
   using CalibrationMatrix = Eigen::Matrix<double, kCalibrationSize, kCalibrationSize>;
 
-  // Initialises with zeros. Keeps a pointer to the pattern.
+  // Keeps a pointer to the pattern.
   explicit ReducedSystem(const BlockPattern& block_pattern);
   ReducedSystem& operator+=(const ReducedSystem& other);
 
-  // Block of a pair in the pattern, row >= column.
+  // Requires a pair with a block, and row >= column.
   PoseMatrix& PoseBlock(int row, int column) { return poses[pattern->IndexOf(row, column)]; }
-  // Position of the calibration in the gradient.
   Eigen::Index CalibrationBegin() const { return gradient.size() - kCalibrationSize; }
 
   const BlockPattern* pattern;
   // Blocks of the Hessian.
   std::vector<PoseMatrix> poses;   // in the order of the pattern; diagonal blocks: lower triangle
-  std::vector<MixedMatrix> mixed;  // calibration with each pose
+  std::vector<MixedMatrix> mixed;  // cross blocks of calibration and pose, per pose
   CalibrationMatrix calibration = CalibrationMatrix::Zero();
   Eigen::VectorXd gradient;
   double rho = 0;  // sum of rho: twice the cost
 };
 
-// All observations of a surfel, at one state of poses and calibration.
+// Residuals of all observations of a surfel, for one state.
 class SurfelResiduals {
  public:
   SurfelResiduals(const SharedSurfels& shared, const SharedSurfel& surfel,
@@ -77,7 +76,7 @@ class SurfelResiduals {
     return textures_;
   }  // empty without texture
 
-  // Optimal parameters of the surfel, starting from a displacement of 0.
+  // Optimal surfel parameters, by reweighted Gauss-Newton from a displacement of 0.
   SurfelParameters Best(const JointKernels& kernels) const;
   // Residuals at the optimal parameters.
   JointFit FitOf(const JointKernels& kernels) const;
@@ -89,8 +88,8 @@ class SurfelResiduals {
 
 JointFit FitOf(const SharedSurfels& shared, const JointState& state, const JointKernels& kernels);
 
-// Computes the reduced system at the optimal surfel parameters. The pattern must belong to these
-// surfels. The result is the same for any number of threads.
+// Computes the reduced system at the optimal surfel parameters. `pattern` must be the pattern of
+// `shared`. The result is the same for any number of threads.
 ReducedSystem Reduce(const SharedSurfels& shared, const BlockPattern& pattern,
                      const JointState& state, const JointKernels& kernels);
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMinSurfels = 100;
 
-// Runs one round. Returns the kind of failure, or std::nullopt.
+// Runs one round. Returns std::nullopt on success.
 std::optional<RefinementTermination> RunRound(const RefinementOptions& options,
                                               const JointKernels& kernels,
                                               const std::vector<RefinementKeyframe>& keyframes,
@@ -47,8 +47,7 @@ void TakePoses(const JointState& state, std::vector<RefinementKeyframe>* keyfram
   }
 }
 
-// IsDuplicate rounds until they converge. Restores state and keyframes after a failure. Appends the
-// rounds, and calls `progress` after each round.
+// Runs rounds until convergence. Restores state and keyframes after a failure.
 RefinementTermination RunRounds(const RefinementOptions& options,
                                 std::vector<RefinementKeyframe>* keyframes, JointPrior* prior,
                                 JointState* state, std::vector<RefinementRound>* rounds,
@@ -86,7 +85,7 @@ JointState StateOf(const std::vector<RefinementKeyframe>& keyframes,
   return state;
 }
 
-// Sets the final fit and the covariances, except the distance of the calibration.
+// Sets the final fit and the covariances.
 void SetFinalFit(const RefinementOptions& options, const std::vector<RefinementKeyframe>& keyframes,
                  JointPrior* prior, const JointState& state, RefinementSummary* summary) {
   const JointKernels kernels = KernelsOf(options.error_model);
@@ -114,7 +113,7 @@ RefinementFit FitOf(const RefinementOptions& options,
   return Agreement(FitOf(shared, state, KernelsOf(options.error_model)));
 }
 
-// Refines from the given poses and calibration, and restores them after a failure.
+// Refines poses and calibration from `given`. Restores them after a failure.
 void RefineFrom(const JointState& given, const RefinementOptions& options, JointPrior prior,
                 std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
                 const std::function<void(const RefinementRound&)>& progress) {
@@ -146,7 +145,6 @@ RefinementOptions WithObservableParameters(RefinementOptions options,
   return options;
 }
 
-// Options of the refinement of poses only.
 RefinementOptions PosesOnly(RefinementOptions options) {
   options.estimate_intrinsics = options.estimate_depth_offset = options.estimate_depth_field =
       false;
@@ -156,7 +154,7 @@ RefinementOptions PosesOnly(RefinementOptions options) {
   return options;
 }
 
-// Refines the poses with the input calibration.
+// Refines the poses with a fixed calibration.
 void RefinePoses(const JointState& given, const RefinementOptions& options,
                  std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
                  const std::function<void(const RefinementRound&)>& progress) {

@@ -27,7 +27,6 @@ std::optional<Pixel> PixelOf(const Eigen::Vector3d& point_in_camera, const Pinho
   return Pixel{static_cast<int>(u), static_cast<int>(v)};
 }
 
-// Keyframe at its pose, with a calibration.
 class PosedKeyframe {
  public:
   PosedKeyframe(const RefinementKeyframe& keyframe, const DepthCalibration& calibration,
@@ -39,9 +38,9 @@ class PosedKeyframe {
         least_cosine_of_slant_(std::cos(options.max_slant_rad)),
         least_cosine_of_normals_(std::cos(options.observation_angle_rad)) {}
 
-  // Returns the calibrated plane of a pixel in the camera frame, or std::nullopt if there is none
-  // or it is too slanted. The normal follows from 1/z = n . ray / d with d < 0: n ~ -(fx r_u, fy
-  // r_v, r - (u - cx) r_u - (v - cy) r_v).
+  // Returns the plane of a pixel in the camera frame. std::nullopt without a measurement, or if the
+  // slant exceeds `max_slant_rad`. The normal follows from r = 1/z = n . ray / d with d < 0:
+  //   n ~ -(fx r_u, fy r_v, r - (u - cx) r_u - (v - cy) r_v).
   std::optional<Plane> PlaneAt(int u, int v) const {
     const float measured = images_.inverse_depth(u, v);
     const double slope_u = images_.slope_u(u, v), slope_v = images_.slope_v(u, v);
@@ -58,7 +57,8 @@ class PosedKeyframe {
     return Plane{ray / inverse_depth, normal};
   }
 
-  // Returns the observation of a plane, or std::nullopt if it is outside the image or the gates.
+  // Returns std::nullopt if the plane is outside the image, or if the angle or distance is too
+  // large.
   std::optional<PlaneObservation> Observe(const Plane& in_world) const {
     const Eigen::Vector3d point = camera_from_world_ * in_world.point;
     const std::optional<Pixel> pixel = PixelOf(point, calibration_.camera);
@@ -129,7 +129,6 @@ void ObserveBy(const PosedKeyframe& view, int keyframe, SeenPlane* seen) {
   seen->observations.push_back(*observation);
 }
 
-// Creates planes in cells of a keyframe image without a plane of an earlier keyframe.
 std::vector<SeenPlane> MakePlanes(const std::vector<RefinementKeyframe>& keyframes,
                                   const std::vector<PosedKeyframe>& views,
                                   const DepthCalibration& calibration,

@@ -17,16 +17,15 @@ struct PlaneObservation {
   float inverse_sigma = 0;  // 1 / sigma of the inverse depth, m
 };
 
-// Observation of a surfel texture by a keyframe that observes the plane.
+// Observation of a surfel texture by a keyframe.
 struct TextureObservation {
   int keyframe = 0;
-  int index = 0;  // position of the keyframe in the observations of the surfel
-  float inverse_sigma =
-      0;  // 1 / sigma of differences of intensity, including the photometric weight
+  int index = 0;            // position of the keyframe in the observations of the surfel
+  float inverse_sigma = 0;  // 1 / sigma of intensity differences, including the photometric weight
   TextureTaps taps;
 };
 
-// Surfel that several keyframes observe: a plane with a displacement along its normal.
+// Surfel that several keyframes observe.
 struct SharedSurfel {
   Eigen::Vector3d point_in_world, normal_in_world;  // metres, unit length
   double texture_radius_m = 0;     // distance of the neighbouring points: TexturePoints()
@@ -34,12 +33,12 @@ struct SharedSurfel {
   std::size_t textures_begin = 0, textures_end = 0;
 };
 
-// Returns the centre of a surfel and two neighbouring points, in orthogonal tangential directions;
-// metres, world frame.
+// Returns the surfel centre and two points beside it, in orthogonal tangential directions. World
+// frame, m.
 std::array<Eigen::Vector3d, 3> TexturePoints(const SharedSurfel& surfel);
 
-// All surfels of a set of keyframes with their observations. The observations of a surfel are
-// contiguous, in the order of the keyframes.
+// Surfels of a set of keyframes. The observations of a surfel are contiguous and ordered by
+// keyframe.
 struct SharedSurfels {
   std::vector<SharedSurfel> surfels;
   std::vector<PlaneObservation> observations;
@@ -50,23 +49,21 @@ struct SharedSurfels {
 // Cell size of a keyframe image, px.
 int CellSize(const DepthCalibration& calibration, const RefinementOptions& options);
 
-// Creates surfels from keyframes. If a cell of a keyframe image has no surfel of an earlier
-// keyframe, its centre pixel becomes a surfel. Then finds the keyframes that observe each surfel,
-// and averages their normals. Surfels with fewer than `min_observations` observations are removed.
-// The result is the same for any number of threads.
+// Creates surfels from keyframes. The centre pixel of a cell becomes a surfel if the cell has no
+// surfel of an earlier keyframe. The normal of a surfel is the mean over all observing
+// keyframes. Surfels with fewer than `min_observations` observations are removed. The result is
+// the same for any number of threads.
 SharedSurfels MakeSharedSurfels(const std::vector<RefinementKeyframe>& keyframes,
                                 const DepthCalibration& calibration,
                                 const RefinementOptions& options);
 
-// Distance of the neighbouring points of a surfel, in the keyframe that created it.
+// Image distance of TexturePoints() in the keyframe that created the surfel.
 inline constexpr double kTextureRadiusPx = 4;
 
-// Moves each surfel to the optimal displacement of its plane, the linearisation point of the
-// images, and adds texture observations. A keyframe observes the texture if it observes the plane
-// everywhere around the points, because other surfaces move differently in the image. A surfel has
-// no texture if fewer than two keyframes observe the texture. In at least one keyframe, an image
-// shift of 1 px must change its intensity differences by a standard deviation. The result is the
-// same for any number of threads.
+// Moves each surfel to its optimal displacement, and adds texture observations of keyframes that
+// also observe the plane around the texture points. A surfel has texture if at least two
+// keyframes observe it. In one of them, an image shift of 1 px must change the intensity
+// differences by a standard deviation. The result is the same for any number of threads.
 void ObserveTextures(const std::vector<RefinementKeyframe>& keyframes,
                      const DepthCalibration& calibration, const ErrorModel& model,
                      SharedSurfels* shared);

@@ -8,7 +8,6 @@ namespace {
 
 constexpr int kSteps = 4;
 
-// Reweighted Gauss-Newton over the displacement.
 double BestDisplacement(const std::vector<PlaneResidual>& sights, const RobustKernel& kernel) {
   double displacement = 0;
   for (int step = 0; step < kSteps; ++step) {

@@ -11,7 +11,7 @@
 namespace surfit {
 namespace {
 
-// Returns the pixel of a point, or std::nullopt if it is outside the image.
+// Returns std::nullopt outside the image.
 std::optional<Eigen::Vector2d> ImageOf(const Eigen::Vector3d& point_in_world,
                                        const Rigid3d& camera_from_world,
                                        const PinholeCamera& camera) {
@@ -69,8 +69,8 @@ bool MeasuresPlane(const Eigen::Vector2d& at, const SharedSurfel& surfel,
   return std::abs(sight.Residual(0)) <= ErrorModel::kInlierSigmas;
 }
 
-// Returns whether a ring around the points observes the plane. The smoothing of the image reaches
-// as far as the ring.
+// Returns whether a ring around the texture points observes the plane. The radius of the ring
+// covers the smoothing of the image.
 bool IsPlaneAround(const SharedSurfel& surfel, const RefinementKeyframe& keyframe,
                    const Rigid3d& camera_from_world, const DepthCalibration& calibration,
                    const ErrorModel& model) {
@@ -86,7 +86,7 @@ bool IsPlaneAround(const SharedSurfel& surfel, const RefinementKeyframe& keyfram
   return true;
 }
 
-// Returns whether an image shift of one pixel changes the differences between the taps by at least
+// Returns whether an image shift of 1 px changes the intensity differences by at least
 // `min_slope_per_px`.
 bool IsTextured(const TextureTaps& taps, double min_slope_per_px) {
   double squared = 0;
