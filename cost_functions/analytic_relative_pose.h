@@ -20,16 +20,15 @@ inline Eigen::Matrix3d InverseLeftJacobian(const Eigen::Vector3d& w) {
   return Eigen::Matrix3d::Identity() - 0.5 * cross + scale * cross * cross;
 }
 
-// RelativePose with analytic derivatives, for graphs with many edges. With A = world_from_a, B =
-// world_from_b and the measurement M = b_from_a, the error is E = A^-1 B M:
+// RelativePose with analytic derivatives. With A = world_from_a, B = world_from_b and the
+// measurement M = b_from_a, the error is E = A^-1 B M:
 //   E_R = A_R^T B_R M_R,  E_t = A_R^T y,  y = B_R M_t + B_t - A_t.
-// Left perturbations of the rotation do not change the translation (ProductPoseManifold):
+// Derivatives by the perturbations of ProductPoseManifold:
 //   A_R -> exp(w) A_R: d log(E_R)/dw = -J A_R^T,  dE_t/dw =  A_R^T [y]x,       dE_t/dA_t = -A_R^T
 //   B_R -> exp(w) B_R: d log(E_R)/dw =  J A_R^T,  dE_t/dw = -A_R^T [B_R M_t]x, dE_t/dB_t =  A_R^T
-// with J = InverseLeftJacobian(log E_R). Ceres requires derivatives by the quaternion (u, s): the
-// product with dw/d(u, s) = 2 [s I + [u]x | -u]. The Jacobian of the manifold cancels this factor.
-// The derivatives equal those of autodiff in the tangent space of unit quaternions, which contains
-// all steps.
+// with J = InverseLeftJacobian(log E_R). For Ceres, they are multiplied by dw/d(u, s) = 2 [s I +
+// [u]x | -u], the derivative by the quaternion (u, s). The Jacobian of the manifold cancels this
+// factor. Tangential derivatives equal those of autodiff.
 class AnalyticRelativePose final : public ceres::SizedCostFunction<6, kPoseSize, kPoseSize> {
  public:
   AnalyticRelativePose(const Rigid3d& a_from_b, const PoseInformation& information)
@@ -63,7 +62,7 @@ class AnalyticRelativePose final : public ceres::SizedCostFunction<6, kPoseSize,
  private:
   using Columns = Eigen::Matrix<double, 6, 3>;
 
-  // Converts derivatives by w and translation to derivatives by the parameter block.
+  // Converts derivatives by rotation and translation to derivatives by the pose block.
   static void Fill(const Columns& by_w, const Columns& by_t, const Rigid3d& pose,
                    double* jacobian) {
     const Eigen::Vector3d u = pose.rotation.vec();

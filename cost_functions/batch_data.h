@@ -10,7 +10,7 @@
 
 namespace surfit {
 
-// Data of N functors of one type (point_functor.h) as structure of arrays in precision S.
+// Data of N functors of one type (point_functor.h), as a structure of arrays with elements S.
 template <typename Functor, typename S>
 class BatchData {
  public:

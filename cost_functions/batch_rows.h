@@ -6,15 +6,15 @@
 
 namespace surfit {
 
-// Evaluates the residuals r of a functor (point_functor.h) and their rows [J r], with J by the left
-// perturbation (w, v). One point per lane of V.
+// Evaluates residuals r and rows [J r] of a functor (point_functor.h). J: Jacobian by the left
+// perturbation (w, v). V: SIMD type, one point per lane.
 template <typename Functor, typename V>
 class BatchRows {
  public:
   static constexpr int kRows = Functor::kResidualSize;
   using Rows = V[kRows][kRowColumns];
 
-  // `pose` is a pose block (pose.h). Stores a reference to the functor.
+  // `pose`: pose block (pose.h). Keeps a reference to the functor.
   BatchRows(const Functor& functor, const double* pose) : functor_(functor) {
     for (int i = 0; i < kPoseSize; ++i) pose_[i] = V(pose[i]);
   }
@@ -25,8 +25,7 @@ class BatchRows {
     for (int k = 0; k < kRows; ++k) residuals[k] = moving[k].value;
   }
 
-  // The perturbation moves y = R p + t to y + w x y + v, and a rotated vector m to m + w x m. With
-  // g = dr/dy and h = dr/dm the row is [y x g + m x h, g].
+  // With g = dr/dy and h = dr/dm the row is [y x g + m x h, g].
   void Linearize(const V* data, Rows& rows) const {
     const Moved moved(pose_, data);
     Dual<V, kVariables> residuals[kRows];
@@ -34,7 +33,7 @@ class BatchRows {
     SetRows(moved, residuals, rows);
   }
 
-  // Linearises at the identity, where y = p has no rounding error.
+  // Linearises at the identity, without rounding errors of y.
   static void LinearizeAtStart(const Functor& functor, const V* data, Rows& rows) {
     const Moved moved(data);
     Dual<V, kVariables> residuals[kRows];
@@ -44,10 +43,10 @@ class BatchRows {
 
  private:
   static constexpr bool kTurns = Functor::kTurned >= 0;
-  static constexpr int kVariables = kTurns ? 6 : 3;  // y, and m if the functor has a rotated vector
+  static constexpr int kVariables = kTurns ? 6 : 3;  // y and, if used, m
 
-  // y = R p + t = p + d as the rounded value and its rounding error. Near the identity the motion d
-  // is small, so its own rounding error is much smaller than that of y.
+  // y = R p + t as a rounded value and its rounding error `lost`. Computed as y = p + d,
+  // because the motion d is small near the identity.
   struct Moved {
     Moved(const V* pose, const V* data) {
       TurnByPose(pose, data, lost);
@@ -83,8 +82,8 @@ class BatchRows {
     }
   }
 
-  // Residuals and their derivatives by y, and by m if N is 6. Adds the rounding error of y to first
-  // order, because residuals are often differences a thousand times smaller than the points.
+  // Residuals with derivatives by y, and by m if N is 6. Adds the rounding error of y to first
+  // order: residuals are often a thousand times smaller than coordinates.
   template <int N>
   void Evaluate(const Moved& moved, const V* data, Dual<V, N>* residuals) const {
     EvaluateAt(functor_, moved, data, residuals);

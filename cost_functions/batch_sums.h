@@ -7,7 +7,7 @@
 
 namespace surfit {
 
-// Sums over the rows of a batch, with J by the left perturbation (w, v).
+// Sums over the rows of a batch (BatchRows). Keeps references to functor and data.
 template <typename V, typename Functor, typename S>
 class BatchSummer {
  public:
@@ -19,7 +19,7 @@ class BatchSummer {
     return SumBy(begin, end, [&](const V* data, auto& rows) { rows_.Linearize(data, rows); });
   }
 
-  // Sums at the identity. Ignores the pose of the constructor.
+  // Sums at the identity pose.
   RowSums SumAtStart(int begin, int end) const {
     return SumBy(begin, end, [&](const V* data, auto& rows) {
       BatchRows<Functor, V>::LinearizeAtStart(functor_, data, rows);
@@ -71,8 +71,8 @@ class BatchSummer {
   const RobustKernel kernel_;
 };
 
-// Sum of sum(summer, begin, end) over a batch at a pose block. Runs in parallel. The result does
-// not depend on the number of threads.
+// Adds up sum(summer, begin, end) over blocks of a batch, in parallel. The result does not
+// depend on the number of threads.
 template <typename Sum, typename Functor, typename S, typename F>
 Sum SumBatch(const Functor& functor, const BatchData<Functor, S>& data, const double* pose,
              const RobustKernel& kernel, const F& sum) {

@@ -4,9 +4,8 @@
 
 namespace surfit {
 
-// Number with N derivatives for automatic differentiation with SIMD lanes, like ceres::Jet for
-// scalars. V is Lanes<float> or Lanes<double>. Operators accept V and scalars as constants without
-// extra cost.
+// Dual number with N derivatives for automatic differentiation, as ceres::Jet but with SIMD
+// lanes. V: Lanes<float> or Lanes<double>. V and scalars are constants.
 template <typename V, int N>
 struct Dual {
   V value;

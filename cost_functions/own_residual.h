@@ -14,9 +14,9 @@
 
 namespace surfit {
 
-// Interface of a user-defined residual of registration. The points and normals of Pairs
-// (association.h) are already moved, so the pose starts at the identity, and the solution is the
-// left perturbation. Const members are called from several threads.
+// Interface of a user-defined registration residual. Pairs (association.h) contain source points
+// and normals at the current pose. The pose therefore starts at the identity, and the solution
+// is the left perturbation. Const members must be thread-safe.
 class OwnResidual {
  public:
   static constexpr int kMaxRows = 3;
@@ -27,27 +27,26 @@ class OwnResidual {
   virtual int row_count() const = 0;  // 1 to kMaxRows
   virtual NeededNormals needed_normals() const = 0;
 
-  // Computes the rows [a r] of the correspondences [begin, end), r in m (row_sums.h). Column c of
-  // row k of correspondence i is rows[(kRowColumns k + c) (end - begin) + i - begin].
+  // Computes the rows [a r] (row_sums.h) of the correspondences [begin, end) at the identity,
+  // r in m. Element (k, c) of correspondence i is rows[(kRowColumns k + c) (end - begin) + i -
+  // begin].
   virtual void FillRows(const Pairs<float>& pairs, int begin, int end, float* rows) const = 0;
   virtual void FillRows(const Pairs<double>& pairs, int begin, int end, double* rows) const = 0;
 
-  // Residual block of all correspondences, in units of their sigma. The arrays of `pairs` have
-  // `size` values.
+  // Residual block of all correspondences, in standard deviations.
   virtual Block Reduced(Pairs<float> pairs, const RobustKernel& kernel) const = 0;
   virtual Block Reduced(Pairs<double> pairs, const RobustKernel& kernel) const = 0;
 
-  // Residual block of one correspondence, in units of its sigma.
+  // Residual block of one correspondence, in standard deviations.
   virtual Cost OfPair(const Pairs<float>& pairs, int i) const = 0;
   virtual Cost OfPair(const Pairs<double>& pairs, int i) const = 0;
 };
 
-// Adds `name` to ResidualTypeNames(). Not thread-safe: call it before any registration. Throws
-// InputError if the name is empty or already used.
+// Adds a residual with its name to ResidualTypeNames(). Not thread-safe: call before any
+// registration. Throws InputError if the name is empty or already used.
 void RegisterResidual(const std::string& name, std::unique_ptr<const OwnResidual> residual);
 
-// OwnResidual of a functor (point_functor.h). The data size of the functor selects the data and the
-// normals that a correspondence must have:
+// OwnResidual of a functor (point_functor.h). The data size of the functor selects its data:
 // - 7: p, q, 1 / sigma,
 // - 10: p, q, target normal n, 1 / sigma,
 // - 13: p, q, n, source normal m, 1 / sigma; m is rotated by the pose if kTurned is 9.
@@ -84,7 +83,7 @@ class FunctorResidual final : public OwnResidual {
   Cost OfPair(const Pairs<double>& pairs, int i) const override { return BlockOf(pairs, i); }
 
  private:
-  // The arrays of Pairs have the order of the functor data. Here 1 / sigma is 1, because the
+  // Pairs::Arrays() and functor data have the same order. 1 / sigma is 1, because the
   // residuals are in m.
   template <typename S>
   static void Fill(const Pairs<S>& pairs, int begin, int end, S* to) {

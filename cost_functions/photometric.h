@@ -4,10 +4,9 @@
 
 namespace surfit {
 
-// Photometric residual r = (I(u, v) - i) / sigma, one row: the difference between the target
-// intensity I and the intensity i of the point. The point y = R p + t projects to u = fx y_x / y_z
-// + cx, v = fy y_y / y_z + cy. I is linearised at the pixel (u0, v0): I(u, v) = I0 + g_u (u - u0) +
-// g_v (v - v0). Autodiff differentiates this expansion.
+// Photometric residual r = (I(u, v) - i) / sigma, one row: target intensity I minus intensity i
+// of the source point. (u, v) is the projection of y = R p + t into the target. I is linearised
+// at the pixel (u0, v0): I(u, v) = I0 + g_u (u - u0) + g_v (v - v0).
 struct Photometric : PointFunctor<Photometric, 9, 1> {
   // Intrinsics of the target camera, px.
   Photometric(double focal_u, double focal_v, double center_u, double center_v)

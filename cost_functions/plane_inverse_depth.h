@@ -14,24 +14,23 @@ inline constexpr int kFieldBegin = 4;
 inline constexpr int kReadout = kFieldBegin + static_cast<int>(InverseDepthField::kSize);
 inline constexpr int kCalibrationSize = kReadout + 1;
 
-// Motion of the camera between the middle of the readout and the row of a pixel. The row at the
-// ratio s of the readout, from -1/2 to 1/2, is read s T after the middle.
+// Camera motion at an image row. A row is read s T after the middle of the readout, with s in
+// [-1/2, 1/2] and the readout time T.
 struct RowMotion {
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // s times the angular velocity, rad/s
   Eigen::Vector3d way = Eigen::Vector3d::Zero();   // s times the linear velocity, m/s
-  double readout_s = 0;                            // readout time used to correct pixel and depth
+  double readout_s = 0;                            // T of the applied CorrectRollingShutter()
 };
 
 // r = (1/z_measured + c(x, y) - 1/z_plane) / sigma, one row: corrected inverse depth of a pixel
-// minus the inverse depth of a surfel plane on its ray. The plane has the unit normal n and the
-// point p in the world, displaced by d along n. With the pose (R, t) = world_from_camera and the
-// ray e = ((u - cx)/fx, (v - cy)/fy, 1),
+// minus the inverse depth of a surfel plane. The plane has the unit normal n, the point p in the
+// world, and the displacement d along n. With (R, t) = world_from_camera and e = ((u - cx)/fx,
+// (v - cy)/fy, 1),
 //   1/z_plane = n . R e / (n . (p - t) + d).
-// If the readout time is longer by dT than in `RowMotion::readout_s`, the measured point X is at X
-// + dT (turn x X + way) (see CorrectRollingShutter()). Then e + dT turn x e replaces e, and t + dT
-// R way replaces t. The residual equals the point-to-plane distance, divided by the distance of the
-// camera to the plane and by the depth. It is in units of the measurement, so sigma does not depend
-// on the calibration. A residual in m would favour calibrations with small depths.
+// If the readout time is longer by dT than `RowMotion::readout_s`, the measured point X moves to
+// X + dT (turn x X + way). Then e + dT turn x e replaces e, and t + dT R way replaces t. The
+// residual is in inverse depth, so that sigma does not depend on the calibration. A residual in
+// m would favour calibrations with small depths.
 class PlaneInverseDepth {
  public:
   // Pixel (u, v) in px, measured inverse depth and sigma in 1/m, point in m.

@@ -6,9 +6,9 @@
 
 namespace surfit {
 
-// r = U (R p + t - q), three rows, with U^T U = C^-1. C = C_q + R C_p R^T is the covariance of the
-// difference of two points on planes: Generalized-ICP (Segal, Haehnel and Thrun 2009). As in that
-// paper, C is computed for a given rotation and is constant during a solve.
+// Generalized-ICP residual (Segal, Haehnel and Thrun 2009): r = U (R p + t - q), three rows,
+// with U^T U = C^-1. C = C_q + R C_p R^T is the covariance of the difference of two points on
+// planes. As in the paper, C is constant during a solve.
 struct PlaneToPlane : PointFunctor<PlaneToPlane, 12, 3> {
   PlaneToPlane() = default;  // without data, for batches
   // p in the source frame, q in the target frame, m. Covariance C in the target frame, m^2.
@@ -16,7 +16,7 @@ struct PlaneToPlane : PointFunctor<PlaneToPlane, 12, 3> {
                const Eigen::Matrix3d& covariance) {
     Set(0, p);
     Set(3, q);
-    // C^-1 = L L^T, so the whitening factor is L^T and not L.
+    // C^-1 = L L^T, so U is L^T.
     const Eigen::Matrix3d inverse = covariance.inverse();
     const Eigen::Matrix3d u = inverse.llt().matrixU();
     data[6] = u(0, 0), data[7] = u(0, 1), data[8] = u(0, 2);

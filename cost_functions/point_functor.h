@@ -6,15 +6,15 @@
 
 namespace surfit {
 
-// Base of functors of one source point p. The data, data[kDataSize], start with p. A functor
-// defines residuals of the moved point y = R p + t, for scalars T and data D:
+// Base of functors of one source point p, stored in data[0] to data[2]. A functor defines
+// residuals of the moved point y = R p + t:
 //   template <typename T, typename D> void AtMovedPoint(const T* y, const D* data, T* residuals)
-// Residuals can also depend on a rotated vector m = R data[kTurned, kTurned + 3) with scalars M:
+// The residuals of functors with kTurned >= 0 also depend on a rotated vector m = R
+// data[kTurned, kTurned + 3):
 //   template <typename T, typename M, typename D>
 //   void AtMovedPoint(const T* y, const M* m, const D* data, T* residuals)
-// The code must not branch on T, M or D. It is used for single residual blocks
-// (ceres::AutoDiffCostFunction, T = ceres::Jet, D = double) and for ReducedBatch (SIMD lanes of
-// points).
+// Must not branch on values: T, M and D are scalars, ceres::Jet (ceres::AutoDiffCostFunction),
+// or SIMD types (ReducedBatch).
 template <typename Derived, int kData, int kResiduals, int kTurnedData = -1>
 struct PointFunctor {
   static constexpr int kDataSize = kData;

@@ -4,8 +4,8 @@
 
 namespace surfit {
 
-// r = n . (R p + t - q) / sigma, one row: distance to the plane through q with unit normal n (Chen
-// and Medioni 1992). For the left perturbation, dr = [y x n, n] . (w, v) / sigma with y = R p + t.
+// r = n . (R p + t - q) / sigma, one row: distance to the plane through q with the unit normal n
+// (Chen and Medioni 1992).
 struct PointToPlane : PointFunctor<PointToPlane, 10, 1> {
   PointToPlane() = default;  // without data, for batches
   // p in the source frame, q and n in the target frame; p, q and sigma in m.

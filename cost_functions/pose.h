@@ -25,7 +25,7 @@ void PoseToBlock(const Rigid3<T>& pose, T* block) {
   for (int i = 0; i < 3; ++i) block[4 + i] = pose.translation[i];
 }
 
-// result = a x b, for different scalar types.
+// result = a x b.
 template <typename A, typename B, typename T>
 void Cross(const A* a, const B* b, T* result) {
   result[0] = a[1] * b[2] - a[2] * b[1];
@@ -33,8 +33,7 @@ void Cross(const A* a, const B* b, T* result) {
   result[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-// result = R x - x = w 2 (u x x) + u x 2 (u x x), with the rotation R of the unit quaternion (u,
-// w).
+// result = R x - x = w 2 (u x x) + u x 2 (u x x) for the unit quaternion (u, w).
 template <typename T, typename D>
 void TurnByPose(const T* pose, const D* x, T* result) {
   T twice[3], across[3];

@@ -10,9 +10,8 @@ namespace surfit {
 
 using PoseInformation = Eigen::Matrix<double, 6, 6>;
 
-// Matrix U with U^T U = information. With the Cholesky factor L L^T of the information, U is L^T; L
-// is wrong unless the matrix is diagonal. A singular matrix (unmeasured directions) has no such
-// factor. U is then computed from eigenvectors, with negative eigenvalues set to 0.
+// Matrix U with U^T U = information: the transposed Cholesky factor, or from the eigenvectors of
+// a singular matrix. Negative eigenvalues are set to 0.
 inline PoseInformation InformationRoot(const PoseInformation& information) {
   const Eigen::LLT<PoseInformation> cholesky(information);
   if (cholesky.info() == Eigen::Success) return cholesky.matrixU();
@@ -21,8 +20,8 @@ inline PoseInformation InformationRoot(const PoseInformation& information) {
          eigen.eigenvectors().transpose();
 }
 
-// residuals = U (rotation log [rad], translation [m]) of an error transform, with U =
-// InformationRoot(information): |residuals|^2 = e^T information e.
+// Residuals U e of an error transform, with e = (rotation vector [rad], translation [m]) and U =
+// InformationRoot(information): |U e|^2 = e^T information e.
 class WhitenedPoseError {
  public:
   explicit WhitenedPoseError(const PoseInformation& information)
@@ -36,7 +35,6 @@ class WhitenedPoseError {
     r = root_.cast<T>() * e;
   }
 
-  // Returns U.
   const PoseInformation& root() const { return root_; }
 
  private:

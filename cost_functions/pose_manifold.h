@@ -8,9 +8,9 @@
 
 namespace surfit {
 
-// Base of two manifolds of a pose block, SO(3) x R^3, with left perturbations (w [rad], v [m]).
-// They differ in the effect of w on the translation. With x = (q, t), the vector part u and the
-// scalar part s of q,
+// Base of two manifolds of a pose block (q, t), with left perturbations (w [rad], v [m]). They
+// differ in the effect of w on the translation. With the vector part u and the scalar part s of
+// q,
 //   exp(w) q = q + 1/2 [s w + w x u; -w . u] + O(w^2).
 // The Jacobian of Plus is d(u, s)/dw = 1/2 [s I - [u]x; -u^T]. The Jacobian of Minus is its inverse
 // on the sphere, dw/d(u, s) = 2 [s I + [u]x | -u].
@@ -23,7 +23,7 @@ class PoseManifold : public ceres::Manifold {
   using PlusMatrix = Eigen::Matrix<double, kPoseSize, kPoseTangentSize, Eigen::RowMajor>;
   using MinusMatrix = Eigen::Matrix<double, kPoseTangentSize, kPoseSize, Eigen::RowMajor>;
 
-  // Jacobians for a translation that does not depend on w.
+  // Jacobians of ProductPoseManifold.
   static PlusMatrix ProductPlusJacobian(const Rigid3d& x) {
     const Eigen::Vector3d u = x.rotation.vec();
     const double s = x.rotation.w();
@@ -44,8 +44,8 @@ class PoseManifold : public ceres::Manifold {
   }
 };
 
-// Plus((q, t), (w, v)) = (exp(w) q, exp(w) t + v), the perturbation of the closed-form solvers: a
-// moved point y = R p + t goes to exp(w) y + v. A residual n . (y - q) has the Jacobian [y x n, n].
+// Plus((q, t), (w, v)) = (exp(w) q, exp(w) t + v), the perturbation of the closed-form solvers.
+// With y = R p + t, a residual n . (y - q) has the Jacobian [y x n, n].
 class LeftPoseManifold final : public PoseManifold {
  public:
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
@@ -63,7 +63,7 @@ class LeftPoseManifold final : public PoseManifold {
   bool Minus(const double* y, const double* x, double* y_minus_x) const override {
     const Rigid3d from = PoseFromBlock(x);
     Rigid3d to = PoseFromBlock(y);
-    to.rotation.normalize();  // as in the Jacobian, components off the sphere are ignored
+    to.rotation.normalize();  // the Jacobian also ignores changes of the norm
     const Rigid3d step = to * from.Inverse();
     Eigen::Map<Eigen::Matrix<double, 6, 1>> delta(y_minus_x);
     delta << QuaternionLog<double>(step.rotation), step.translation;

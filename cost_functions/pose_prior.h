@@ -4,8 +4,8 @@
 
 namespace surfit {
 
-// Prior Z of a pose X with a full information matrix, six residuals. The error X Z^-1 is the left
-// perturbation (w, v) that moves Z to X, in the target frame.
+// Prior Z of a pose X with an information matrix, six residuals. The error X Z^-1 is the left
+// perturbation (w [rad], v [m]) from Z to X, in the target frame.
 class PosePrior {
  public:
   PosePrior(const Rigid3d& prior, const PoseInformation& information)

@@ -12,30 +12,27 @@
 
 namespace surfit {
 
-// Ceres residual block of many points, see ReducedBatch.
+// Base of ReducedBatch.
 class ReducedBlock : public ceres::CostFunction {
  public:
-  // Computes the sums over all rows at the identity, and caches them for Evaluate() with Jacobians.
+  // Computes the sums over all rows at the identity, and caches them for Evaluate().
   virtual const RowSums& Prepare() = 0;
 };
 
-// Ceres residual block of seven rows for N functors of one type (point_functor.h).
+// Ceres residual block of N functors of one type (point_functor.h), reduced to seven rows.
 //
-// The triangular factor [R q; 0 e] of all rows [J r] satisfies R^T R = J^T J, R^T q = J^T r and
-// |q|^2 + e^2 = |r|^2. Cost, gradient and Gauss-Newton matrix equal those of all N rows, so the
-// steps of Levenberg-Marquardt are the same. With a robust kernel per point, the rows have the
-// weight rho'(s), and e is chosen for |q|^2 + e^2 = sum rho(s). Cost and gradient stay exact,
-// because rho(s) >= s rho'(s) for all kernels (rho is concave). The factor is the Cholesky
-// decomposition of the summed products, which are computed by automatic differentiation with SIMD
-// lanes.
+// The residuals are the triangular factor [R q; 0 e] of all rows [J r]: R^T R = J^T J, R^T q =
+// J^T r and |q|^2 + e^2 = |r|^2. Cost, gradient and Gauss-Newton matrix equal those of all N
+// rows, and so do the Levenberg-Marquardt steps. With a robust kernel, rows have the weight
+// rho'(s), and |q|^2 + e^2 = sum rho(s). Such an e exists, because the kernels are concave. The
+// factor is a Cholesky decomposition of sums of products, computed by SIMD autodiff.
 //
-// S is the precision of residuals and products; sums are double. The relative errors of cost and
-// gradient are 1e-5 (float) or 1e-9 (double) of the sum of absolute terms. Near the identity, the
-// residuals of functors of the moved point are as exact as their data. Evaluation is parallel and
-// bitwise identical for every number of threads.
+// S: precision of residuals and products; sums are double. The errors of cost and gradient are
+// 1e-5 (float) or 1e-9 (double) of the sum of absolute terms. Evaluation is parallel and bitwise
+// identical for any number of threads.
 //
-// The parameter block is a pose (pose.h) on LeftPoseManifold or ProductPoseManifold. Do not add a
-// loss function: it would apply to the sum instead of each point.
+// The parameter block is a pose (pose.h) on LeftPoseManifold or ProductPoseManifold. Do not add
+// a loss function, because it would apply to the sum. Evaluation fails if a cost is not finite.
 template <typename Functor, typename S = float>
 class ReducedBatch final : public ReducedBlock {
  public:
@@ -74,9 +71,8 @@ class ReducedBatch final : public ReducedBlock {
   static constexpr int kRows = kRowColumns;
   using Factor = Eigen::Matrix<double, kRows, kPoseTangentSize>;
 
-  // Cholesky decomposition of the semidefinite matrix of products: R, and [q e] as residuals.
-  // Pivots are bounded from below by the rounding error of the sums. R^T q = J^T r holds for
-  // bounded pivots as well.
+  // Cholesky decomposition of the semidefinite matrix of products: R as factor, [q e] as
+  // residuals. Pivots are at least the rounding error of the sums. R^T q = J^T r stays valid.
   static void Decompose(const RowSums& sums, Factor* factor, double* residuals) {
     constexpr double kPrecision = sizeof(S) == sizeof(float) ? 1e-6 : 1e-13;
     Eigen::Matrix<double, kRows, kRows> rest;  // upper triangle

@@ -4,9 +4,9 @@
 
 namespace surfit {
 
-// Edge of a pose graph, six residuals: two poses world_from_a and world_from_b, and a measured
-// a_from_b with a full information matrix. The error (world_from_a^-1 world_from_b) a_from_b^-1 is
-// the left perturbation (w, v), in frame a, that moves the measurement to the estimate.
+// Pose graph edge with six residuals: measurement a_from_b with an information matrix. The error
+// (world_from_a^-1 world_from_b) a_from_b^-1 is the left perturbation (w [rad], v [m]) from the
+// measurement to the estimate, in frame a.
 class RelativePose {
  public:
   RelativePose(const Rigid3d& a_from_b, const PoseInformation& information)

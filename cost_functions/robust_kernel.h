@@ -11,7 +11,7 @@ struct KernelValue {
   V rho, slope;  // rho(s), rho'(s)
 };
 
-// V is a scalar or Lanes.
+// V: scalar or Lanes. s: squared residual.
 template <RobustKernelType kType, typename V>
 KernelValue<V> EvaluateKernel(const V& s, double width) {
   using std::log;
@@ -34,7 +34,6 @@ KernelValue<V> EvaluateKernel(const V& s, double width) {
   }
 }
 
-// Evaluates a kernel whose type is known at run time only.
 template <typename V>
 KernelValue<V> EvaluateKernel(const RobustKernel& kernel, const V& s) {
   switch (kernel.type) {

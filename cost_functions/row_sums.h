@@ -7,15 +7,14 @@
 
 namespace surfit {
 
-// Weighted sums of rows, shared by all linearisations.
+// Weighted sums of Jacobian rows, for all linearisations.
 //
-// A point has rows [a r]: six derivatives by the left perturbation (w, v), and the residual. With
-// the information 1 / sigma^2 of a point and s = information * sum of r^2 over its rows, products
-// of columns are summed with the weight information * rho'(s). rho(s) is summed as well.
+// A row [a r] has six derivatives by the left perturbation (w, v) and the residual r. A point
+// has one to three rows. With its information 1 / sigma^2 and s = information * sum r^2, the
+// sums are: products of columns, with the weight information * rho'(s), and rho(s).
 inline constexpr int kRowColumns = 7;
 inline constexpr int kRowProducts = kRowColumns * (kRowColumns + 1) / 2;
 
-// Sums of one block of rows.
 struct RowSums {
   double product[kRowProducts] = {};  // upper triangle, row by row
   double rho = 0;
@@ -34,13 +33,13 @@ double SumOfLanes(const V& lanes) {
   return sum;
 }
 
-// Partial sums, one per lane. They have few terms, to limit rounding errors.
+// Partial sums per lane, with few terms to limit rounding errors.
 template <typename V>
 struct RowLanes {
   V product[kRowProducts];
   V rho;
 
-  // Weights of the rows of a point: s, and information * rho'(s).
+  // Squared residual s and weight information * rho'(s) of a point.
   struct Weights {
     V s, weight;
   };
@@ -55,7 +54,6 @@ struct RowLanes {
     return weights;
   }
 
-  // Computes the weights without adding the rows.
   template <int kRows>
   static Weights Weigh(const V (&rows)[kRows][kRowColumns], const V& information,
                        const RobustKernel& kernel, KernelValue<V>* value) {
@@ -80,9 +78,9 @@ struct RowLanes {
   }
 };
 
-// Iterates over the points [begin, end) in a fixed order. add(first, count, &sums) adds up to
-// V::kCount points to new Sums. flush(sums) collects the sums after at most eight calls, which
-// limits rounding errors of single precision.
+// Iterates over the points [begin, end) in a fixed order. Each call of add(first, count, &sums)
+// adds up to V::kCount points. Eight calls of `add` share one Sums, which is then passed to
+// flush(sums).
 template <typename V, typename Sums, typename Add, typename Flush>
 void SumByLanes(int begin, int end, const Add& add, const Flush& flush) {
   constexpr int kFlush = 8 * V::kCount;

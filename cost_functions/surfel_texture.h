@@ -14,18 +14,18 @@ struct IntensityTap {
   float slope_u = 0, slope_v = 0;  // per px
 };
 
-// Intensities of a keyframe at the centre of a surfel and at two points beside it.
+// Keyframe intensities at a surfel centre and at two points beside it.
 using TextureTaps = std::array<IntensityTap, 3>;
 
-// Two rows r_j = ((I(q_j) - I(q_0)) - a_j) / sigma for j = 1, 2. In a keyframe, they compare the
-// intensities at two points beside a surfel with the intensity at its centre. The texture
-// parameters a of the surfel are the expected differences. A common offset, for example of the
-// exposure, cancels (after Schoeps, Sattler and Pollefeys, BAD SLAM, CVPR 2019).
+// Texture residual of a surfel in a keyframe (after Schoeps, Sattler and Pollefeys, BAD SLAM,
+// CVPR 2019). Two rows r_j = ((I(q_j) - I(q_0)) - a_j) / sigma for j = 1, 2: measured minus
+// expected intensity difference between a point beside the surfel and its centre. Brightness
+// offsets cancel.
 //
-// The points are p_j + d n in the world: the surfel centre p_0 and p_j = p_0 + t_j with tangents
-// t_j, displaced by d along the normal n. With the pose (R, t) = world_from_camera,
+// The points are displaced by d along the normal n of the surfel. With (R, t) =
+// world_from_camera,
 //   (x, y, z) = R^T (p_j + d n - t),  q_j = (fx x / z + cx, fy y / z + cy).
-// I is the keyframe image, linearised at the pixel of the point.
+// I is the keyframe image, linearised at the taps.
 class SurfelTexture {
  public:
   // Intensities and sigma have the same unit. Points in m.
