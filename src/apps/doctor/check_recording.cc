@@ -21,7 +21,7 @@ namespace {
 constexpr int kSamples = 24;  // frames sampled for the checks of depth scale and registration
 constexpr double kFitsBetter = 0.7;  // maximum ratio of ATE with and without time offset
 
-// Runs SLAM on the frames and collects calibration, latencies and the number of lost frames.
+// Runs SLAM on the frames.
 class RecordingTracker {
  public:
   explicit RecordingTracker(const SequenceInfo& info)
@@ -40,7 +40,7 @@ class RecordingTracker {
       tracked_.calibration = *backend.calibration();
       tracked_.calibration_warning = CalibrationWarning(info_.sensor(), *tracked_.calibration);
     }
-    // Latencies estimated with a wrong calibration are unreliable.
+    // With a wrong calibration, latencies are unreliable.
     if (!tracked_.calibration_warning.empty()) return tracked_;
     if (has_color_ && !backend.calibrations().empty())
       tracked_.color_latency_s = backend.color_latency_s();
@@ -49,8 +49,8 @@ class RecordingTracker {
   }
 
  private:
-  // Correction of the configured latency from ground truth. std::nullopt without a common clock or
-  // an overlap in time; 0 if the best offset hardly reduces the ATE.
+  // Correction of the configured depth latency. std::nullopt without ground truth or a common
+  // clock. 0 if the best time offset hardly reduces the ATE.
   std::optional<double> LatenessByTruth(const Trajectory& estimate) const {
     if (!info_.has_clock) return std::nullopt;
     const auto as_it_is = EvaluateTimeOffset(info_.ground_truth, estimate, 0, {});
@@ -76,7 +76,7 @@ class RecordingChecker {
     if (options.track) tracker_ = std::make_unique<RecordingTracker>(sequence_.info);
   }
 
-  // Reads and checks the next frame. Returns false at the end of the recording.
+  // Returns false at the end of the recording.
   bool Next() {
     const std::optional<RawFrame> raw = sequence_.frames->Next();
     if (!raw) return false;
@@ -134,7 +134,7 @@ class RecordingChecker {
   int count_ = 0, sampled_depths_ = 0;
   std::vector<std::string> doubted_scales_;
   std::vector<FrameImages> samples_;           // metric depth and registered colour
-  std::unique_ptr<RecordingTracker> tracker_;  // null without options.track
+  std::unique_ptr<RecordingTracker> tracker_;  // null: no tracking
 };
 
 }  // namespace

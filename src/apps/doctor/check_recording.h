@@ -21,22 +21,21 @@ struct RecordingCheckOptions {
 };
 
 struct RecordingCheck {
-  std::string name;             // "median_depth"
-  std::optional<double> value;  // measured value; std::nullopt: not observable
-  std::string unit;             // unit of the value: "m", "px", "%", "ms", ...
-  std::string constraint;       // accepted values: "0.4 to 5"
-  // Fault: measured value and constraint. Advice: remedy. Both are empty if the check passes.
+  std::string name;             // for example "median_depth"
+  std::optional<double> value;  // std::nullopt: not measurable
+  std::string unit;             // "m", "px", "%", "ms", "1/m", or empty
+  std::string constraint;       // accepted values, for example "0.4 to 5"
+  // Error message and remedy. Both are empty if the check passes.
   std::string fault, advice;
 
   bool IsSound() const { return fault.empty(); }
 };
 
-// Results of all checks of a recording.
 struct RecordingReport {
   SequenceInfo info;
   int frames = 0;  // includes unreadable frames
   std::vector<RecordingCheck> checks;
-  bool interrupted = false;  // true: only the frames before the interruption were checked
+  bool interrupted = false;  // true: only the frames before the interruption are checked
 
   bool IsSound() const;
 };
@@ -47,9 +46,9 @@ struct RecordingReport {
 // - missing and repeated frames, timestamps
 // - with `track`, the calibration
 //
-// Calls `progress` with the number of frames read so far. Stops before the next frame if
-// `interrupted` is true. Throws InputError for invalid options, or if the recording cannot be
-// opened.
+// `progress` must not be empty. It receives the number of frames read so far. If `interrupted`
+// becomes true, stops before the next frame. Throws InputError for invalid options, or if the
+// recording cannot be opened.
 RecordingReport CheckRecording(const RecordingCheckOptions& options,
                                const std::atomic<bool>& interrupted,
                                const std::function<void(int frames)>& progress);

@@ -8,7 +8,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kWindow = 15;  // averaging window in pixels; upper limit of the measured width
+constexpr int kWindow = 15;             // averaging window, px; maximum of the measured width
 constexpr int kUsualWidth_px = 640;     // larger images are downsampled to about this width
 constexpr float kContrast = 0.1F;       // minimum range of intensities in [0, 1] around an edge
 constexpr double kFewestEdges = 0.002;  // minimum ratio of edge pixels
@@ -23,9 +23,9 @@ Image<float> SmallGrey(const Image<Rgb8>& color, int factor) {
   return grey;
 }
 
-// Sums over all rows or over all columns of an image.
+// Sums over the edges of one direction.
 struct EdgeSums {
-  // Absolute intensity differences, and their loss by averaging.
+  // Absolute intensity differences of adjacent pixels, and their decrease by averaging.
   double differences = 0, lost = 0;
   std::size_t edges = 0;
 };

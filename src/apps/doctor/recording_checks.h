@@ -15,20 +15,20 @@ namespace surfit {
 
 struct TrackedRecording {
   int frames = 0, lost = 0;
-  std::string calibration_warning;              // message of CalibrationWarning(); empty: no doubt
-  std::optional<DepthCalibration> calibration;  // std::nullopt: as configured
-  // Added to the configured latency; std::nullopt: unknown.
+  std::string calibration_warning;              // CalibrationWarning(); may be empty
+  std::optional<DepthCalibration> calibration;  // std::nullopt: no new estimate
+  // Estimated latency minus configured latency; std::nullopt: unknown.
   std::optional<double> color_latency_s;
-  // Depth latency by ground truth, added to the configured latency; std::nullopt: unknown.
+  // Depth latency by ground truth minus configured latency; std::nullopt: unknown.
   std::optional<double> late_s;
 };
 
-// Input of the checks.
+// Input of the checks. Does not own the referenced objects.
 struct RecordingEvidence {
   const SequenceInfo& info;
   const std::vector<FrameStatistics>& frames;
-  int sampled_depths = 0;                       // frames that were sampled for the depth scale
-  std::vector<std::string> doubted_scales;      // messages of DepthScaleWarning()
+  int sampled_depths = 0;                       // number of frames with a check of the depth scale
+  std::vector<std::string> doubted_scales;      // DepthScaleWarning() of these frames
   std::optional<double> inverse_depth_step;     // RecordingStatistics::InverseDepthStep()
   std::optional<RegistrationFit> registration;  // std::nullopt: not observable
   std::optional<TrackedRecording> tracked;      // std::nullopt: tracking is off
@@ -40,7 +40,7 @@ std::vector<RecordingCheck> ChecksOfStamps(const RecordingEvidence& evidence);
 // Checks of depth, colour registration, latencies, calibration and tracking.
 std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence);
 
-// Text of a value with three significant digits.
+// Text with three significant digits.
 inline std::string Rounded(double value) { return Concat(std::setprecision(3), value); }
 
 }  // namespace surfit

@@ -9,14 +9,14 @@ namespace surfit {
 namespace {
 
 constexpr double kMinValid = 0.4;  // minimum median ratio of pixels with depth
-// Limits of the median depth, and maximum ratio of frames outside of these limits.
+// Limits of the median depth of a frame, and maximum ratio of frames beyond each limit.
 constexpr double kNear_m = 0.5, kFar_m = 4, kMaxOff = 0.2;
-// Minimum brightness, and maximum ratio of saturated pixels in a frame.
+// Minimum brightness, and maximum ratio of saturated pixels per frame.
 constexpr double kDark = 0.12, kMaxSaturated = 0.25;
-// Relative change of the brightness between two frames, and maximum ratio of such changes.
+// Relative brightness change that counts as a jump, and maximum ratio of jumps.
 constexpr double kJump = 0.1, kMaxJumps = 0.05;
-// Edge width of a blurred frame relative to the image width (7 px of 640 px), and maximum ratio of
-// blurred frames. A Kinect at rest has edges of 4 px.
+// Minimum edge width of a blurred frame (7 px of 640 px), and maximum ratio of blurred frames. A
+// static Kinect has 4 px.
 constexpr double kBlurred = 0.011, kMaxBlurred = 0.25;
 constexpr int kMinWidth_px = 300, kMinHeight_px = 220;
 
@@ -131,7 +131,7 @@ RecordingCheck Saturation(const RecordingEvidence& evidence) {
                 "use a shorter exposure, or keep windows and lamps out of view");
 }
 
-// Consecutive views are similar, so a change of the brightness is a change of the exposure.
+// Consecutive views are similar, so brightness changes are exposure changes.
 RecordingCheck ExposureChanges(const RecordingEvidence& evidence) {
   std::vector<double> changes;
   for (std::size_t i = 1; i < evidence.frames.size(); ++i) {

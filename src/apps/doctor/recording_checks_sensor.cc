@@ -9,8 +9,8 @@
 namespace surfit {
 namespace {
 
-// Kinect v1, Xtion and Carmine: disparity steps of 1/8 px, a focal length of about 580 px, and a
-// baseline of 0.075 m.
+// Inverse depth step of Kinect v1, Xtion and Carmine: 1/8 px of disparity, focal length 580 px,
+// baseline 0.075 m.
 constexpr double kStepOfKinect = 1 / (8 * 580 * 0.075);  // 1/m
 constexpr double kStepTolerance = 0.05;
 constexpr std::array<double, 6> kScales = {1000, 2000, 4000, 5000, 6553.5, 10000};
@@ -34,8 +34,8 @@ RecordingCheck DepthScale(const RecordingEvidence& evidence) {
   return check;
 }
 
-// Common depth scale that explains the inverse depth steps by a Kinect. std::nullopt if the
-// configured scale already explains them, or if no common scale does.
+// Returns the common depth scale with which `step` is the step of a Kinect. std::nullopt if
+// `scale` matches, or if no common scale matches.
 std::optional<double> ScaleOfKinect(double step, double scale) {
   if (std::abs(step / kStepOfKinect - 1) < kStepTolerance) return std::nullopt;
   for (const double other : kScales) {
@@ -79,7 +79,7 @@ RecordingCheck Registration(const RecordingEvidence& evidence) {
   return check;
 }
 
-// Check of a latency in addition to the configured latency.
+// `latency_s`: correction of the configured latency `given_s`.
 RecordingCheck Latency(const char* name, const char* what, const std::optional<double>& latency_s,
                        const char* advice, double given_s, double most_s) {
   RecordingCheck check = {name, {}, "ms", Concat("-", 1000 * most_s, " to ", 1000 * most_s),

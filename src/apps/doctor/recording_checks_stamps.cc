@@ -24,7 +24,7 @@ std::vector<double> IntervalsOf(const std::vector<FrameStatistics>& frames) {
   return intervals_s;
 }
 
-// Missing frames, estimated from timestamp intervals, relative to the expected number of frames.
+// Estimates missing frames from timestamp intervals.
 RecordingCheck MissingFrames(const RecordingEvidence& evidence) {
   RecordingCheck check = {"missing_frames", {}, "%", Concat("at most ", 100 * kMaxMissing), "", ""};
   const std::vector<double> intervals_s = IntervalsOf(evidence.frames);

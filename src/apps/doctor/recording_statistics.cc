@@ -11,11 +11,11 @@ namespace surfit {
 namespace {
 
 constexpr int kBrightest = 250;  // minimum channel value of a saturated pixel
-// Minimum mean number of pixels per frame with a raw depth value. Rarer values come from averaged
-// depth, not from the steps of the sensor.
+// Minimum mean number of pixels per frame with a raw depth value of the sensor. Averaging of
+// depth causes rarer values.
 constexpr double kFewestPixels = 0.2;
-// Minimum step in raw depth values. Smaller steps come from the unit of the file, not from the
-// sensor.
+// Minimum step of the sensor in raw depth values. Smaller steps are rounding to the unit of the
+// file.
 constexpr int kFewestCounts = 4;
 constexpr std::size_t kFewestSteps = 30;
 

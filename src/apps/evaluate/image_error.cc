@@ -23,7 +23,7 @@ std::array<cv::Mat, 3> ChannelsOf(const Image<Rgb8>& image) {
   return channels;
 }
 
-// Per-channel sums over the compared pixels. All terms are integers, so the sums are exact.
+// Sums over the compared pixels, per channel. Exact, because all terms are integers.
 struct ChannelMoments {
   ChannelMoments(const Image<Rgb8>& image, const Image<Rgb8>& reference,
                  const PixelMask& compared) {

@@ -82,7 +82,7 @@ IcpOptions ThoroughIcp() {
   return options;
 }
 
-// Returns std::nullopt if the views do not overlap at the given pose, or if ICP fails.
+// Returns std::nullopt without overlap, or if ICP fails.
 std::optional<PairErrors> Measure(const FramePyramid& source, const FramePyramid& target,
                                   const Rigid3d& target_from_source) {
   const auto surface_m =

@@ -11,7 +11,7 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of CompareAtRevisits(). Two frames are a revisit if their true poses are within the
+// Options of CompareAtRevisits(). Two frames are a revisit if their true poses are within both
 // limits.
 struct RevisitOptions {
   SequenceOptions sequence;  // `stride` selects the compared frames
@@ -24,29 +24,27 @@ struct RevisitOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Agreement of the surfaces of two visits under the poses of a trajectory. The trajectory is not
-// aligned to ground truth.
+// Surface distances between two visits at their relative pose.
 struct SurfaceAgreement {
-  // Median of |n . (p' - q)| over projected pixels, per pair of frames.
+  // Median of |n . (p' - q)| over the pixels of a pair.
   ErrorStatistics surface_m;
-  // Change of the relative pose by dense ICP.
+  // Change of the relative pose of a pair by ICP.
   ErrorStatistics icp_translation_m, icp_rotation_deg;
 };
 
 // Surface agreement of the estimate and of the ground truth.
 struct RevisitReport {
   int pairs = 0;         // number of revisits
-  int unregistered = 0;  // skipped pairs: no overlap, or ICP failed
-  int without_pose = 0;  // skipped frames
+  int unregistered = 0;  // skipped pairs: no overlap or failed ICP
+  int without_pose = 0;  // skipped frames: unreadable, or without estimated or true pose
   // 0 if no pair has a result.
   SurfaceAgreement ground_truth, estimate;
 };
 
-// Compares the surface agreement of estimate and ground truth at revisits. A good agreement does
-// not prove correct poses: with a distorted sensor, an estimate can agree better than the ground
-// truth.
-// Calls `progress` with the number of processed pairs and the number of all pairs. Throws
-// InputError for invalid options, unreadable files, or a sequence without ground truth.
+// Compares the surface agreement of estimate and ground truth at revisits. With a distorted
+// sensor, wrong poses can agree better than the ground truth. `progress` must not be empty. It
+// receives the number of processed pairs and of all pairs. Throws InputError for invalid
+// options, unreadable files, or a sequence without ground truth.
 RevisitReport CompareAtRevisits(const RevisitOptions& options,
                                 const std::function<void(int, int)>& progress);
 

@@ -21,13 +21,13 @@ class RollingShutterSampler {
                         const CameraMotion& motion)
       : view_(view), camera_(camera), motion_(motion) {}
 
-  // Position in the picture of the point that appears at (u, v) a time t later.
+  // Position in the view of the point that is at pixel (u, v) at time t.
   PixelPosition OriginOf(int u, int v, double t) const {
     PixelPosition at = {1. * u, 1. * v};
     for (int pass = 0; pass < kPasses; ++pass) {
       const int near_u = Nearest(at.u, camera_.width), near_v = Nearest(at.v, camera_.height);
       const double z = view_.depth_m(near_u, near_v);
-      // A pixel without surface is infinitely far away: only the rotation moves it.
+      // A pixel without depth is infinitely far away: only the rotation moves it.
       const Eigen::Vector3d ray = camera_.Ray(near_u, near_v), x = (z > 0 ? z : 1) * ray;
       const Eigen::Vector3d way = motion_.angular_velocity_rad_per_s.cross(x) +
                                   (z > 0 ? 1. : 0.) * motion_.velocity_m_per_s;

@@ -26,7 +26,7 @@ namespace surfit {
 namespace {
 
 constexpr int kReadAhead = 4;
-constexpr int kRegisteredColumns = 320;  // approximate width of the views for colour registration
+constexpr int kRegisteredColumns = 320;  // approximate image width for colour registration
 
 PixelMask MaskOf(const Image<Rgb8>& color) {
   PixelMask mask(color.width(), color.height());

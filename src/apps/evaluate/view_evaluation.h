@@ -12,29 +12,28 @@ class OptionVisitor;
 
 struct ViewEvaluationOptions {
   SequenceOptions sequence;  // sequence of the run, with the same options
-  std::string run;           // output folder of a run: poses.json, map.ply and summary.json
+  std::string run;           // output folder of a run, with poses.json, map.ply and summary.json
   std::string output;        // output folder, created if missing; empty: the folder of the run
-  // Every n-th frame with a pose is evaluated. Unused if the run has held-out frames: all of them
-  // are evaluated.
+  // Every n-th frame with a pose is evaluated. If the run has held-out frames, all held-out
+  // frames are evaluated instead.
   int every = 10;
-  int pictures = 12;  // number of pictures, 0 to 100, worst views first
+  int pictures = 12;  // maximum number of pictures, 0 to 100
   int threads = 2;    // ThreadLimit
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Difference between a frame and the map rendered from its pose. Only pixels with colour are
-// compared, which are the pixels except (0, 0, 0). The PSNR is at most 100 dB. Values without
-// compared pixels are 0.
+// Difference between a frame and a view of the map. Black frame pixels (0, 0, 0) have no colour
+// and are not compared. The PSNR is at most 100 dB. Values without compared pixels are 0.
 struct ViewError {
   double psnr_covered_db = 0, ssim_covered = 0;  // over pixels covered by the map
-  double psnr_db = 0, ssim = 0;  // over all compared pixels; uncovered pixels of the map are black
-  // As psnr_covered_db, after correction of exposure and white balance: PsnrByGain().
+  double psnr_db = 0, ssim = 0;                  // over all pixels; black if not covered
+  // As psnr_covered_db, by PsnrByGain().
   double psnr_covered_by_gain_db = 0;
-  // As psnr_covered_db and ssim_covered, but the map is rendered from the pose of RegisterColors().
+  // As psnr_covered_db and ssim_covered, but at the pose of RegisterColors().
   double psnr_registered_db = 0, ssim_registered = 0;
-  double coverage = 0;  // ratio of covered pixels to compared pixels
-  // |rendered - measured| depth, over pixels where both are valid.
+  double coverage = 0;  // covered pixels / compared pixels
+  // |rendered - measured| depth.
   double depth_error_median_m = 0, depth_error_mean_m = 0;
 };
 
@@ -43,26 +42,23 @@ struct EvaluatedView {
   ViewError error;
 };
 
-// Results, which are also written to views.json and views.csv.
 struct ViewEvaluation {
-  bool held_out = false;  // the frames are not part of the map
+  bool held_out = false;  // the evaluated frames were not fused
   std::vector<EvaluatedView> views;
-  ViewError mean;          // means of the values of all views
-  int without_color = 0;   // selected frames that were skipped, because they have no colour
-  std::string worst_view;  // path of its picture; empty: no picture
+  ViewError mean;          // means over all views
+  int without_color = 0;   // skipped frames without colour
+  std::string worst_view;  // path of the picture; empty: none
 };
 
-// Renders the map of a run from the poses of frames (DrawBlended()) and compares the views with the
-// frames. The views include the rolling-shutter readout and the time offset of colour.
+// Renders the map of a run at the poses of frames (DrawBlended()) and compares the views with
+// the frames. The views include the rolling-shutter readout and the time offset of colour.
 //
-// Each frame is also registered to the map by its colours, and the view is rendered again from this
-// pose. The difference between psnr_registered_db and psnr_covered_db is the effect of errors of
-// the pose and of the colour timestamp.
+// Each frame is also registered to the map by its colours. The difference between
+// psnr_registered_db and psnr_covered_db is the effect of errors of pose and colour timestamp.
 //
-// Deletes former results in the output folder. Writes views.json (means), views.csv (per view) and
-// view_pictures/: frame, map and difference side by side, worst psnr_covered_db first. Calls
-// `progress`, which must not be empty, with the number of processed views. Unreadable frames are
-// skipped.
+// Replaces views.json (means), views.csv (all views) and view_pictures/ in the output folder. A
+// picture shows frame, map and difference side by side, worst psnr_covered_db first. `progress`
+// must not be empty. It receives the number of processed views. Unreadable frames are skipped.
 //
 // Throws InputError for:
 // - invalid options

@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// Evaluated view with the frame and the rendered image.
 struct ComparedView {
   EvaluatedView view;
   Image<Rgb8> frame, drawn;
@@ -20,8 +19,8 @@ class WorstViews {
   explicit WorstViews(int most) : most_(most) {}
 
   void Offer(ComparedView view);
-  // Writes the pictures into the folder. Returns the path of the first picture; empty without
-  // pictures. Throws InputError with the file name.
+  // Writes the pictures. Returns the path of the first picture, or an empty string. Throws
+  // InputError with the file name.
   std::string Write(const std::string& folder) const;
 
  private:

@@ -6,7 +6,7 @@
 namespace surfit {
 namespace {
 
-// Statistics of a depth image, from every eighth pixel of every eighth row.
+// Statistics of a subsampled depth image.
 struct DepthStatistics {
   double valid_ratio = 0;
   double median_m = 0;  // 0: no valid pixel
@@ -39,10 +39,9 @@ double ImageShift(const Rigid3d& before, const Rigid3d& now, const PinholeCamera
 }  // namespace
 
 std::vector<Advice> Advise(const SlamRunFrame& frame, const Rigid3d* world_from_camera_before) {
-  // Half of SlamOptions::max_view_shift, so that the advice comes before registrations become
-  // unreliable.
+  // Half of the default of max_view_shift, above which registrations become unreliable.
   constexpr double kFast = 0.05;
-  constexpr double kClose_m = 0.45;     // minimum range of most sensors
+  constexpr double kClose_m = 0.45;     // minimum distance of most sensors
   constexpr double kLittleDepth = 0.3;  // ratio of pixels
   constexpr double kMuchMotion = 0.1;   // ratio of points
   const FrameReport& report = frame.report;

@@ -7,14 +7,14 @@
 
 namespace surfit {
 
-// Access token: 128 random bits of the system as 32 hexadecimal digits. Throws InputError if the
-// system has no random numbers.
+// Random access token: 128 bits as 32 hexadecimal digits. Throws InputError if the system has no
+// random numbers.
 std::string RandomToken();
 
-// Compares two secrets in a time that does not depend on the position of the first difference.
+// Compares secrets without leaking the position of a difference by timing.
 bool IsSameSecret(const std::string& a, const std::string& b);
 
-// Request target of the form /TOKEN/page?name=1&name=2.
+// Parsed request target /TOKEN/page?name=1&name=2.
 struct HttpTarget {
   std::string token;
   std::string page;
@@ -23,14 +23,14 @@ struct HttpTarget {
   std::uint32_t Number(const std::string& name) const;  // 0 if missing
 };
 
-// Returns std::nullopt for any other form.
+// Returns std::nullopt for other forms.
 std::optional<HttpTarget> ParseTarget(const std::string& target);
 
-// True if the Host header is an IP address, localhost or the name of this machine, with or without
-// port. Other host names are rejected, because they may point to this machine by DNS rebinding.
+// Returns whether a Host header is an IP address, localhost or the name of this machine. The
+// port is optional. Rejecting other names prevents DNS rebinding.
 bool IsOwnHost(const std::string& host);
 
-// True if the Origin header is a page of the given host.
+// Returns whether an Origin header belongs to the Host header.
 bool IsOwnOrigin(const std::string& origin, const std::string& host);
 
 }  // namespace surfit

@@ -30,8 +30,8 @@ namespace http = beast::http;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-// Lowers the priority of the calling thread only (Linux). At nice 15 it gets about 1/30 of a busy
-// core. With SCHED_BATCH it does not preempt other threads.
+// Lowers the priority of the calling thread only (Linux). Nice 15: about 1/30 of a busy core.
+// SCHED_BATCH: does not preempt other threads.
 void LowerThreadPriority() {
   constexpr int kThisThread = 0, kLessPriority = 15;
   const sched_param no_priority = {};
@@ -61,7 +61,7 @@ struct HttpServer::State {
 
   HttpLimits limits;
   Handler handler;
-  // Outlives `io`, which owns the sessions.
+  // Declared before `io`, which owns the sessions.
   std::map<std::uint64_t, std::weak_ptr<HttpSession>> sessions;
   std::uint64_t next_session = 0;
   asio::io_context io{1};
@@ -70,7 +70,7 @@ struct HttpServer::State {
   std::thread thread;
 };
 
-// Connection of a client. Requests are answered in order.
+// Connection of a client.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
   HttpSession(tcp::socket socket, std::uint64_t id, HttpServer::State* server)
@@ -93,7 +93,6 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
         [self = shared_from_this()](error_code error, std::size_t) { self->TakeRequest(error); });
   }
 
-  // Calls the handler again if a request waits.
   void Wake() {
     if (waits_) Ask(/*must=*/false);
   }
@@ -235,7 +234,7 @@ void HttpServer::State::WakeAll() {
   for (const auto& session : Open()) session->Wake();
 }
 
-// After an exception, e.g. for lack of memory, the loop continues for the other connections.
+// Continues for the other connections after an exception, for example std::bad_alloc.
 void HttpServer::State::Run() {
   for (bool is_over = false; !is_over;) {
     try {
@@ -284,8 +283,7 @@ void HttpServer::Wake() {
   asio::post(state_->io, [state = state_.get()] { state->WakeAll(); });
 }
 
-// A thread cannot raise its priority again, so a new thread with the priority of the caller
-// replaces it. If no thread can be created, the old thread continues.
+// A thread cannot raise its priority, so a new thread replaces it.
 void HttpServer::TakePriority() {
   std::promise<void> handed_over;
   std::thread other;

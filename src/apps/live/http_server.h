@@ -19,32 +19,33 @@ struct HttpAnswer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::shared_ptr<const std::string> body;
-  bool has_token = false;  // the request has the valid token
+  bool has_token = false;  // the request had the valid token
 };
 
 // Resource limits of the server.
 struct HttpLimits {
-  // Connections without valid token; the oldest one above the limit is closed.
+  // Connections without valid token. Above the limit, the oldest connection is closed.
   std::size_t strangers = 32;
   std::size_t clients = 64;  // connections with valid token; further connections are refused
   std::size_t header_bytes = 8192;
   std::size_t body_bytes = 1024;
-  double request_s = 5;  // maximum time until a request with valid token
+  double request_s = 5;  // maximum time to the first request with valid token
   double idle_s = 60;    // maximum time between requests with valid token
   double hold_s = 5;     // maximum delay of an answer
   double write_s = 20;   // maximum time to send an answer
 };
 
-// HTTP/1.1 server on its own thread. A slow client does not block other clients. A connection
-// stores at most one answer.
+// HTTP/1.1 server on its own thread. Slow clients do not block other clients. Stores at most one
+// answer per connection.
 class HttpServer {
  public:
-  // Answers a request, on the server thread. Returns std::nullopt to delay the answer: the handler
-  // is called again after Wake(). After HttpLimits::hold_s it is called with `must`.
+  // Answers a request on the server thread. std::nullopt delays the answer: the handler is
+  // called again after Wake(), and after HttpLimits::hold_s with `must`. With `must`, it must
+  // answer.
   using Handler = std::function<std::optional<HttpAnswer>(const HttpRequest& request, bool must)>;
 
-  // Starts the server thread with low priority, see TakePriority(). Port 0: any free port. Throws
-  // InputError with address and port if the port cannot be opened.
+  // Starts the server thread with low priority. Port 0: any free port. Throws InputError if
+  // the port cannot be opened.
   HttpServer(const std::string& address, int port, const HttpLimits& limits, Handler handler);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
@@ -52,9 +53,9 @@ class HttpServer {
 
   std::string address() const;
   int port() const;
-  // Calls the handler again for delayed answers. Thread-safe.
+  // Calls the handler again for all delayed answers. Thread-safe.
   void Wake();
-  // Gives the server thread the priority of the calling thread. No effect if no thread can be
+  // Gives the server thread the priority of the calling thread, if a new thread can be
   // created.
   void TakePriority();
 

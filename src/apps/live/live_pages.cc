@@ -37,7 +37,6 @@ const char* const kJson = "application/json";
 
 }  // namespace
 
-// Requests without the valid token get status 403 for every page.
 std::optional<HttpAnswer> LivePages::Answer(const HttpRequest& request, bool must) {
   const std::optional<HttpTarget> target = ParseTarget(request.target);
   const bool may = IsOwnHost(request.host) &&
@@ -83,7 +82,7 @@ std::optional<HttpAnswer> LivePages::Get(const std::string& page, const HttpTarg
   return Found("image/jpeg", shown_.Picture(picture->second, target.Number("number")));
 }
 
-// Limits the map data of all clients together. Requests above the limit wait.
+// Limits the data rate of all clients together. Requests above the limit wait.
 std::optional<HttpAnswer> LivePages::Map(const HttpTarget& target, bool must) {
   constexpr double kBytesPerSecond = 16e6;
   constexpr std::size_t kMost = 16384;  // surfels per answer, 20 bytes each

@@ -21,7 +21,7 @@ class LivePages {
   // Implements HttpServer::Handler.
   std::optional<HttpAnswer> Answer(const HttpRequest& request, bool must);
 
-  // Time since the last answer to a request with valid token. Thread-safe.
+  // Seconds since the last answer to a request with valid token. Thread-safe.
   double SinceLastAnswer_s() const;
 
  private:
@@ -33,7 +33,7 @@ class LivePages {
   LiveRun& run_;
   ShownRun& shown_;
   std::atomic<double> answered_at_s_{0};
-  // Number of bytes of map data that may be sent now. It grows with time.
+  // Token bucket: bytes of map data that may be sent now.
   double map_bytes_ = 0;
   double map_bytes_at_s_ = 0;
 };

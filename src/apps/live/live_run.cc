@@ -68,7 +68,7 @@ void LiveRun::Note(const SlamRunFrame& frame) {
   NotePath(frame);
 }
 
-// The whole path changes only after a correction. Otherwise it grows by one pose.
+// Copies the whole path only after a correction.
 void LiveRun::NotePath(const SlamRunFrame& frame) {
   const FrameReport& report = frame.report;
   if (!frame.backend) return path_.push_back({report.stamp_s, report.world_from_camera});

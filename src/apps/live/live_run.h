@@ -19,8 +19,8 @@
 
 namespace surfit {
 
-// Limits the rate of a periodic task: at least min_gap_s between two calls, and at most a ratio
-// `share` of the time.
+// Limits the rate of a periodic task: at least min_gap_s between two calls, and at most the
+// ratio `share` of the time.
 class RateLimiter {
  public:
   RateLimiter(double min_gap_s, double share) : min_gap_(min_gap_s), share_(share) {}
@@ -45,11 +45,11 @@ class RateLimiter {
 
 // Advice for the operator of the camera.
 struct Advice {
-  std::string kind;  // lost, too_fast, too_close, little_depth, little_shape, moving
+  std::string kind;  // "lost", "too_fast", "too_close", "little_depth", "little_shape" or "moving"
   std::string text;
 };
 
-// Advice for a frame. `world_from_camera_before` is the pose of the previous frame; null: no pose.
+// `world_from_camera_before`: pose of the previous frame; null: none.
 std::vector<Advice> Advise(const SlamRunFrame& frame, const Rigid3d* world_from_camera_before);
 
 // Camera positions at both ends of a loop closure, in the world frame.
@@ -57,7 +57,7 @@ struct LoopSegment {
   Eigen::Vector3d a, b;
 };
 
-// Viewer of a run, e.g. web pages. The thread of the run calls these functions and waits for them.
+// Viewer of a run, for example a web page. The thread of the run calls these functions.
 class RunViewer {
  public:
   virtual ~RunViewer() = default;
@@ -67,18 +67,18 @@ class RunViewer {
   virtual void Wait(const SlamRunFrame& frame, int wait_ms) = 0;
   // Called during refinement and re-integration.
   virtual void ShowWork() = 0;
-  // Receives the final result, which is shown until Stay() returns.
+  // Shows the final result.
   virtual void Keep(const SlamRunResult& result) = 0;
   // Blocks until the result is no longer viewed.
   virtual void Stay() = 0;
 };
 
-// State of a run for its viewers. RunSlam() reports the progress, and viewers pause or stop the
-// run. Viewers do not change the results.
+// State of a run for its viewers, which can pause and stop the run. A pause does not change the
+// results.
 class LiveRun {
  public:
-  // `interrupted` ends a pause and must outlive the LiveRun. `interrupt` has to set it, like
-  // Ctrl-C, and must be thread-safe.
+  // `interrupted` must outlive the LiveRun. `interrupt` must set `interrupted` and be
+  // thread-safe.
   LiveRun(const std::atomic<bool>& interrupted, std::function<void()> interrupt);
 
   // Call before the run.
@@ -87,13 +87,13 @@ class LiveRun {
   // Callbacks of RunSlam(). Update() blocks while the run is paused.
   void Update(const SlamRunProgress& progress);
   void Keep(const SlamRunResult& result);
-  // Call after the results are reported. Blocks until the result is no longer viewed.
+  // Call at the end. Blocks until the result is no longer viewed.
   void Stay();
 
-  // These functions are thread-safe. Pauses end with the last frame.
+  // Control by viewers, thread-safe. After the last frame, the run is not paused.
   void Pause() { pauses_ = true; }
   void GoOn() { pauses_ = false; }
-  void Step();  // one frame, then a pause
+  void Step();  // processes one frame, then pauses
   void Stop();
   bool is_paused() const { return pauses_ && !is_at_result_; }
   bool is_interrupted() const { return interrupted_; }
@@ -101,13 +101,13 @@ class LiveRun {
 
   // Functions for the thread of the run only.
   const SlamRunProgress& progress() const { return progress_; }  // without frame
-  FrameState state() const { return state_; }                    // of the last frame
+  FrameState state() const { return state_; }                    // state of the last frame
   bool is_lost() const { return state_ == FrameState::kLost; }
   bool is_at_result() const { return is_at_result_; }  // all frames are processed
   bool is_done() const { return is_done_; }
   double frames_per_second() const { return frame_s_ > 0 ? 1 / frame_s_ : 0; }  // running mean
   const std::vector<Advice>& advice() const { return advice_; }
-  const Trajectory& path() const { return path_; }  // includes all corrections so far
+  const Trajectory& path() const { return path_; }  // with all corrections so far
   const std::vector<LoopSegment>& loops() const { return loops_; }
   // Frame indices of the last loop closure.
   const std::optional<std::pair<int, int>>& last_loop() const { return last_loop_; }
@@ -130,10 +130,10 @@ class LiveRun {
   FrameState state_ = FrameState::kFirst;
   std::vector<Advice> advice_;
   Trajectory path_;
-  std::array<std::size_t, 3> corrections_{};  // included in path_ and loops_
+  std::array<std::size_t, 3> corrections_{};  // numbers of corrections in path_ and loops_
   std::vector<LoopSegment> loops_;
   std::optional<std::pair<int, int>> last_loop_;
-  std::optional<Rigid3d> last_pose_;  // std::nullopt: last frame is lost
+  std::optional<Rigid3d> last_pose_;  // pose of the last frame; std::nullopt: lost
   Image<Rgb8> last_good_;
   double frame_s_ = 0;  // running mean, without the time of the viewers
   Clock::time_point left_ = Clock::now();

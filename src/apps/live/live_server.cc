@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kSlotsAtOnce = 8192;
 constexpr std::array kViews = {Shown::kFrame, Shown::kModel, Shown::kNormals};
 
-// Limits the numbers of poses and loops. The last pose and the last loops are kept.
+// Limits the numbers of poses and loops. Keeps the last pose and the last loops.
 ShownPath Thinned(const LiveRun& run) {
   constexpr std::size_t kMaxPlaces = 2000, kMaxLoops = 1000;
   ShownPath thin;
@@ -91,17 +91,17 @@ struct LiveServer::Parts {
   LivePages pages;
   std::optional<LivePictures> pictures;  // empty before the first frame
   PinholeCamera camera;
-  // Time limits: together at most 4 % of the run time, and only for requested data.
+  // Together at most 4 % of the run time, and only for requested data.
   RateLimiter state_pace{0.1, 0.005}, path_pace{1, 0.003}, views_pace{0.1, 0.024},
       map_pace{0, 0.008};
-  std::array<bool, kShownCount> is_exact{};  // in the state of the last frame
+  std::array<bool, kShownCount> is_exact{};  // data are those of the last frame
   bool is_state_exact = false;
   int map_rounds = 0;                          // complete rounds since the last frame
   std::optional<Clock::time_point> last_turn;  // last update of map, path and views
   HttpServer server;                           // last member: it uses the members above
 };
 
-// During a pause, `must` is true and all data are sent once.
+// During a pause (`must`), updates each kind of data once.
 template <typename Act>
 void LiveServer::Parts::Give(Shown what, RateLimiter* pace, bool must, const Act& act) {
   bool& exact = is_exact[static_cast<std::size_t>(what)];
@@ -110,8 +110,7 @@ void LiveServer::Parts::Give(Shown what, RateLimiter* pace, bool must, const Act
   if (exact) server.Wake();
 }
 
-// The state is updated without requests as well, so that new clients get it at once. During a
-// pause, it is updated once.
+// Updates the state even without requests, so that new clients get it at once.
 void LiveServer::Parts::GiveStateIfDue(bool must) {
   const bool is_new = must && !std::exchange(is_state_exact, true);
   state_pace.ActIfDue(is_new, [&] { GiveState(is_new); });
@@ -134,15 +133,14 @@ void LiveServer::Parts::GiveState(bool must) {
   server.Wake();
 }
 
-// For a lost camera: the image of the last frame with a pose, as a target for the operator.
+// If the camera is lost, the last frame with a pose, which helps the operator to find it again.
 Image<Rgb8> LiveServer::Parts::ModelPicture(const SurfelMap& map, ModelColors colors) {
   if (run.is_lost() && !run.is_done()) return pictures->OfLost(run.last_good());
   const Trajectory& path = run.path();
   return pictures->OfModel(map, path.empty() ? Rigid3d() : path.back().world_from_camera, colors);
 }
 
-// Frame and model views have the same pose, so that they can be compared. Returns false if the
-// update was skipped.
+// Frame and model views have the same pose. Returns false if the update was skipped.
 bool LiveServer::Parts::GiveViews(const RgbdFrame& frame, const SurfelMap& map,
                                   const std::vector<Shown>& wanted, bool must) {
   std::map<Shown, Image<Rgb8>> views;
@@ -173,8 +171,8 @@ void LiveServer::Parts::GiveViewsIfDue(const SlamRunFrame& frame, bool must) {
   });
 }
 
-// A part of the map is updated after each frame to limit the time. The map is exact after a round
-// that started after the last frame.
+// Updates a part of the map per frame. The map is exact after a complete round since the last
+// frame.
 void LiveServer::Parts::GiveAll(const SlamRunFrame& frame, bool must) {
   if (!pictures) pictures.emplace(frame.sensor);
   Give(Shown::kMap, &map_pace, must, [&] {
@@ -201,7 +199,7 @@ std::string LiveServer::url() const {
                 parts_->token, "/");
 }
 
-// If camera frames wait for the run, map, path and views are updated only once per second.
+// If camera frames wait for the run, updates map, path and views only once per second.
 void LiveServer::Show(const SlamRunFrame& frame) {
   constexpr double kCameraGap_ms = 33;
   constexpr std::chrono::seconds kLongest(1);
@@ -227,7 +225,7 @@ void LiveServer::ShowWork() {
   parts_->state_pace.ActIfDue(/*must=*/false, [&] { parts_->GiveState(/*must=*/false); });
 }
 
-// Shows the views of the last pose. Tracking is over, so the server thread gets normal priority.
+// The server thread gets normal priority, because tracking has ended.
 void LiveServer::Keep(const SlamRunResult& result) {
   Parts& parts = *parts_;
   parts.server.TakePriority();
@@ -241,8 +239,7 @@ void LiveServer::Keep(const SlamRunResult& result) {
   parts.GiveState(/*must=*/true);
 }
 
-// Pages request all new data, and then wait for a newer state. If no request was answered for
-// kWhile_s, all pages have all data.
+// Without requests for kWhile_s, all pages have all data and wait for a newer state.
 void LiveServer::Stay() {
   constexpr double kMost_s = 10, kWhile_s = 2;
   Parts& parts = *parts_;

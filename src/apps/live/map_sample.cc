@@ -38,8 +38,8 @@ PackedSurfel PackSurfel(const Surfel& surfel) {
   return packed;
 }
 
-// Adds slots for the ids of the map. Above the limit, drops every second slot. Versions are kept,
-// because pages drop the same slots.
+// Adds slots for new ids. Above the limit, drops every second slot. Keeps the versions, because
+// pages drop the same slots.
 void MapSample::Fit(const SurfelMap& map) {
   const auto ids = static_cast<std::uint64_t>(map.id_end());
   const auto needed = [&] {
@@ -103,7 +103,7 @@ void MapSample::Reset(const SurfelMap& map) {
 
 SampleChanges MapSample::ChangesFrom(SamplePlace place, std::size_t most) const {
   if (place.epoch != epoch_ || place.level > level_) place = {epoch_, level_, 0, 0};
-  // Halving rounds down, so one slot may be sent again.
+  // Rounds down, so one slot may be sent again.
   while (place.level < level_) {
     ++place.level;
     place.slot /= 2;
@@ -115,7 +115,7 @@ SampleChanges MapSample::ChangesFrom(SamplePlace place, std::size_t most) const 
   changes.version = version_;
   for (std::uint32_t slot = place.slot; slot < changes.slots; ++slot) {
     if (newest_[slot / kBlock] <= place.version) {
-      slot |= kBlock - 1;  // last slot of the block, which has not changed
+      slot |= kBlock - 1;  // skips a block without changes
       continue;
     }
     if (versions_[slot] <= place.version) continue;

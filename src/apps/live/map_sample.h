@@ -19,41 +19,42 @@ using PackedSurfel = std::array<std::uint8_t, 16>;
 
 PackedSurfel PackSurfel(const Surfel& surfel);
 
-// Position of a page in the stream of changes. A round goes through all slots, and transfers the
-// changes since `version`. The next round transfers the changes since the start of this round.
+// Position of a page in the stream of changes. A round goes through all slots and transfers
+// their changes since `version`, the start of the previous round.
 struct SamplePlace {
   std::uint32_t epoch = 0;
   std::uint32_t level = 0;
-  std::uint32_t version = 0;  // start of the last complete round; 0: no data
+  std::uint32_t version = 0;  // of the start of the last complete round; 0: no data
   std::uint32_t slot = 0;     // next slot of this round
 };
 
 struct SampleChanges {
-  std::uint32_t epoch = 0;    // if it differs from the page, the page clears its slots
+  std::uint32_t epoch = 0;    // the page clears its slots if its epoch differs
   std::uint32_t level = 0;    // the page drops every second slot until it has this level
   std::uint32_t slots = 0;    // number of slots of the sample
   std::uint32_t version = 0;  // current version of the sample
-  std::uint32_t next = 0;     // first slot of the next request; 0: the round is complete
+  std::uint32_t next = 0;     // first slot of the next request; 0: end of the round
   std::vector<std::uint32_t> slot;
   std::vector<PackedSurfel> surfel;
 };
 
-// Subset of a map for display, with limited size. Slot s is the surfel with id s * 2^level, if
-// there is one. If the map needs more slots, `level` increases and every second slot is dropped.
+// Subset of a map for display, with limited size. Slot s contains the surfel with id s *
+// 2^level, if it exists. If the map grows beyond the limit, `level` increases and every second
+// slot is dropped.
 class MapSample {
  public:
   explicit MapSample(std::size_t most_slots) : most_slots_(most_slots) {}
 
-  // Updates the next `slots` slots. Returns true after the last slot: the round is complete, and
-  // the next call starts a new round.
+  // Updates the next `slots` slots. Returns true after the last slot. The next call then
+  // starts again.
   bool Update(const SurfelMap& map, std::size_t slots);
   // Replaces the map. Pages start again.
   void Reset(const SurfelMap& map);
 
-  // Returns at most `most` changes.
+  // Returns at most `most` changes from a position.
   SampleChanges ChangesFrom(SamplePlace place, std::size_t most) const;
 
-  // NoiseConfidence() of the sample, as a WeightByte.
+  // NoiseConfidence() of the sample, as WeightByte.
   std::uint8_t Dust() const;
 
   std::size_t shown() const { return shown_; }  // number of surfels
@@ -67,7 +68,7 @@ class MapSample {
   std::uint32_t next_ = 0;  // next slot to update
   std::size_t shown_ = 0;
   std::vector<PackedSurfel> surfels_;
-  std::vector<std::uint32_t> versions_;  // version of the last change
+  std::vector<std::uint32_t> versions_;  // version of the last change per slot
   std::vector<std::uint32_t> newest_;    // upper bound of versions_ per block of kBlock slots
 };
 

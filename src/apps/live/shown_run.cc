@@ -154,7 +154,7 @@ ShownRun::Text ShownRun::Path() {
   return item.text;
 }
 
-// Encodes without the lock, so that the run can update data.
+// Encodes without the lock, so that the run can update its data.
 ShownRun::Text ShownRun::Picture(Shown which, std::uint32_t asked) {
   constexpr int kQuality = 80;
   Image<Rgb8> picture;

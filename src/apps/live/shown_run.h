@@ -20,7 +20,7 @@
 
 namespace surfit {
 
-// Data that pages can request.
+// Kinds of data for pages.
 enum class Shown { kState, kMap, kPath, kFrame, kModel, kNormals };
 constexpr std::size_t kShownCount = 6;
 
@@ -32,7 +32,7 @@ struct ShownState {
   double frames_per_second = 0;
   bool is_at_result = false, is_done = false;
   std::vector<Advice> advice;
-  std::optional<Rigid3d> world_from_camera;  // pose of the last frame with a pose
+  std::optional<Rigid3d> world_from_camera;  // last pose
   PinholeCamera camera;
   std::size_t loops = 0;
   std::optional<std::pair<int, int>> last_loop;
@@ -44,30 +44,31 @@ struct ShownPath {
   std::vector<LoopSegment> loops;
 };
 
-// Data for pages, shared by the thread of the run, which updates, and the server thread, which
-// reads. The run never waits: if the server holds the lock, the update is skipped. Each update gets
-// an increasing number.
+// Data for pages. The thread of the run writes, the server thread reads. Without `must`, an
+// update is skipped if the server has the lock, so that the run does not wait. Updates have
+// increasing numbers.
 class ShownRun {
  public:
   explicit ShownRun(std::size_t max_surfels) : sample_(max_surfels) {}
 
-  // Functions for the run. They return false if the update was skipped. `must` waits for the lock.
+  // Functions for the run. Return false if the update was skipped. `must`: waits for the lock.
   bool GiveState(const ShownState& state, bool must);
   bool GivePath(const ShownPath& path, bool must);
   // Pictures of the same frame get the same number.
   bool GivePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool must);
-  // Calls MapSample::Update() and returns its result. std::nullopt if the update was skipped.
+  // Returns the result of MapSample::Update(); std::nullopt if the update was skipped.
   std::optional<bool> UpdateMap(const SurfelMap& map, std::size_t slots);
   void ResetMap(const SurfelMap& map);
-  // True if a page requested this kind of data in the last 8 s.
+  // Returns whether a page has requested this kind of data in the last 8 s.
   bool IsWanted(Shown what) const;
 
-  // Functions for the server. JSON; null if the state is not newer than `number`.
+  // Functions for the server. StateAfter(): JSON; null if the state is not newer than
+  // `number`.
   using Text = std::shared_ptr<const std::string>;
   Text StateAfter(std::uint32_t number, bool is_paused);
-  // JSON; null if there is no path yet.
+  // JSON; null without path.
   Text Path();
-  // JPEG; null if the number of the picture is not `asked`. 0: any number.
+  // JPEG; null if the picture does not have the number `asked`. 0: any number.
   Text Picture(Shown which, std::uint32_t asked);
   // SampleChanges, little endian: epoch, level, slots, version, next and count as uint32, then
   // `count` slots as uint32, then `count` PackedSurfel.
@@ -81,7 +82,7 @@ class ShownRun {
     std::uint32_t number = 0;
     Text text;  // encoded at the first request
   };
-  // Calls act() with the lock. Returns false if `must` is false and the server has the lock.
+  // Calls act() with the lock. Returns false if the update is skipped.
   template <typename Act>
   bool Give(bool must, const Act& act);
   void Number(Shown what);

@@ -21,43 +21,43 @@ struct BatchOptions {
   std::string sequences;
   std::string output;
   SlamRunOptions run;    // options of each run; sequence path and output are set per run
-  int memory_mb = 4000;  // maximum memory of a run, MB; for clusters
-  int minutes = 600;     // maximum time of a run; for clusters
+  int memory_mb = 4000;  // job limit of clusters: memory of a run, MB
+  int minutes = 600;     // job limit of clusters: time of a run
 
   void Visit(OptionVisitor& visitor);
 };
 
 struct BatchRun {
-  // File name, with %XX for characters other than letters, digits, dot, hyphen and underscore.
+  // File name of the sequence. Characters except letters, digits, '.', '-' and '_' are
+  // replaced by %XX.
   std::string name;
   std::string path;  // absolute
 };
 
-// Finds all folders and recordings (.klg, .sens, .bag, .db3, .mcap) in the folder of the sequences.
-// Hidden files are skipped. Returns them sorted by name.
-// Writes batch.json and flags/NAME.flags (--flagfile of surfit_slam) into the output folder.
-// Unchanged files keep their modification time, so that finished runs are not repeated. The
-// sequences are not opened. Throws InputError if there is no sequence, or if the output folder is
-// one of them.
+// Finds all folders and recordings (.klg, .sens, .bag, .db3, .mcap) in the folder of the
+// sequences, except hidden ones. Writes batch.json and flags/NAME.flags (--flagfile of
+// surfit_slam). Unchanged files keep their modification time, so that finished runs are not
+// repeated. Returns the runs, sorted by name. Does not open the sequences. Throws InputError for
+// invalid options, without a sequence, or if the output folder is one of the sequences.
 std::vector<BatchRun> PlanBatch(const BatchOptions& options);
 
-// Result of a sequence. Unknown figures are std::nullopt.
+// Result of a sequence. Unknown values are std::nullopt.
 struct BatchRow {
   std::string sequence;
-  std::string state;  // done, failed, or open: not finished
+  std::string state;  // "done", "failed" or "open" (not finished)
   std::optional<int> frames, frames_tracked, frames_lost, frames_skipped;
   std::optional<double> ate_rmse_m, rpe_translation_rmse_m, rpe_rotation_rmse_deg;
-  std::optional<double> seconds, frame_ms, peak_mb;  // frame_ms: mean
+  std::optional<double> seconds, frame_ms, peak_mb;  // frame_ms: mean time per frame
   std::optional<double> map_points;
   std::string digest, error;  // empty: none
 };
 
-// Collects the result of each sequence from the receipt of its job and the output of its run.
-// Writes table.csv, summary.json and report.html.
+// Collects the results of all sequences. `batch`: folder of the batch. Writes table.csv,
+// summary.json and report.html.
 std::vector<BatchRow> ReportBatch(const std::string& batch);
 
-// Deletes the receipts of runs to repeat: runs with missing results and, with `retry_failed`,
-// failed runs.
+// Deletes receipts, so that the workflow repeats these runs: runs with missing output and, with
+// `retry_failed`, failed runs.
 void DeleteStaleRunReceipts(const std::string& batch, bool retry_failed);
 
 }  // namespace surfit

@@ -25,7 +25,7 @@ bool IsSequence(const fs::directory_entry& entry) {
          std::find(kRecordings.begin(), kRecordings.end(), path.extension()) != kRecordings.end();
 }
 
-// Name without characters that are special in shells, Snakemake or URLs.
+// Escapes characters that are special in shells, Snakemake or URLs.
 std::string RunNameOf(const std::string& file_name) {
   std::string name;
   for (const char c : file_name) {

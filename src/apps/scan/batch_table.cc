@@ -39,7 +39,7 @@ void Take(const Json& json, const char* key, std::optional<T>* value) {
   if (json.contains(key) && json[key].is_number()) *value = json[key].get<T>();
 }
 
-// Reads the figures of a run. A failed run may have only some of them.
+// Reads values of summary.json. A failed run may lack some.
 void TakeSummary(const std::string& path, BatchRow* row) {
   const Json json = ReadJson(path);
   Take(json, "frames_total", &row->frames);

@@ -15,7 +15,7 @@ namespace surfit {
 namespace {
 
 struct Place {
-  int fragment = 0;  // position in the plan
+  int fragment = 0;  // index in the plan
   int recording = 0;
   int frame = 0;
   PlaceView view;  // features only
@@ -39,7 +39,7 @@ class CandidateSearch {
   }
 
  private:
-  // Returns the step between keyframes for which the features and their index fit into memory.
+  // Returns the smallest n for which every n-th keyframe fits into max_index_bytes.
   int StepWithinMemory() {
     std::size_t bytes = 0;
     for (const ScanFragment& fragment : plan_.fragments) {
@@ -84,7 +84,7 @@ class CandidateSearch {
     }
   }
 
-  // Files of former pairs are deleted, because the next jobs would use them.
+  // Deletes files of former pairs, because the next jobs would use them.
   void Write() const {
     CreateFolder(options_.output);
     std::set<std::string> written;
@@ -105,7 +105,7 @@ class CandidateSearch {
   CandidatesResult result_;
   std::vector<Place> places_;
   PlaceIndex index_;
-  std::map<std::pair<int, int>, std::vector<PlaceProposal>> pairs_;  // by target and source
+  std::map<std::pair<int, int>, std::vector<PlaceProposal>> pairs_;  // key: target and source
 };
 
 }  // namespace

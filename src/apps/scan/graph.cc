@@ -45,7 +45,7 @@ class LinkReader {
     }
   }
 
-  // Returns the accepted links.
+  // Returns the accepted links of the files.
   std::vector<GraphLink> Read(const std::vector<std::string>& paths) const {
     std::vector<GraphLink> links;
     for (const std::string& path : paths) {
@@ -69,7 +69,7 @@ class LinkReader {
  private:
   struct Fragment {
     std::size_t position = 0;
-    std::map<int, int> keyframes;  // position by frame
+    std::map<int, int> keyframes;  // keyframe index by frame index
   };
 
   std::pair<std::size_t, int> Find(const std::string& path, const std::string& name,
@@ -85,7 +85,7 @@ class LinkReader {
   std::map<std::string, Fragment> fragments_;
 };
 
-// Finds the frames that observe each tile.
+// Finds the tiles and the frames that observe them.
 class TileFinder {
  public:
   TileFinder(double tile_m, std::size_t recordings) : tile_m_(tile_m), recordings_(recordings) {}
@@ -130,7 +130,7 @@ class TileFinder {
     std::vector<std::vector<FrameRange>> frames;  // per recording
   };
   static constexpr int kStep = 4;          // pixels
-  static constexpr int kLeastPoints = 10;  // tiles with fewer points are noise
+  static constexpr int kLeastPoints = 10;  // fewer points are noise
 
   std::map<Cell, int> Seen(const PlaceView& view, const Rigid3d& world_from_camera) const {
     std::map<Cell, int> seen;
@@ -229,7 +229,8 @@ Json ToJson(const ScanPlan& plan, const std::vector<RecordingResult>& results) {
   return recordings;
 }
 
-// Returns std::nullopt between recordings, because their ground truths may have different frames.
+// Returns std::nullopt for links between recordings: their ground truths may have different
+// frames.
 std::optional<PoseError> ErrorOf(const ScanPlan& plan, const ScanGraph& graph,
                                  const std::vector<RecordingResult>& results,
                                  const GraphLink& link) {
@@ -303,7 +304,7 @@ Json ToJson(const ScanPlan& plan, const ScanGraph& graph,
           {"links", links}};
 }
 
-// Link files of the present candidates. Files of a former plan are skipped.
+// Link files, except files of a former plan.
 std::vector<std::string> LinkFiles(const std::string& scan) {
   std::vector<std::string> paths;
   for (const std::string& pair : FilesIn(scan + "/candidates", ".json")) {
@@ -313,7 +314,7 @@ std::vector<std::string> LinkFiles(const std::string& scan) {
   return paths;
 }
 
-// Files of graphs in the folder, including the files of former recordings.
+// Files of former graphs in the folder.
 std::vector<std::string> GraphFiles(const std::string& folder) {
   std::vector<std::string> names = {"graph.json", "tiles.json"};
   for (const char* const ending : {".txt", ".png"}) {

@@ -37,7 +37,7 @@ std::string AbsolutePath(const std::string& path) {
 
 SequenceOptions WithAbsolutePaths(SequenceOptions sequence) {
   sequence.path = AbsolutePath(sequence.path);
-  // Otherwise `camera` is a preset.
+  // A camera that is not a file is a preset.
   if (fs::exists(sequence.camera)) sequence.camera = AbsolutePath(sequence.camera);
   return sequence;
 }

@@ -7,23 +7,23 @@
 
 namespace surfit {
 
-// Input files and receipts of workflow jobs (tools/workflow). All functions throw InputError with
-// the name of the file.
+// Input files and receipts of workflow jobs (tools/workflow). Functions of this header that read
+// or write files throw InputError with the file name.
 
-// Writes a file atomically. An unchanged file keeps its modification time, so that jobs that depend
-// on it are not repeated.
+// Writes a file atomically. An unchanged file keeps its modification time, so that dependent
+// jobs are not repeated.
 void WriteIfChanged(const std::string& text, const std::string& path);
 
-// Files of a folder with this extension, sorted by name; empty if the folder does not exist.
+// Paths of the files with this extension (".json"), sorted. Empty if the folder does not exist.
 std::vector<std::string> FilesIn(const std::string& folder, const std::string& extension);
 
 std::string AbsolutePath(const std::string& path);
 
-// Makes the paths absolute, so that the sequence can be read from any working directory.
+// Makes the paths of the options absolute.
 SequenceOptions WithAbsolutePaths(SequenceOptions sequence);
 
-// Text of a flag file (--flagfile) with one flag per line. Contains the flags of `run`, except
-// `output`, that differ from `other` or from the defaults.
+// Text of a flag file (--flagfile): flags of `run` that differ from `other` or from the
+// defaults. Without `output`.
 std::string FlagFileOf(const SlamRunOptions& run, const SlamRunOptions& other);
 std::string FlagFileOf(const SlamRunOptions& run);
 
@@ -33,7 +33,7 @@ struct JobReceipt {
   int exit = 0;
   double seconds = 0, peak_mb = 0;
   std::string error;    // empty: success
-  std::string product;  // output file, relative to the workflow folder; empty: none
+  std::string product;  // output file, relative to the folder of the workflow; empty: none
 
   std::string Rule() const { return job.substr(0, job.find('_')); }
 };
@@ -41,8 +41,8 @@ struct JobReceipt {
 std::string ReceiptPath(const std::string& folder, const std::string& job);
 JobReceipt ReadReceipt(const std::string& path);
 
-// Deletes the receipts of jobs to repeat: successful jobs with missing product and, with
-// `retry_failed`, failed jobs. Jobs that depend on them are not included.
+// Deletes receipts, so that the workflow repeats these jobs: successful jobs without their
+// product and, with `retry_failed`, failed jobs. Keeps the receipts of dependent jobs.
 void DeleteReceipts(const std::string& folder, bool retry_failed);
 
 }  // namespace surfit

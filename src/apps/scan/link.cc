@@ -27,7 +27,6 @@ int RecordingOf(const ScanPlan& plan, const std::string& fragment) {
 
 class FragmentLinker {
  public:
-  // Frames of the same recording must be at least min_gap apart.
   FragmentLinker(const FindLoopsOptions& options, RunPlaces source, RunPlaces target,
                  bool of_one_recording)
       : options_(options),
@@ -40,7 +39,8 @@ class FragmentLinker {
       Try(KeyframeAt(source_, proposal.source_frame), KeyframeAt(target_, proposal.target_frame),
           {});
     }
-    // An accepted link aligns both fragments, and predicts further keyframe pairs.
+    // An accepted link aligns both fragments, so it predicts further pairs of nearby
+    // keyframes.
     const std::vector<ScanLink> by_looks = links_;
     for (const ScanLink& link : by_looks) {
       if (link.verdict.accepted()) TryNear(link);
@@ -56,7 +56,7 @@ class FragmentLinker {
     return *at;
   }
 
-  // Verifies further keyframe pairs at the poses that a link predicts.
+  // Verifies pairs of keyframes that are near each other according to a link.
   void TryNear(const ScanLink& link) {
     const Rigid3d target_from_source_world =
         KeyframeAt(target_, link.target_frame).world_from_camera * link.verdict.target_from_source *
@@ -87,7 +87,7 @@ class FragmentLinker {
         {from.frame_index, to.frame_index, VerifyLoop(from.view, to.view, options_.verify, prior)});
   }
 
-  // Maximum frame distance at which a link still predicts poses in spite of drift.
+  // Maximum number of frames for the prediction by a link, because of drift.
   static constexpr int kReachFrames = 100;
 
   const FindLoopsOptions& options_;

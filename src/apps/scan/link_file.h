@@ -10,27 +10,26 @@
 
 namespace surfit {
 
-// Loop candidate: keyframes of two fragments. The source is in the later fragment of the plan.
+// Loop candidate: keyframes of two fragments. The source is in the later fragment.
 struct PlaceProposal {
-  int source_frame = 0, target_frame = 0;  // frame indices in the sequences of both recordings
+  int source_frame = 0, target_frame = 0;  // frame indices in the sequences
   double similarity = 0;                   // PlaceCandidate::similarity
 };
 
 // Loop candidates between two fragments.
 struct FragmentCandidates {
-  std::string target, source;  // names of fragments
+  std::string target, source;  // fragment names
   std::vector<PlaceProposal> proposals;
 };
 
-// The files are JSON, written atomically. WriteCandidates() does not touch an unchanged file. All
-// functions of this header throw InputError with the name of a file that cannot be read or written,
-// or that is invalid.
+// Files are JSON, written atomically. WriteCandidates() does not touch an unchanged file. All
+// functions of this header throw InputError with the file name, for I/O errors and invalid
+// files.
 void WriteCandidates(const FragmentCandidates& pair, const std::string& path);
 FragmentCandidates ReadCandidates(const std::string& path);
 
-// Links between two fragments. ReadLinks() reads only a part of each link: source_frame,
-// target_frame, `reason` and `overlap_ratio` of the verdict, and for accepted links
-// `target_from_source` and `information`. Other members have their default values.
+// Links between two fragments. ReadLinks() sets the frames, `reason` and `overlap_ratio` and,
+// for accepted links, `target_from_source` and `information`. Other members have default values.
 struct FragmentLinks {
   std::string target, source;
   std::vector<ScanLink> links;
@@ -38,8 +37,8 @@ struct FragmentLinks {
 void WriteLinks(const FragmentLinks& pair, const std::string& path);
 FragmentLinks ReadLinks(const std::string& path);
 
-// Reads the poses, keyframes and pose graph of a fragment. `scan` is the folder of the scan.
-// Returns std::nullopt if the fragment has no places.bin, because its run has failed.
+// Reads poses, keyframes and pose graph of a fragment. `scan`: folder of the scan. Returns
+// std::nullopt for a failed fragment, which has no places.bin.
 std::optional<RunPlaces> PlacesOf(const std::string& scan, const ScanFragment& fragment,
                                   PlacesPart part);
 

@@ -7,13 +7,13 @@
 
 namespace surfit {
 
-// Error of a measured motion between two keyframes. Keyframes are given by position. Returns
-// std::nullopt if the ground truth does not cover both keyframes.
+// Error of a measured relative pose of two keyframes, which are given by index in
+// RunPlaces::keyframes. Returns std::nullopt without ground truth for both.
 std::optional<PoseError> ErrorOfLink(const Trajectory& ground_truth, const RunPlaces& source,
                                      int source_keyframe, const RunPlaces& target,
                                      int target_keyframe, const Rigid3d& target_from_source);
 
-// Replaces `worst` if it is empty or has a smaller translation error.
+// Replaces `worst` if `error` has a larger translation error, or if `worst` is empty.
 void UpdateMaximum(const std::optional<PoseError>& error, std::optional<PoseError>* worst);
 
 }  // namespace surfit

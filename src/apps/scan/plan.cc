@@ -31,7 +31,7 @@ SlamRunOptions CameraRunOf(SlamRunOptions run, int frames) {
   const std::int64_t last = sequence.first + (frames - std::int64_t{1}) * sequence.stride;
   if (sequence.last < 0 || last < sequence.last) sequence.last = static_cast<int>(last);
   run.slam.loops.enabled = run.keep_places = false;
-  // Refinement requires a final map.
+  // refine requires final_map.
   run.slam.calibration.enabled = run.refine = run.final_map = true;
   return run;
 }
@@ -40,8 +40,7 @@ std::string FoundCamera(const std::string& scan, std::size_t recording) {
   return Concat(scan, "/camera/", recording, "/camera.yaml");
 }
 
-// Uses another camera. The options of the camera are cleared, because the file contains all of
-// them.
+// Uses a camera file. Clears the camera options, which the file contains.
 SequenceOptions WithCamera(SequenceOptions sequence, const std::string& camera) {
   sequence.camera = camera;
   sequence.intrinsics = sequence.color_intrinsics = {};
@@ -58,7 +57,7 @@ SequenceOptions WithCamera(SequenceOptions sequence, const std::string& camera) 
 std::vector<ScanFragment> CutIntoFragments(int first, int frame_count, int stride,
                                            int fragment_frames, int overlap_frames) {
   ThrowIf(frame_count < 1, "the sequence has no frames");
-  // Maximum number of frames per fragment, without the frames shared with the next fragment.
+  // Maximum number of frames per fragment, without the overlap with the next fragment.
   const std::int64_t step = fragment_frames - overlap_frames;
   const std::int64_t own = std::max(1, frame_count - overlap_frames);
   const std::int64_t count = (own + step - 1) / step;
@@ -81,7 +80,6 @@ SequenceOptions OptionsOfRecording(const ScanPlan& plan, const std::string& path
   return WithAbsolutePaths(sequence);
 }
 
-// Fragments of all recordings, with consecutive names.
 std::vector<ScanFragment> CutRecordings(const ScanPlan& plan, const ScanPlanOptions& options) {
   std::vector<ScanFragment> all;
   for (std::size_t r = 0; r < plan.recordings.size(); ++r) {
@@ -98,7 +96,6 @@ std::vector<ScanFragment> CutRecordings(const ScanPlan& plan, const ScanPlanOpti
   return all;
 }
 
-// Writes the flag files of surfit_slam for the fragments and for the calibration of the cameras.
 void WriteFlagFiles(const ScanPlan& plan, const std::string& scan) {
   CreateFolder(scan + "/fragments");
   for (const ScanFragment& fragment : plan.fragments) {

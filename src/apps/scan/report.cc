@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Receipts of the given jobs. Receipts of a former plan are skipped.
+// Receipts of the given jobs, as far as they have finished.
 std::vector<JobReceipt> ReadReceipts(const std::string& scan, const std::set<std::string>& jobs) {
   std::vector<JobReceipt> receipts;
   for (const std::string& path : FilesIn(scan + "/jobs", ".json")) {
@@ -41,8 +41,8 @@ std::string Hex(const Fnv1a& hash) {
   return text.str();
 }
 
-// Uniform sample of the map with at most kMaxSurfels surfels. Radii are scaled to keep the covered
-// area.
+// Uniform sample of the map with about kMaxSurfels surfels at most. Radii are scaled to keep the
+// covered area.
 SurfelMap ThinnedMap(const std::vector<std::string>& paths) {
   constexpr std::size_t kMaxSurfels = 2000000;
   constexpr std::uintmax_t kBytesOfSurfel = 43;  // WriteSurfelPly()
@@ -71,7 +71,6 @@ ScannedRecording RecordingFrom(const Json& json) {
   return recording;
 }
 
-// Collects the results of all other jobs of a scan.
 class ScanReporter {
  public:
   explicit ScanReporter(const std::string& scan) : scan_(scan), plan_(ReadScanPlan(scan)) {
@@ -151,7 +150,7 @@ class ScanReporter {
     return RecordingFile("trajectory", recording, "txt");
   }
 
-  // Trajectories of all recordings, in their order.
+  // Concatenated trajectories of all recordings.
   Trajectory Path() const {
     Trajectory path;
     for (std::size_t r = 0; r < plan_.recordings.size(); ++r) {
@@ -261,8 +260,6 @@ class ScanReporter {
     page->Table(rows);
   }
 
-  // Adds a table of fragment pairs: number of verified links per result, and residuals of the
-  // graph.
   void AddLinks(PlainPage* page) const {
     struct Residuals {
       int accepted = 0, left_out = 0;
@@ -328,7 +325,7 @@ class ScanReporter {
 
   const std::string& scan_;
   ScanPlan plan_;
-  std::vector<std::string> pairs_;  // file names of the fragment pairs
+  std::vector<std::string> pairs_;  // fragment pairs: A_B
   Json graph_;                      // null: no graph
   std::set<std::string> tiles_;
   std::vector<JobReceipt> receipts_;

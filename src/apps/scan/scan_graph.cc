@@ -11,8 +11,8 @@ namespace surfit {
 namespace {
 
 constexpr int kNoPart = -1;
-// Information of a shared frame, whose poses in two fragments are connected without measurement
-// error. LoopInformation() adds the noise of loop closures.
+// Information of the identity between two poses of a shared frame. LoopInformation() adds the
+// noise of loop closures.
 const Matrix6d kExact = 1e12 * Matrix6d::Identity();
 
 std::vector<int> FrameOfKeyframe(const RunPlaces& places) {
@@ -42,7 +42,7 @@ ScanGraph::ScanGraph(std::vector<std::optional<RunPlaces>> fragments, std::vecto
   }
 }
 
-// Uses the middle frame of all frames with a pose in both fragments.
+// Uses the middle one of the shared frames.
 std::optional<ScanGraph::Connection> ScanGraph::Joint(std::size_t a, std::size_t b) const {
   if (!fragments_[a] || !fragments_[b]) return std::nullopt;
   const std::vector<PosedFrame>& of_a = fragments_[a]->places.frames;
@@ -66,7 +66,7 @@ std::optional<ScanGraph::Connection> ScanGraph::Joint(std::size_t a, std::size_t
   return joint;
 }
 
-// Consecutive fragments first, then links in the order of decreasing overlap.
+// Order: consecutive fragments, then links with decreasing overlap.
 std::vector<ScanGraph::Connection> ScanGraph::Connections() const {
   std::vector<Connection> connections;
   for (std::size_t i = 0; i + 1 < fragments_.size(); ++i) {
@@ -116,7 +116,7 @@ std::vector<int> ScanGraph::Parts(const std::vector<Connection>& connections,
   return parts;
 }
 
-// Returns the part with the most frames; for equal numbers, the earliest part.
+// Returns the part with the most frames.
 int ScanGraph::LargestPart(const std::vector<int>& parts) const {
   std::map<int, std::size_t> frames;
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -175,7 +175,7 @@ bool ScanGraph::Solve() {
     const auto link = link_of_edge.find(edge);
     if (link != link_of_edge.end()) links_[link->second].is_rejected = true;
   }
-  // Fragments that were connected by outlier links only are disconnected now.
+  // Without outliers, further fragments may be disconnected.
   connections = Connections();
   parts = Parts(connections, &world_from_fragment);
   const int left = LargestPart(parts);

@@ -29,12 +29,12 @@ class OptionVisitor;
 
 struct CandidatesOptions {
   std::string scan;  // folder of the plan
-  // Output folder for A_B.json, created if missing. Unchanged files keep their modification time.
-  // Files of other pairs are deleted.
+  // Output folder for A_B.json, created if missing. Other .json files in this folder are
+  // deleted. Unchanged files keep their modification time.
   std::string output;
-  int min_gap = 100;    // minimum index difference of two keyframes of a recording
+  int min_gap = 100;    // minimum frame index difference within a recording
   int max_similar = 3;  // maximum number of candidates per keyframe
-  // Memory limit of the keyframe index. Above this limit, only every n-th keyframe is used.
+  // Memory limit of the place index. If all keyframes exceed it, every n-th keyframe is used.
   std::size_t max_index_bytes = std::size_t{500} << 20;
 
   void Visit(OptionVisitor& visitor);
@@ -42,27 +42,28 @@ struct CandidatesOptions {
 
 struct CandidatesResult {
   int fragments = 0, missing = 0, keyframes = 0;
-  int looked_up = 0;  // keyframes within the memory limit
-  int pairs = 0;      // pairs of fragments
+  int looked_up = 0;  // used keyframes
+  int pairs = 0;      // fragment pairs with candidates
 };
 CandidatesResult FindCandidates(const CandidatesOptions& options);
 
 struct LinkOptions {
   std::string scan;        // folder of the plan
-  std::string candidates;  // candidate file of a pair of fragments
+  std::string candidates;  // candidate file of two fragments
   std::string output;
   int threads = 1;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Verified keyframe pair of two fragments, by frame index.
+// Verification result of a keyframe pair, by frame indices.
 struct ScanLink {
   int source_frame = 0, target_frame = 0;
   GlobalRegistrationResult verdict;
 };
 // Verifies all candidates of two fragments (VerifyLoop()). Then verifies further keyframe pairs
-// that are close to each other according to an accepted link.
+// that are near each other according to an accepted link. Writes all results, also rejected
+// pairs.
 std::vector<ScanLink> LinkFragments(const LinkOptions& options);
 
 struct GraphOptions {
@@ -74,21 +75,20 @@ struct GraphOptions {
 
 struct GraphResult {
   int fragments = 0, missing = 0;
-  int apart = 0;  // fragments that are not connected to the largest part
+  int apart = 0;  // disconnected fragments
   int keyframes = 0, frames = 0;
-  int frames_total = 0;                        // of all recordings
-  int links_accepted = 0, links_rejected = 0;  // inlier and outlier links
+  int frames_total = 0;                        // frames of all recordings
+  int links_accepted = 0, links_rejected = 0;  // inliers and outliers
   int tiles = 0;
-  // ATE after one alignment of all recordings. Their ground truths must have the same frame.
+  // ATE with one alignment of all recordings. Only meaningful if their ground truths have the
+  // same frame.
   std::optional<double> ate_rmse_m;
-  // Largest ground-truth error of inlier links between fragments, and of inlier loop closures
-  // within fragments.
+  // Largest ground-truth error of inlier links, and of inlier loop closures within fragments.
   std::optional<PoseError> worst_link, worst_loop;
 };
-// Optimises the pose graph of all keyframes in the largest connected part. Consecutive fragments of
-// a recording are connected by the middle frame of their shared frames. Recordings are connected by
-// links only. Outlier loops and links are rejected (GNC).
-// Writes graph.json and tiles.json, and for each recording R:
+// Optimises the pose graph of the largest connected part (ScanGraph). Consecutive fragments of a
+// recording are connected by a shared frame, recordings by links only. Outliers are rejected if
+// LoopOptions::graph selects "gnc". Writes graph.json and tiles.json, and for each recording R:
 // - trajectory_R.txt: TUM format, pose convention of the sequence
 // - poses_R.txt: index stamp tx ty tz qx qy qz qw, in the frame of the map
 // - trajectory_R.png
@@ -96,46 +96,46 @@ GraphResult BuildScanGraph(const GraphOptions& options);
 
 struct TileOptions {
   std::string scan;       // folder of the plan
-  std::string tile;       // name in graph/tiles.json
+  std::string tile;       // tile name in graph/tiles.json
   std::string output;     // output file, .ply
-  double margin_m = 0.2;  // margin that is fused as well, for a complete border
+  double margin_m = 0.2;  // fused margin around the tile, for complete borders
   int threads = 1;
 
   void Visit(OptionVisitor& visitor);
 };
-// Fuses the frames of all recordings that observe a tile, with the final poses (FusePart()).
-// Returns the number of surfels. Tiles are half-open cubes, so each surfel is in one tile.
-// FirstFrames() is added to the frame indices of a recording. Calls `progress` with the number of
-// fused frames.
+// Fuses all frames that observe a tile, at the optimised poses (FusePart()). Returns the number
+// of surfels. Tiles are half-open cubes, so each surfel is in one tile. Frame indices of surfels
+// include FirstFrames(). `progress` must not be empty. It receives the number of fused frames.
+// Throws InputError if interrupted.
 std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interrupted,
                      const std::function<void(int frames)>& progress);
 
 struct ScanReportOptions {
-  std::string scan;  // folder of the plan and of the results
+  std::string scan;  // folder of the scan
 
   void Visit(OptionVisitor& visitor);
 };
 struct ScannedRecording {
   std::string sequence;
-  int frames_total = 0, frames = 0;  // `frames`: frames with a pose; 0: not connected
-  std::optional<double> ate_rmse_m;  // separate alignment
+  int frames_total = 0, frames = 0;  // frames: with a pose
+  std::optional<double> ate_rmse_m;  // with separate alignment
 };
 struct ScanSummary {
-  std::string digest;                // hash of trajectories and tiles
-  int frames_total = 0, frames = 0;  // of all recordings; `frames`: frames with a pose
+  std::string digest;                // hash of trajectories and tiles, hexadecimal
+  int frames_total = 0, frames = 0;  // frames: with a pose
   int fragments = 0, links_accepted = 0, tiles = 0;
   std::optional<double> ate_rmse_m;          // see GraphResult
   std::vector<ScannedRecording> recordings;  // empty: no graph
-  std::vector<std::string> failed;           // failed jobs with their errors
+  std::vector<std::string> failed;           // JOB: ERROR
 };
-// Writes summary.json, trajectory.txt (for several recordings: trajectory_0.txt, trajectory_1.txt,
-// ...), pictures of the map and report.html. Deletes trajectories and tiles of a former plan.
-// Without a graph, all counts are 0 except the number of fragments.
+// Writes summary.json, report.html, pictures of the map, and trajectory.txt (or trajectory_R.txt
+// for several recordings). Deletes trajectories and tiles of a former plan. Without graph.json,
+// all values of the graph are 0 or empty.
 ScanSummary ReportScan(const ScanReportOptions& options);
 ScanSummary ReadScanSummary(const std::string& scan);
 
-// Deletes the receipts of jobs to repeat: successful jobs with missing product, failed jobs if
-// `retry_failed` is set, and the jobs that depend on them.
+// Deletes receipts, so that the workflow repeats these jobs: successful jobs without their
+// product, failed jobs if `retry_failed` is true, and all dependent jobs.
 void DeleteStaleReceipts(const std::string& scan, bool retry_failed);
 
 }  // namespace surfit

@@ -9,17 +9,17 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of PlanScan(), which splits recordings of one place into fragments. Fragments are tracked
+// Options of PlanScan(). A scan splits recordings of one place into fragments, which are tracked
 // independently.
 struct ScanPlanOptions {
   std::vector<std::string> sequences;
-  // Options of the fragment runs. `output` is the folder of the scan. `sequence` has the read
-  // options of all recordings.
+  // Options of the fragment runs. `run.output`: folder of the scan. `run.sequence`: options of
+  // all recordings, without path.
   SlamRunOptions run;
-  int fragment_frames = 300;  // maximum, including shared frames
-  int overlap_frames = 30;    // shared by consecutive fragments
-  // Number of frames at the start of each recording for the calibration of the depth camera. A
-  // single fragment is too short for a calibration. 0: no calibration.
+  int fragment_frames = 300;  // maximum length, including the overlap
+  int overlap_frames = 30;    // frames that consecutive fragments share
+  // Number of frames at the start of each recording for the calibration of the depth camera.
+  // 0: no calibration. Single fragments are too short.
   int camera_frames = 600;
   double tile_m = 4;     // edge length of a map tile
   bool pictures = true;  // pictures of the map in the report
@@ -29,9 +29,9 @@ struct ScanPlanOptions {
 
 // Segment of a recording.
 struct ScanFragment {
-  std::string name;         // "0000", "0001", ... through all recordings
+  std::string name;         // "0000", "0001", ..., unique in the scan
   int first = 0, last = 0;  // frame indices in the sequence, both inclusive
-  int recording = 0;        // position in the plan
+  int recording = 0;        // index in ScanPlan::recordings
 };
 
 struct ScanPlan {
@@ -43,22 +43,24 @@ struct ScanPlan {
   bool pictures = true;
 };
 
-// Splits the frames first, first + stride, ... into the smallest number of fragments, with about
-// equal lengths. Consecutive fragments share overlap_frames. Throws InputError without a frame.
+// Splits the frames first, first + stride, ... into as few fragments as possible, with nearly
+// equal lengths. Consecutive fragments share overlap_frames frames. Requires overlap_frames <
+// fragment_frames. Throws InputError without frames.
 std::vector<ScanFragment> CutIntoFragments(int first, int frame_count, int stride,
                                            int fragment_frames, int overlap_frames);
 
-// Opens each sequence to check it, and writes plan.json and the flag files of surfit_slam
+// Plans a scan. Opens each sequence, and writes plan.json and flag files of surfit_slam
 // (--flagfile) into the folder of the scan:
 //   fragments/NAME.flags    run of a fragment
 //   camera_R.flags          calibration run of recording R (0, 1, ...)
 //   found_camera_R.flags    calibrated camera of recording R, in addition to fragments/NAME.flags
-// Unchanged files keep their modification time, so that finished jobs are not repeated. No data are
-// copied. Throws InputError for invalid options, or a sequence that cannot be read.
+// Unchanged files keep their modification time, so that finished jobs are not repeated. Throws
+// InputError for invalid options, a sequence that cannot be read, or files that cannot be
+// written.
 ScanPlan PlanScan(const ScanPlanOptions& options);
 
-// Reads the plan of a scan, with the calibrated cameras. Throws InputError with the name of the
-// file if the plan is missing or invalid.
+// Reads plan.json, and sets the cameras that are already calibrated. `scan`: folder of the scan.
+// Throws InputError with the file name if the plan is missing or invalid.
 ScanPlan ReadScanPlan(const std::string& scan);
 
 }  // namespace surfit

@@ -26,7 +26,7 @@ void DeleteStaleReceipts(const std::string& scan, bool retry_failed) {
   for (const std::string& pair : FilesIn(scan + "/candidates", ".json")) {
     if (!has("link_" + fs::path(pair).stem().string())) forget("graph");
   }
-  // The summary is cheap, so it is always written again.
+  // The report job always runs again.
   fs::remove(scan + "/summary.json");
 }
 

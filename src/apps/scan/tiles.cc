@@ -110,7 +110,6 @@ std::vector<PosedFrame> ReadFramePoses(const std::string& path) {
 
 namespace {
 
-// Sequences of a scan with their optimised poses.
 class PosedRecordings {
  public:
   PosedRecordings(const ScanPlan& plan, const std::string& scan)
@@ -127,7 +126,6 @@ class PosedRecordings {
   }
   PosedRecordings(const PosedRecordings&) = delete;
 
-  // Recordings that observe the tile.
   std::vector<MapSource> Of(const ScanTile& tile) const {
     const std::vector<int> first = FirstFrames(plan_);
     std::vector<MapSource> sources;

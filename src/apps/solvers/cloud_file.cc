@@ -31,7 +31,6 @@ void Normalize(std::vector<Eigen::Vector3f>* normals) {
   }
 }
 
-// Estimates normals if the cloud has none.
 PointSet MakePointSet(const CloudSensor& sensor, const CloudNormalOptions& normals,
                       double floor_sigma_m, PointCloud* cloud, RegisteredCloud* about) {
   PointSet set;

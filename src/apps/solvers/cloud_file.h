@@ -7,19 +7,18 @@
 
 namespace surfit {
 
-// Point cloud, ready for registration.
 struct PreparedCloud {
-  PointCloud cloud;  // finite points with given or estimated normals
+  PointCloud cloud;  // finite points with normals of the file or estimated normals
   PointSet points;
   RegisteredCloud about;
 };
 
-// Estimates normals and sigmas as described at RunRegister(). `what` names the cloud in the
-// InputError that is thrown for a cloud without finite points.
+// Sets normals and sigmas as RunRegister(). Throws InputError for a cloud without finite points
+// or with more than 2^30 points. `what`: name of the cloud in messages.
 PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what, const CloudSensor& sensor,
                            const CloudNormalOptions& normals, double floor_sigma_m);
 
-// Reads and prepares a file. Throws InputError with the name of the file.
+// Reads a PLY or PCD file, then PrepareCloud(). Throws InputError with the file name.
 PreparedCloud ReadCloudFile(const std::string& path, const CloudSensor& sensor,
                             const CloudNormalOptions& normals, double floor_sigma_m);
 

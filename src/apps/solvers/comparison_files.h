@@ -13,7 +13,7 @@ struct ComparedRun {
   int problem = 0;
   PerturbationCell cell;
   SolveOutcome outcome;
-  // std::nullopt if the truth is unknown.
+  // std::nullopt: the truth is unknown.
   std::optional<double> rotation_error_deg, translation_error_m;
   std::optional<bool> converged;
 };
@@ -29,10 +29,10 @@ ComparedRun Compare(SolveOutcome outcome, const std::optional<Rigid3d>& truth,
 
 ComparisonRow RowOf(const ComparedRuns& runs);
 
-// Ratio of converged runs from a grid cell. std::nullopt without runs or if the truth is unknown.
+// Converged runs / runs of a cell. std::nullopt without runs or if the truth is unknown.
 std::optional<double> ConvergedRatio(const ComparedRuns& runs, const PerturbationCell& cell);
 
-// Runs SLAM on the sequence with each combination, into folders of <output>/slam.
+// Runs SLAM with each combination. Results are in <output>/slam.
 std::vector<SlamComparisonRow> CompareSlam(
     const CompareOptions& options, const std::atomic<bool>& interrupted,
     const std::function<void(const CompareProgress&)>& progress);
@@ -40,14 +40,13 @@ std::vector<SlamComparisonRow> CompareSlam(
 // Element of `rows` in comparison.json.
 nlohmann::ordered_json ToJson(const ComparisonRow& row);
 
-// Writes comparison.csv and comparison.json, with one line or one element of `rows` per row. SLAM
-// rows are written to slam.csv and `slam`. Missing values are empty or null. Throws InputError with
-// the name of the file.
+// Writes comparison.csv, comparison.json and, with SLAM rows, slam.csv. Missing values are empty
+// (CSV) or null. Throws InputError with the file name.
 void WriteComparisonFiles(const Comparison& comparison, const std::string& folder);
 
-// Writes comparison.html, a self-contained page, into the output folder. The page shows the rows,
-// the ratio of converged runs per perturbation, and the loss per iteration from one initial pose.
-// Without runs, no file is written. Throws InputError with the name of the file.
+// Writes comparison.html, a self-contained page: rows, ratio of converged runs per perturbation,
+// and loss per iteration from one initial pose. Writes nothing without runs. Throws InputError
+// with the file name.
 void WriteComparisonPage(const std::vector<ComparedRuns>& all,
                          const std::vector<std::string>& notes, const CompareOptions& options);
 

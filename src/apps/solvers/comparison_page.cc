@@ -6,13 +6,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Second cell of the diagonal, from which slow combinations run as well.
+// Second cell of the diagonal: slow combinations run only on the diagonal.
 PerturbationCell ShownStart(const CompareOptions& options) {
   const bool has_second = options.rotations_deg.size() > 1 && options.translations_m.size() > 1;
   return has_second ? PerturbationCell{1, 1} : PerturbationCell{0, 0};
 }
 
-// Rows are rotations, columns are translations of the initial pose; null if the truth is unknown.
+// Rows: rotations. Columns: translations. null if the truth is unknown.
 Json SharesOf(const ComparedRuns& runs, const CompareOptions& options) {
   if (!runs.runs.front().converged) return nullptr;
   Json shares = Json::array();

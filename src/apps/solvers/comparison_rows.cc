@@ -8,7 +8,6 @@
 namespace surfit {
 namespace {
 
-// Median over the runs with a value; std::nullopt without values.
 template <typename F>
 std::optional<double> Median(const std::vector<ComparedRun>& runs, const F& value_of) {
   std::vector<double> values;
@@ -67,7 +66,7 @@ ComparedRun Compare(SolveOutcome outcome, const std::optional<Rigid3d>& truth,
 ComparisonRow RowOf(const ComparedRuns& compared) {
   using Optional = std::optional<double>;
   const std::vector<ComparedRun> good = GoodRuns(compared.runs);
-  // Times of failed runs are not representative: these runs end early or use all iterations.
+  // Times of failed runs are not representative.
   const std::vector<ComparedRun>& runs = good.empty() ? compared.runs : good;
   const auto median = [&](auto value_of) {
     return Median(runs, [&](auto& run) { return Optional(value_of(run.outcome)); });

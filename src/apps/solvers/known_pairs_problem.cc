@@ -1,4 +1,3 @@
-// Registration with known correspondences, to measure solvers without data association.
 #include <memory>
 #include <random>
 
@@ -11,7 +10,7 @@ namespace surfit {
 namespace {
 
 constexpr int kMaxSteps = 50;
-constexpr double kSmallestStep = 1e-6;  // rad, m; far above the rounding of single precision
+constexpr double kSmallestStep = 1e-6;  // rad, m; above single-precision rounding
 constexpr double kTruthRotation_rad = 0.3, kTruthTranslation_m = 0.5;
 
 Eigen::Vector3d RandomVector(double size, std::mt19937_64* rng) {
@@ -21,8 +20,8 @@ Eigen::Vector3d RandomVector(double size, std::mt19937_64* rng) {
   return vector;
 }
 
-// Source points in a cube of 2 m, 3 m in front of the camera, with normals in all directions.
-// Target points are the moved source points with noise.
+// Source points are in a cube of 2 m, 3 m in front of the camera. Normals are random. Target
+// points have noise.
 PairBuffer MakePairs(const CompareOptions& options, const Rigid3d& target_from_source) {
   std::mt19937_64 rng(options.seed);
   std::normal_distribution<double> noise(0, 1);
@@ -41,7 +40,7 @@ PairBuffer MakePairs(const CompareOptions& options, const Rigid3d& target_from_s
   return pairs;
 }
 
-// Writes the source of the pairs after a motion into `moved`, array by array.
+// Transforms the source points and normals.
 void MoveSource(const PairBuffer& pairs, const Rigid3d& motion, PairBuffer* moved) {
   const Eigen::Matrix3f r = motion.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f t = motion.translation.cast<float>();
@@ -71,7 +70,6 @@ PoseSolverOptions SolverOptionsOf(const SolverCombination& combination, const Ic
   return options;
 }
 
-// Iterates until the minimum is reached.
 SolveOutcome Solve(const PairBuffer& pairs, const PoseSolverOptions& options,
                    const Rigid3d& start) {
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(options);
@@ -96,7 +94,7 @@ SolveOutcome Solve(const PairBuffer& pairs, const PoseSolverOptions& options,
   outcome.final_cost = at_end.cost;
   for (const SolveReport& report : reports) {
     outcome.iterations += static_cast<int>(report.costs.size());
-    // Without a kernel the cost is 1/2 of the weighted sum of |r|^2.
+    // Without a kernel, the cost is half of the weighted sum of |r|^2.
     for (const double cost : report.costs) outcome.losses.push_back(2 * cost / at_end.weight_sum);
   }
   outcome.losses.push_back(at_end.AverageLoss());

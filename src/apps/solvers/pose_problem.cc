@@ -67,7 +67,7 @@ SolveOutcome OutcomeOf(const IcpResult& result, int points, double total_ms) {
     }
   }
   SetTimes(reports, &outcome);
-  // If the last step increased the RMSE, the result is the pose before this step.
+  // If the last step increased the RMSE, ICP returns the pose before this step.
   const std::size_t back = result.termination == Termination::kRmseIncreased ? 2 : 1;
   if (result.iterations.size() >= back) {
     outcome.final_cost = (result.iterations.end() - back)->cost;

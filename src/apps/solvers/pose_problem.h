@@ -16,15 +16,15 @@ inline constexpr char kKnownAssociation[] = "known";
 inline constexpr char kPlaneResidual[] = "planes";
 inline constexpr char kTexturedResidual[] = "planes_and_textures";
 
-// Combinations that the options select, grouped by residual. Throws InputError with the valid names
-// for unknown names, and for a named solver that does not support a named residual.
+// Selected combinations, ordered by association and residual. Throws InputError for unknown
+// names, and if a named solver does not support a named residual.
 std::vector<SolverCombination> SolverCombinations(const CompareOptions& options);
 
-// True for slow combinations, which run on few problems.
+// Returns whether a combination is slow and runs on few problems only.
 bool IsSlow(const SolverCombination& combination);
 
 struct PerturbationCell {
-  int rotation = 0;  // indices in rotations_deg and translations_m
+  int rotation = 0;  // indices into rotations_deg and translations_m
   int translation = 0;
   bool on_diagonal() const { return rotation == translation; }
   friend bool operator==(const PerturbationCell& a, const PerturbationCell& b) {
@@ -32,11 +32,11 @@ struct PerturbationCell {
   }
 };
 
-// All cells, row by row; a row has one rotation.
+// All cells, ordered by rotation, then translation.
 std::vector<PerturbationCell> AllCells(int rotations, int translations);
 
-// Pose after a rotation about the origin of the target and a translation, about and along random
-// axes. The axes depend on `seed` only.
+// Perturbed pose: rotation about the origin of the target, then translation. Random axes, which
+// depend on `seed` only.
 Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double translation_m,
                   std::uint64_t seed);
 
@@ -50,18 +50,18 @@ struct SolveOutcome {
   std::optional<double> build_ms, linearize_ms, solve_ms;  // medians on the finest level
   double total_ms = 0;
   double final_cost = 0;
-  std::vector<double> losses;  // weighted mean of |r|^2 per iteration, m^2; refinement: cost
+  std::vector<double> losses;  // per iteration: weighted mean of |r|^2, m^2; refinement: cost
   std::optional<double> iteration_ms, memory_bytes;  // refinement only, see ComparisonRow
 };
 
-// Two surfaces, and a function that estimates the motion between them.
+// Problem to solve from perturbed initial poses.
 struct PoseProblem {
   std::optional<Rigid3d> truth;  // target_from_source
-  Rigid3d center;                // centre of the initial poses
+  Rigid3d center;                // unperturbed initial pose
   std::function<SolveOutcome(const SolverCombination&, const Rigid3d& start)> solve;
 };
 
-// Problems, created one after another.
+// make(i) creates problem i.
 struct PoseProblems {
   int count = 0;
   std::function<PoseProblem(int)> make;
@@ -82,7 +82,6 @@ void SetCombination(const SolverCombination& combination, IcpOptions* icp);
 
 void SetTimes(const std::vector<SolveReport>& reports, SolveOutcome* outcome);
 
-// Converts the result of ICP and its time.
 SolveOutcome OutcomeOf(const IcpResult& result, int points, double total_ms);
 
 }  // namespace surfit

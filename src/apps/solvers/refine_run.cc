@@ -38,7 +38,6 @@ Trajectory InSourceConvention(Trajectory trajectory, bool mirrored) {
   return trajectory;
 }
 
-// Position of the pose at the timestamp of a frame; std::nullopt if there is none.
 std::optional<std::size_t> PoseAt(const Trajectory& trajectory, double stamp_s) {
   const auto at =
       std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kSameStamp,
@@ -60,7 +59,7 @@ class RefineRun {
                              {"trajectory.txt", "map.ply", "camera.yaml", "poses.json",
                               "refinement.json", "report.html"},
                              {options_.trajectory, options_.sequence.camera});
-    // The depth of the frames is already corrected by the input field.
+    // The input field has already been applied to the frames.
     const DepthCalibration given = {run_.info.pinhole, {}, run_.info.camera.readout_s};
     summary_.refinement = Refine(options_.refinement, given, &run_.keyframes,
                                  [&](const RefinementRound& round) { Tell(round); });
@@ -161,7 +160,7 @@ class RefineRun {
   const std::function<void(const std::string&)>& progress_;
   RunKeyframes run_;
   RefineRunSummary summary_;
-  Failures failures_;  // collects errors, so that the other results are written
+  Failures failures_;  // errors of single results
 };
 
 }  // namespace

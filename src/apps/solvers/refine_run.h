@@ -15,13 +15,13 @@ class OptionVisitor;
 
 struct RefineRunOptions {
   SequenceOptions sequence;  // sequence of the run, with the same options
-  std::string trajectory;    // of the run: TUM format, pose convention of the sequence
+  std::string trajectory;    // trajectory of the run: TUM format, pose convention of the sequence
   std::string output;        // output folder, created if missing
-  // Minimum translation or rotation since the last keyframe for a new keyframe.
+  // Minimum translation or rotation since the last keyframe. Either one is sufficient.
   double keyframe_translation_m = 0.1;
   double keyframe_rotation_rad = 0.15;
-  // Maximum number of keyframes: both limits grow until it holds. 0: no limit. A keyframe uses 16
-  // bytes per pixel for images, and about 16 more for observations of surfels.
+  // Maximum number of keyframes; see ChooseKeyframes(). 0: no limit. A keyframe uses about 32
+  // bytes per pixel.
   int max_keyframes = 600;
   PreprocessOptions preprocess;
   RefinementOptions refinement;
@@ -30,27 +30,28 @@ struct RefineRunOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Results, which are also written to refinement.json.
+// Results. refinement.json contains them as well.
 struct RefineRunSummary {
   RefinementSummary refinement;
-  // Calibration of the undistorted and downsampled images, y down: input, and estimate if
-  // refinement succeeded.
+  // Input and estimated calibration of the undistorted, downsampled images, y down. Equal
+  // after a failure.
   DepthCalibration given, calibration;
   std::size_t poses = 0, keyframes = 0;
-  int frames_without_pose = 0;  // frames that the run lost
+  int frames_without_pose = 0;  // frames without a pose in the trajectory
   int frames_unreadable = 0;
   // Errors before and after refinement; std::nullopt without ground truth.
   std::optional<TrajectoryEvaluation> before, after;
   std::size_t map_points = 0;
   double total_s = 0;
-  std::string failure;  // errors of files that were not written
+  std::string failure;  // messages of results that were not written
 };
 
-// Refines the keyframes of a run and, depending on the options, the calibration of the camera.
-// Corrects the other poses, and fuses the map again. Writes refinement.json and, if refinement
-// succeeded, trajectory.txt, map.ply, camera.yaml and poses.json. Throws InputError for invalid
-// options, unreadable files, or a trajectory without a pose at a frame of the sequence. If a result
-// cannot be written, writes the other results before it throws InputError.
+// Refines keyframes and calibration of a run (Refine()), corrects the other poses, and fuses the
+// map again. Writes refinement.json and, if refinement succeeded, trajectory.txt, map.ply,
+// camera.yaml and poses.json. `progress` receives log lines and must not be empty. Throws
+// InputError for invalid options, unreadable files, or a trajectory without poses at frames of
+// the sequence. Also throws InputError if a result cannot be written, after it has written the
+// other results.
 RefineRunSummary RunRefinement(const RefineRunOptions& options,
                                const std::function<void(const std::string&)>& progress);
 

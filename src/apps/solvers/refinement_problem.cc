@@ -1,4 +1,3 @@
-// Problem of one round of joint refinement of the keyframes of a run.
 #include <fstream>
 #include <memory>
 #include <string>
@@ -17,10 +16,10 @@ namespace surfit {
 namespace {
 
 constexpr int kMaxIterations = 50;
-// Weight of texture residuals if the options have none.
+// Photometric weight if the options have none.
 constexpr double kPhotometricWeight = 0.03;
 
-// Memory figure of the process, in bytes; std::nullopt if the system does not provide it.
+// Value of /proc/self/status, in bytes; std::nullopt on other systems.
 std::optional<double> MemoryFigure(const std::string& name) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {
@@ -34,10 +33,10 @@ class PeakMemory {
  public:
   PeakMemory() {
 #if defined(__GLIBC__)
-    malloc_trim(0);  // returns freed memory, which new allocations would reuse
+    malloc_trim(0);  // new allocations would reuse freed memory
 #endif
     std::ofstream reset("/proc/self/clear_refs");
-    reset << "5" << std::flush;  // resets the peak to the current value
+    reset << "5" << std::flush;  // resets the peak
     if (reset) before_ = MemoryFigure("VmRSS");
   }
   std::optional<double> Bytes() const {
@@ -75,7 +74,7 @@ void SetReport(const JointReport& report, const RefinementOptions& options, Solv
   outcome->losses = report.costs;
 }
 
-// Uses the kernel of the last rounds.
+// Solves one round with the final kernel width.
 SolveOutcome Solve(const RunKeyframes& run, const SolverCombination& combination,
                    const CompareOptions& compared) {
   const RefinementOptions options = OptionsOf(combination, compared);

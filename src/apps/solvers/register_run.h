@@ -29,21 +29,21 @@ struct AlignRunOptions {
 
 struct AlignRunResult {
   GlobalRegistrationResult registration;
-  // Error of the identity; std::nullopt without ground truth.
+  // Errors of the identity and of the result; std::nullopt without ground truth.
   std::optional<PoseError> initial_error;
   std::optional<PoseError> final_error;
 };
 
-// Registers two frames of a sequence. `initialize` sets the initial pose. Writes before.ply,
-// after.ply, before.png and after.png into the output folder: the points of both frames in the
-// frame of the target camera, source in orange, target in blue. Throws InputError for invalid
-// options or unreadable frames.
+// Registers two frames of a sequence (RegisterGlobally()). Writes before.ply, after.ply,
+// before.png and after.png into the output folder. They show both frames in target camera
+// coordinates: source in orange, target in blue. Throws InputError for invalid options,
+// unreadable frames, or results that cannot be written.
 AlignRunResult RunAlign(const AlignRunOptions& options);
 
 class OptionVisitor;
 
 struct RegisterRunOptions {
-  std::string source;  // source cloud, which is moved: PLY or PCD, m
+  std::string source;  // clouds: PLY or PCD, m
   std::string target;
   std::string output;  // output folder, created if missing
   CloudSensor sensor;  // sensor of both clouds
@@ -58,7 +58,7 @@ struct RegisteredCloud {
   std::size_t points = 0;
   std::size_t not_finite = 0;      // removed points
   std::size_t without_normal = 0;  // remaining points without normal
-  double normal_radius_m = 0;      // minimum radius of normal estimation; 0: normals of the file
+  double normal_radius_m = 0;      // minimum radius for normal estimation; 0: normals of the file
 };
 
 struct RegisterRunResult {
@@ -66,15 +66,16 @@ struct RegisterRunResult {
   RegisteredCloud source, target;
 };
 
-// Registers two clouds from the identity. Normals are read from the files, and estimated if they
-// are missing. The sigma of a point is floor_sigma_m of the error model. For estimated normals, the
-// deviation of the neighbours from their plane is added in quadrature.
-// Files in the output folder:
+// Registers two clouds, starting from the identity. Normals are estimated if the files have
+// none. The sigma of a point is floor_sigma_m of the error model. For estimated normals, the RMS
+// distance of the neighbours from their plane is added in quadrature. Files in the output
+// folder:
 //   transform.txt            target_from_source, 4 x 4
 //   registration.json        target_from_source, its covariance, and the statistics of ICP
 //   aligned.ply              source in the frame of the target, with normals and colours
 //   before.png, after.png    source in orange, target in blue
-// Throws InputError for invalid options, unreadable files, and clouds without finite points.
+// Throws InputError for invalid options, unreadable files, clouds without finite points, and
+// results that cannot be written.
 RegisterRunResult RunRegister(const RegisterRunOptions& options);
 
 }  // namespace surfit

@@ -1,4 +1,3 @@
-// Registration problems: frame pairs of a sequence, a failed registration, or two clouds.
 #include <algorithm>
 #include <memory>
 
@@ -12,7 +11,7 @@
 namespace surfit {
 namespace {
 
-// Index of the source frame of pair i. Pairs are evenly spread from `first` to `last`.
+// Index of the source frame of pair i.
 int SourceOf(int i, int pairs, int first, int last) {
   return pairs == 1 ? first
                     : first + static_cast<int>(std::int64_t{last - first} * i / (pairs - 1));

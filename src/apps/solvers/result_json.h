@@ -7,12 +7,11 @@
 
 namespace surfit {
 
-// Writes refinement.json: result, errors and calibration before and after, standard deviations,
-// rounds and options. Unknown values are null. Throws InputError with the name of the file.
+// Writes refinement.json. Unknown values are null. Throws InputError with the file name.
 void WriteRefinementJson(const RefineRunSummary& summary, const RefineRunOptions& options,
                          const std::string& path);
 
-// Writes the result of a registration as JSON. Throws InputError with the name of the file.
+// Writes registration.json. Throws InputError with the file name.
 void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOptions& options,
                            const std::string& path);
 

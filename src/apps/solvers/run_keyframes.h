@@ -12,17 +12,17 @@ namespace surfit {
 
 struct RunKeyframes {
   SequenceInfo info;
-  Trajectory trajectory;           // of the run, in the pose convention of the frames
+  Trajectory trajectory;           // trajectory of the run, in the pose convention of the frames
   std::vector<double> stamps_s;    // timestamps of all frames
-  std::vector<std::size_t> poses;  // positions of the keyframes in `trajectory`
+  std::vector<std::size_t> poses;  // indices of the keyframes in `trajectory`
   std::vector<RefinementKeyframe> keyframes;
   int frames_without_pose = 0, frames_unreadable = 0;  // of all frames
-  std::vector<std::size_t> frame_poses;  // positions in `trajectory` of poses with a frame
+  std::vector<std::size_t> frame_poses;  // indices in `trajectory` of poses with a frame
   std::vector<int> frames;               // frame indices of these poses
 };
 
-// Reads the keyframes of a run. Throws InputError for unreadable files, or a trajectory without a
-// pose at a frame of the sequence.
+// Reads the keyframes of a run. Throws InputError for unreadable files, or a trajectory without
+// poses at frames of the sequence.
 RunKeyframes ReadRunKeyframes(const RefineRunOptions& options);
 
 }  // namespace surfit
