@@ -26,7 +26,6 @@ class BatchSummer {
     });
   }
 
-  // Sum of rho only.
   double Rho(int begin, int end) const {
     double sum = 0;
     SumByLanes<V, V>(

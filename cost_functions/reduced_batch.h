@@ -12,7 +12,6 @@
 
 namespace surfit {
 
-// Base of ReducedBatch.
 class ReducedBlock : public ceres::CostFunction {
  public:
   // Computes the sums over all rows at the identity, and caches them for Evaluate().

@@ -5,7 +5,6 @@
 
 namespace surfit {
 
-// Value and derivative of a robust kernel.
 template <typename V>
 struct KernelValue {
   V rho, slope;  // rho(s), rho'(s)

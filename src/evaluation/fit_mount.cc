@@ -20,12 +20,11 @@ constexpr double kConverged = 1e-12;  // length of the last increment, m and rad
 constexpr double kInformationTolerance = 1e-10;
 
 struct Fit {
-  Rigid3d true_from_estimated;  // transform between the world frames
+  Rigid3d true_from_estimated;
   Eigen::Vector3d mount_m = Eigen::Vector3d::Zero();
   double scale = 1;
 };
 
-// Predicted true position.
 Eigen::Vector3d Predicted(const Fit& fit, const Rigid3d& estimate) {
   return fit.true_from_estimated *
          (fit.scale * estimate.translation + estimate.rotation * fit.mount_m);

@@ -16,7 +16,6 @@ using Points = std::vector<Eigen::Vector3f>;
 
 constexpr int kSamplesPerTask = 4096;
 
-// Finite points of a cloud.
 struct Cloud {
   KdTree tree;
   Points normals;  // in the order of the tree; may be empty

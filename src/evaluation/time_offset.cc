@@ -55,7 +55,6 @@ class Search {
     return rmse_m;
   }
 
-  // Golden-section search.
   void Narrow(double begin_s, double end_s) {
     const double section = (std::sqrt(5.) - 1) / 2;
     std::array<double, 2> inner_s = {end_s - section * (end_s - begin_s),

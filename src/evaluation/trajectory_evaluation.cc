@@ -11,8 +11,8 @@
 namespace surfit {
 namespace {
 
-// Bound on the second singular value of the cross-covariance of collinear points, relative to
-// the first. It is 1e-16 for a straight line, and 1e-8 for a path of 10 m with millimetre noise.
+// Collinear points: maximum ratio of the second and the first singular value of the
+// cross-covariance. Straight lines have 1e-16, real paths with millimetre noise 1e-8.
 constexpr double kRankTolerance = 1e-12;
 
 Eigen::Vector3d Mean(const std::vector<Eigen::Vector3d>& points) {

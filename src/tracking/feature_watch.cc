@@ -32,7 +32,6 @@ double Way(const CameraMotion& motion, const Eigen::Vector3d& point) {
          (motion.velocity_m_per_s.norm() + motion.angular_velocity_rad_per_s.norm() * point.norm());
 }
 
-// Reduces an image by block means.
 Image<Rgb8> Reduced(const Image<Rgb8>& color, int step) {
   if (step == 1) return color;
   Image<Rgb8> small(color.width() / step, color.height() / step);
@@ -43,7 +42,6 @@ Image<Rgb8> Reduced(const Image<Rgb8>& color, int step) {
   return small;
 }
 
-// Finest level with at most 400 columns.
 const FrameLevel& SmallLevel(const FramePyramid& pyramid) {
   const std::vector<FrameLevel>& levels = pyramid.levels;
   const auto small = std::find_if(levels.begin(), levels.end(), [](const FrameLevel& level) {
@@ -67,7 +65,7 @@ GreyPyramid GreyOf(const ColoredView& view) {
       Reduced(view.color, view.color.width() / SmallLevel(view.pyramid).camera.width));
 }
 
-// Adds the 3D point of a feature. Returns false without depth.
+// Returns false without depth.
 bool AddPoint(const FrameLevel& surface, const Eigen::Vector2f& at, const ErrorModel& error_model,
               FeaturePoints* points) {
   const double depth_m = DepthOfFeature(surface.vertex.z, at.x(), at.y());

@@ -56,12 +56,10 @@ class FeatureWatch {
   // rejected. After a rejection, IsDue() is true until a pose is accepted.
   FeatureMotion Check(const ColoredView& view, const CellMask& moving, const MovingPose& frame,
                       double stamp_s);
-  // Applies a correction of the world.
   void Move(const Rigid3d& new_from_old_world);
 
  private:
   FeatureMotion Compare(const FrameLevel& surface, const MovingPose& frame) const;
-  // Detects new corners in a checked frame.
   void Begin(const ColoredView& view, const FrameLevel& surface);
 
   ErrorModel error_model_;

@@ -42,7 +42,7 @@ class FramePreprocessor {
                                const DepthSensor& sensor, const SensorCorrection& correction,
                                bool with_intensities);
 
-  // Removes the depth of moving objects. Returns `frame` if the mask is empty.
+  // Removes the depth of moving objects.
   PreprocessedFrame WithoutMovingObjects(PreprocessedFrame frame, const CellMask& moving);
 
  private:

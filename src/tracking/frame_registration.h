@@ -12,19 +12,16 @@
 
 namespace surfit {
 
-// Returns whether the frame has enough points for a registration.
 bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_options);
 
-// Registers frames to reference views. Has no state.
 class FrameRegistration {
  public:
   // Keeps references to the arguments.
   FrameRegistration(const TrackingOptions& options, const MovingRegions& regions)
       : options_(options), regions_(regions) {}
 
-  // Registers a frame and validates the pose. `motion_prior` is the covariance of the left
-  // increment at the initial pose. A rejected frame is registered again without the objects
-  // that move relative to the initial pose.
+  // `motion_prior` is the covariance of the left increment at the initial pose. A rejected
+  // frame is registered again without the objects that move relative to the initial pose.
   Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_initial, const IcpOptions& icp_options,
                    const std::optional<Matrix6d>& motion_prior = std::nullopt) const;
@@ -41,15 +38,13 @@ class FrameRegistration {
     std::optional<Matrix6d> covariance;  // of the left increment; only with a motion prior
   };
 
-  // Registers geometrically. Registers a weakly constrained frame again with photometric
-  // residuals.
+  // Registers a weakly constrained frame again with photometric residuals.
   Estimate FromData(const FramePyramid& frame, const Target& target,
                     const Rigid3d& reference_from_initial) const;
   // Combines the registration with the motion prior.
   Estimate MostLikelyPose(const FramePyramid& frame, const Target& target,
                           const Rigid3d& reference_from_initial) const;
-  // Validates an estimate. If the frame has moving objects, registers it again without these
-  // objects first.
+  // If the frame has moving objects, registers the frame again without them first.
   Tracked Validate(const PreprocessedFrame& frame, const Target& target,
                    const Estimate& estimate) const;
 

@@ -15,15 +15,13 @@ struct ReferenceView {
   bool has_intensities() const { return !view.pyramid.levels.front().intensity.empty(); }
 };
 
-// Views of the map for tracking.
 class ModelViews {
  public:
   virtual ~ModelViews() = default;
 
-  // Model view for the registration of the next frame.
   virtual const ReferenceView& View() const = 0;
-  // Renders View() at a predicted pose if `must` is true, if the frame is due for fusion, or
-  // if the image shift is large. Returns whether View() was rendered for this pose.
+  // Renders View() at a predicted pose if `must` is true, after fusion of a frame, or if the
+  // image shift is large. Returns whether View() was rendered for this pose.
   virtual bool Update(const Rigid3d& world_from_predicted, bool must, bool with_intensities) = 0;
   // Renders the stable surfels.
   virtual ReferenceView ViewAt(const Rigid3d& world_from_view, bool with_intensities) = 0;

@@ -10,7 +10,6 @@
 
 namespace surfit {
 
-// Measured motion from the last frame with a pose to a tracked frame.
 struct MeasuredMotion {
   Rigid3d last_from_frame;
   double seconds = 0;
@@ -19,7 +18,6 @@ struct MeasuredMotion {
   std::optional<Matrix6d> covariance;  // in the camera frame
 };
 
-// Predicts poses and motions of the camera from the last frames.
 class MotionModel {
  public:
   // Keeps a reference to the options.
@@ -42,15 +40,15 @@ class MotionModel {
   static CameraMotion Velocity(const TrackingState& state, const Rigid3d& last_from_frame,
                                double seconds);
 
-  // Adds the motion to a frame with a pose. `state` precedes this frame.
+  // Adds the motion to a frame with a pose. `state` is the state before this frame.
   void Update(const TrackingState& state, const MeasuredMotion& motion);
-  // Adds a lost frame. `state` follows this frame.
+  // Adds a lost frame. `state` includes this frame.
   void Lose(const TrackingState& state);
 
  private:
   const TrackingOptions& options_;
-  CameraMotion motion_;     // velocity of the last motion
-  MotionPrior prior_;       // covariance of motion_
+  CameraMotion motion_;  // velocity of the last motion
+  MotionPrior prior_;
   Rigid3d last_from_next_;  // predicted motion of constant_velocity
 };
 

@@ -32,7 +32,6 @@ class MotionPrior {
  public:
   MotionPrior(double acceleration_m_per_s2, double angular_acceleration_rad_per_s2);
 
-  // Resets the velocity to unknown.
   void Forget() { of_velocity_.reset(); }
   // Sets the velocity covariance from the covariance of the last motion (rad, m), in the
   // camera frame, and its duration.

@@ -87,7 +87,6 @@ struct FreeSpaceCount {
 
 }  // namespace
 
-// Stored view at the resolution of the cells.
 struct MovingRegions::Sight {
   double stamp_s = 0;
   Rigid3d world_from_camera;

@@ -24,10 +24,8 @@ class MovingRegions {
   CellMask Find(const FrameLevel& frame, const ViewComparison& comparison,
                 const Rigid3d& world_from_camera, double stamp_s) const;
 
-  // Stores a frame for the comparison with the next frames.
   void Remember(const FrameLevel& frame, const CellMask& moving, const Rigid3d& world_from_camera,
                 double stamp_s);
-  // Applies a correction of the world.
   void Move(const Rigid3d& new_from_old_world);
 
  private:
@@ -41,7 +39,7 @@ class MovingRegions {
   bool Moves(const std::vector<int>& cells, const FrameLevel& frame, const CellMask& kinds,
              const CellMask& moved, const Rigid3d& world_from_camera) const;
 
-  std::deque<Sight> sights_;     // stored views, by time
+  std::deque<Sight> sights_;
   std::unique_ptr<Sight> last_;  // last frame with its moving cells; null if there are none
 };
 

@@ -13,19 +13,17 @@
 
 namespace surfit {
 
-// Relocalisation result.
 struct KeyframePose {
   int keyframe = 0;  // position in the list of keyframes
   int frame_index = 0;
   Rigid3d world_from_camera;
 };
 
-// Place recognition and submaps for tracking.
 class Relocalizer {
  public:
   virtual ~Relocalizer() = default;
 
-  // Relocalises a frame. Returns std::nullopt if no keyframe matches.
+  // Returns std::nullopt if no keyframe matches.
   virtual std::optional<KeyframePose> Find(const ColoredView& view) = 0;
   // Begins a new submap if `lost_frames` consecutive lost frames are enough. Returns the
   // camera pose in the new submap, or std::nullopt if no submap was begun.
@@ -61,8 +59,7 @@ class PoseSearch {
   // registration fails or is not due.
   std::optional<Tracked> FromLastFrame(const PreprocessedFrame& frame,
                                        const SearchStart& start) const;
-  // Relocalisation by keyframes. Returns std::nullopt if no keyframe matches, or if no
-  // relocalisation is due.
+  // Returns std::nullopt if no keyframe matches, or if no relocalisation is due.
   std::optional<Tracked> ByKeyframes(const PreprocessedFrame& frame,
                                      const SearchStart& start) const;
   std::optional<Tracked> Confirm(const PreprocessedFrame& frame, const SearchStart& start,

@@ -12,7 +12,6 @@ namespace {
 constexpr double kSureRatio = 0.12, kMostRatio = 0.25;
 // Bound on the same ratio without moving cells.
 constexpr double kSureRest = 0.08;
-// Bounds on the correlation of brightness.
 constexpr double kSureAlike = 0.5, kMinAlike = 0.3;
 
 // Bound on cells behind the model / compared cells. Beside a door frame, the ratio is below 0.2

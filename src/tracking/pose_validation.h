@@ -17,8 +17,8 @@ namespace surfit {
 Verdict ValidateRegistration(const IcpResult& icp, const ViewComparison& views, int moving,
                              const TrackingOptions& options);
 
-// Returns whether new surfaces may be the reason for an uncertain or rejected pose. The frame
-// then has few cells behind the model. At a wrong pose there are more.
+// Returns whether new surfaces may be the reason for an uncertain or rejected pose. Then few
+// cells are behind the model. At a wrong pose, more cells are behind it.
 bool MayShowNewSurfaces(const Tracked& tracked);
 
 // Returns whether a hand-held camera can make this motion in this time.

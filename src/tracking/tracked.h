@@ -28,7 +28,7 @@ struct TentativePose {
 struct Tracked {
   FrameState state = FrameState::kLost;
   Rigid3d world_from_camera;  // undefined if lost
-  IcpResult icp;              // last registration
+  IcpResult icp;
   Verdict verdict = Verdict::kAccepted;
   FrameQuality quality;
   bool found_by_search = false;  // pose from PoseSearch
@@ -38,7 +38,7 @@ struct Tracked {
   CellMask moving;               // moving cells: neither registered nor fused
   double moving_ratio = 0;       // moving cells / cells with depth
   double behind_ratio = 0;       // cells behind the model / compared cells
-  bool has_two_motions = false;  // the feature check found two motions
+  bool has_two_motions = false;
   // Covariance of the motion to this frame, in the camera frame. Only with a motion prior.
   std::optional<Matrix6d> motion_covariance;
   std::optional<TentativePose> tentative;  // set if the frame is lost with a tentative pose

@@ -19,14 +19,13 @@
 
 namespace surfit {
 
-// Predicted pose of a frame, and its reference view.
 struct Prediction {
   Rigid3d world_from_camera;
   const ReferenceView* reference = nullptr;
   bool has_own_view = false;  // the reference view was rendered for this frame
 };
 
-// Tracks the camera. Each frame passes Predict(), Track() and Update() in this order:
+// Each frame passes Predict(), Track() and Update() in this order:
 //   Predict  motion model, reference view       motion_model.h, model_views.h
 //   Track    registration, its validation       frame_registration.h, pose_validation.h
 //            search for uncertain frames        pose_search.h
@@ -69,7 +68,6 @@ class Tracker {
   // Renders the model view of the next frame in advance.
   void PredictAhead(bool has_color);
 
-  // Applies a correction of the world.
   void Move(const Rigid3d& new_from_old_world);
 
  private:

@@ -11,7 +11,7 @@ enum class TrackingPhase {
   kTentative,    // the last frame is lost, with a tentative pose
 };
 
-// Event that changes the state. A duplicate frame is no event.
+// A duplicate frame is no event.
 enum class TrackingEvent {
   kPose,           // registration from the predicted pose, first frame, given pose, or new submap
   kFound,          // pose from PoseSearch, or a confirmed tentative pose
@@ -34,7 +34,7 @@ enum class TrackingEvent {
 //   kLost        | kTracking | kRelocalised | kLost       | kTentative     | -
 //   kTentative   | kTracking | -            | -           | -              | kLost
 
-// Properties of a registered frame. They affect the registration of the next frame.
+// Properties of a registered frame that affect the next frame.
 struct FrameQuality {
   bool is_weakly_constrained = false;  // see TrackingOptions::min_turn_eigenvalue
   bool is_by_newest = false;           // registered to all surfels, including unstable surfels
@@ -44,14 +44,13 @@ struct TrackingState {
   TrackingPhase phase = TrackingPhase::kNotStarted;
   int lost_frames = 0;       // consecutive frames without a pose
   bool is_localised = true;  // false: given map without a tracked frame yet
-  FrameQuality last;         // last frame with a pose
+  FrameQuality last;
 
   // Initial state with a given map: the camera pose is unknown.
   static TrackingState InGivenMap() { return {TrackingPhase::kLost, 0, false, {}}; }
 
   bool HasStarted() const { return phase != TrackingPhase::kNotStarted; }
   bool IsTentative() const { return phase == TrackingPhase::kTentative; }
-  // The last frame has a pose.
   bool HasLastPose() const { return HasStarted() && is_localised && lost_frames == 0; }
   // The next frame is registered without subsampling to its own model view, and is fused.
   bool NeedsAllPoints() const {
@@ -59,13 +58,13 @@ struct TrackingState {
   }
   // The pose of the next frame is searched even if its registration is accepted.
   bool NeedsSearch() const { return lost_frames > 0 || !is_localised; }
-  // As NeedsSearch(), but only with TrackingOptions::VerifiesBySearch().
+  // The pose of the next frame is searched if TrackingOptions::VerifiesBySearch() is true.
   bool NeedsVerification() const { return phase == TrackingPhase::kRelocalised; }
   // Few enough frames were lost to predict the motion.
   bool HasPredictableMotion() const;
 };
 
-// State after an event. `quality` belongs to a frame with a pose.
+// `quality` belongs to a frame with a pose.
 TrackingState Next(const TrackingState& state, TrackingEvent event, FrameQuality quality = {});
 
 }  // namespace surfit

@@ -7,7 +7,6 @@
 namespace surfit {
 namespace {
 
-// Projects points of one view into another view.
 class ViewProjection {
  public:
   ViewProjection(const FrameLevel& to, const ErrorModel& error_model, const Rigid3d& to_from_view)

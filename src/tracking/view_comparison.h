@@ -26,7 +26,6 @@ struct ViewGrid {
 // Position of a frame point relative to the model surface.
 enum class Side : std::uint8_t { kUnknown, kAtSurface, kInFront, kBehind };
 
-// Comparison of a frame with the model at a pose.
 struct ViewComparison {
   Image<Side> sides;  // per cell of the frame
   int points = 0;     // cells with depth
@@ -35,7 +34,6 @@ struct ViewComparison {
   int behind = 0;     // cells clearly behind the model: free-space violations
   double alike = 1;   // correlation of brightness at the surface; 1 if it cannot be computed
 
-  // Number of cells of a mask in front of the model.
   int CountInFront(const Image<std::uint8_t>& mask) const;
 };
 

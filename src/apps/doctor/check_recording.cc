@@ -21,7 +21,6 @@ namespace {
 constexpr int kSamples = 24;  // frames sampled for the checks of depth scale and registration
 constexpr double kFitsBetter = 0.7;  // maximum ratio of ATE with and without time offset
 
-// Runs SLAM on the frames.
 class RecordingTracker {
  public:
   explicit RecordingTracker(const SequenceInfo& info)

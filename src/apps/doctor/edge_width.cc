@@ -23,7 +23,6 @@ Image<float> SmallGrey(const Image<Rgb8>& color, int factor) {
   return grey;
 }
 
-// Sums over the edges of one direction.
 struct EdgeSums {
   // Absolute intensity differences of adjacent pixels, and their decrease by averaging.
   double differences = 0, lost = 0;

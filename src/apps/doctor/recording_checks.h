@@ -34,10 +34,8 @@ struct RecordingEvidence {
   std::optional<TrackedRecording> tracked;      // std::nullopt: tracking is off
 };
 
-// Checks of images and of timestamps.
 std::vector<RecordingCheck> ChecksOfFrames(const RecordingEvidence& evidence);
 std::vector<RecordingCheck> ChecksOfStamps(const RecordingEvidence& evidence);
-// Checks of depth, colour registration, latencies, calibration and tracking.
 std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence);
 
 // Text with three significant digits.

@@ -14,8 +14,8 @@ namespace {
 constexpr double kStepOfKinect = 1 / (8 * 580 * 0.075);  // 1/m
 constexpr double kStepTolerance = 0.05;
 constexpr std::array<double, 6> kScales = {1000, 2000, 4000, 5000, 6553.5, 10000};
-constexpr double kMostLatency_s = 0.01;  // maximum colour latency
-constexpr double kMaxLate_s = 0.02;      // maximum depth latency by ground truth
+constexpr double kMostLatency_s = 0.01;
+constexpr double kMaxLate_s = 0.02;
 constexpr double kMaxLost = 0.1;
 
 RecordingCheck DepthScale(const RecordingEvidence& evidence) {

@@ -11,9 +11,9 @@
 namespace surfit {
 
 struct ColorStatistics {
-  double brightness = 0;             // mean, in [0, 1]
-  double saturated_ratio = 0;        // saturated pixels / pixels
-  std::optional<double> edge_width;  // EdgeWidth()
+  double brightness = 0;       // mean, in [0, 1]
+  double saturated_ratio = 0;  // saturated pixels / pixels
+  std::optional<double> edge_width;
 };
 
 struct FrameStatistics {
@@ -32,15 +32,13 @@ struct FrameStatistics {
 // slopes is w / n. Returns std::nullopt if the image has too few edges above the noise.
 std::optional<double> EdgeWidth(const Image<Rgb8>& color);
 
-// Collects statistics of a recording, frame by frame.
 class RecordingStatistics {
  public:
   // `depth_units_per_metre`: unit of integer depth images. Float images are in metres.
   explicit RecordingStatistics(double depth_units_per_metre)
       : depth_units_per_metre_(depth_units_per_metre) {}
 
-  // Adds a readable frame. `images`: raw images. `depth_m`: depth after undistortion and
-  // scaling.
+  // `images`: raw images. `depth_m`: depth after undistortion and scaling.
   void Add(int index, const FrameStamps& stamps, const FrameImages& images,
            const Image<float>& depth_m);
   void AddUnreadable(int index, const FrameStamps& stamps, const std::string& error);

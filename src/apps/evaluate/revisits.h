@@ -11,8 +11,7 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of CompareAtRevisits(). Two frames are a revisit if their true poses are within both
-// limits.
+// Two frames are a revisit if their true poses are within both limits.
 struct RevisitOptions {
   SequenceOptions sequence;  // `stride` selects the compared frames
   std::string estimate;      // trajectory file, TUM format, in the pose convention of the sequence
@@ -32,9 +31,8 @@ struct SurfaceAgreement {
   ErrorStatistics icp_translation_m, icp_rotation_deg;
 };
 
-// Surface agreement of the estimate and of the ground truth.
 struct RevisitReport {
-  int pairs = 0;         // number of revisits
+  int pairs = 0;
   int unregistered = 0;  // skipped pairs: no overlap or failed ICP
   int without_pose = 0;  // skipped frames: unreadable, or without estimated or true pose
   // 0 if no pair has a result.

@@ -156,7 +156,7 @@ class Judge {
   SurfelMap map_;
   const std::unique_ptr<FrameSource> source_;
   const OutputFolder owned_;
-  int posed_count_ = 0;  // frames with a pose
+  int posed_count_ = 0;
   ViewEvaluation result_;
 };
 

@@ -18,7 +18,7 @@ struct ViewEvaluationOptions {
   // frames are evaluated instead.
   int every = 10;
   int pictures = 12;  // maximum number of pictures, 0 to 100
-  int threads = 2;    // ThreadLimit
+  int threads = 2;
 
   void Visit(OptionVisitor& visitor);
 };
@@ -45,7 +45,7 @@ struct EvaluatedView {
 struct ViewEvaluation {
   bool held_out = false;  // the evaluated frames were not fused
   std::vector<EvaluatedView> views;
-  ViewError mean;          // means over all views
+  ViewError mean;
   int without_color = 0;   // skipped frames without colour
   std::string worst_view;  // path of the picture; empty: none
 };

@@ -19,8 +19,8 @@ class WorstViews {
   explicit WorstViews(int most) : most_(most) {}
 
   void Offer(ComparedView view);
-  // Writes the pictures. Returns the path of the first picture, or an empty string. Throws
-  // InputError with the file name.
+  // Returns the path of the first picture, or an empty string. Throws InputError with the file
+  // name.
   std::string Write(const std::string& folder) const;
 
  private:
@@ -28,7 +28,7 @@ class WorstViews {
   std::vector<ComparedView> views_;  // worst first
 };
 
-// Writes views.json and views.csv. Throws InputError with the file name.
+// Throws InputError with the file name.
 void WriteViewFiles(const ViewEvaluation& evaluation, const std::string& folder);
 
 }  // namespace surfit

@@ -6,7 +6,6 @@
 namespace surfit {
 namespace {
 
-// Statistics of a subsampled depth image.
 struct DepthStatistics {
   double valid_ratio = 0;
   double median_m = 0;  // 0: no valid pixel

@@ -70,7 +70,6 @@ struct HttpServer::State {
   std::thread thread;
 };
 
-// Connection of a client.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
   HttpSession(tcp::socket socket, std::uint64_t id, HttpServer::State* server)

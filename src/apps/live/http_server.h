@@ -22,7 +22,6 @@ struct HttpAnswer {
   bool has_token = false;  // the request had the valid token
 };
 
-// Resource limits of the server.
 struct HttpLimits {
   // Connections without valid token. Above the limit, the oldest connection is closed.
   std::size_t strangers = 32;

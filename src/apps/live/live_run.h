@@ -67,7 +67,6 @@ class RunViewer {
   virtual void Wait(const SlamRunFrame& frame, int wait_ms) = 0;
   // Called during refinement and re-integration.
   virtual void ShowWork() = 0;
-  // Shows the final result.
   virtual void Keep(const SlamRunResult& result) = 0;
   // Blocks until the result is no longer viewed.
   virtual void Stay() = 0;
@@ -113,7 +112,6 @@ class LiveRun {
   const std::optional<std::pair<int, int>>& last_loop() const { return last_loop_; }
   // Image of the last frame with a pose.
   const Image<Rgb8>& last_good() const { return last_good_; }
-  // Progress in one line.
   std::string Status() const;
 
  private:

@@ -29,7 +29,6 @@ class LiveServer : public RunViewer {
   // Starts the server thread. `run` must outlive the server. Throws InputError for invalid
   // options, for port -1, or if the port cannot be opened.
   LiveServer(const ServeOptions& options, LiveRun* run);
-  // Ends the server thread.
   ~LiveServer() override;
 
   // Address of the web page: http://ADDRESS:PORT/TOKEN/, with ServeOptions::address and the

@@ -7,7 +7,7 @@ namespace surfit {
 namespace {
 
 constexpr int kRadius = 14, kConfidence = 15;  // byte positions in PackedSurfel
-constexpr std::uint32_t kBlock = 256;          // slots per block
+constexpr std::uint32_t kBlock = 256;
 
 std::uint64_t Millimetres(float metres) {
   constexpr double kBorder = 1 << 20;

@@ -29,11 +29,11 @@ struct SamplePlace {
 };
 
 struct SampleChanges {
-  std::uint32_t epoch = 0;    // the page clears its slots if its epoch differs
-  std::uint32_t level = 0;    // the page drops every second slot until it has this level
-  std::uint32_t slots = 0;    // number of slots of the sample
-  std::uint32_t version = 0;  // current version of the sample
-  std::uint32_t next = 0;     // first slot of the next request; 0: end of the round
+  std::uint32_t epoch = 0;  // the page clears its slots if its epoch differs
+  std::uint32_t level = 0;  // the page drops every second slot until it has this level
+  std::uint32_t slots = 0;
+  std::uint32_t version = 0;
+  std::uint32_t next = 0;  // first slot of the next request; 0: end of the round
   std::vector<std::uint32_t> slot;
   std::vector<PackedSurfel> surfel;
 };
@@ -48,7 +48,7 @@ class MapSample {
   // Updates the next `slots` slots. Returns true after the last slot. The next call then
   // starts again.
   bool Update(const SurfelMap& map, std::size_t slots);
-  // Replaces the map. Pages start again.
+  // Pages start again.
   void Reset(const SurfelMap& map);
 
   // Returns at most `most` changes from a position.
@@ -57,7 +57,7 @@ class MapSample {
   // NoiseConfidence() of the sample, as WeightByte.
   std::uint8_t Dust() const;
 
-  std::size_t shown() const { return shown_; }  // number of surfels
+  std::size_t shown() const { return shown_; }
 
  private:
   void Fit(const SurfelMap& map);
@@ -65,7 +65,7 @@ class MapSample {
 
   std::size_t most_slots_;
   std::uint32_t epoch_ = 1, level_ = 0, version_ = 0;
-  std::uint32_t next_ = 0;  // next slot to update
+  std::uint32_t next_ = 0;
   std::size_t shown_ = 0;
   std::vector<PackedSurfel> surfels_;
   std::vector<std::uint32_t> versions_;  // version of the last change per slot

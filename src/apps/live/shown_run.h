@@ -24,7 +24,6 @@ namespace surfit {
 enum class Shown { kState, kMap, kPath, kFrame, kModel, kNormals };
 constexpr std::size_t kShownCount = 6;
 
-// State of a run for pages.
 struct ShownState {
   std::string status;
   FrameState frame_state = FrameState::kFirst;
@@ -44,9 +43,8 @@ struct ShownPath {
   std::vector<LoopSegment> loops;
 };
 
-// Data for pages. The thread of the run writes, the server thread reads. Without `must`, an
-// update is skipped if the server has the lock, so that the run does not wait. Updates have
-// increasing numbers.
+// The thread of the run writes, the server thread reads. Without `must`, an update is skipped if
+// the server has the lock, so that the run does not wait. Updates have increasing numbers.
 class ShownRun {
  public:
   explicit ShownRun(std::size_t max_surfels) : sample_(max_surfels) {}
@@ -94,7 +92,7 @@ class ShownRun {
   std::array<Image<Rgb8>, kShownCount> pictures_;
   std::array<Item, kShownCount> items_;
   MapSample sample_;
-  std::uint8_t dust_ = 0;  // MapSample::Dust()
+  std::uint8_t dust_ = 0;
   std::atomic<std::uint32_t> number_{0};
   // Time of the last request; 0: never.
   std::array<std::atomic<std::int64_t>, kShownCount> asked_ms_{};

@@ -41,7 +41,7 @@ struct BatchRun {
 // invalid options, without a sequence, or if the output folder is one of the sequences.
 std::vector<BatchRun> PlanBatch(const BatchOptions& options);
 
-// Result of a sequence. Unknown values are std::nullopt.
+// Unknown values are std::nullopt.
 struct BatchRow {
   std::string sequence;
   std::string state;  // "done", "failed" or "open" (not finished)
@@ -52,8 +52,7 @@ struct BatchRow {
   std::string digest, error;  // empty: none
 };
 
-// Collects the results of all sequences. `batch`: folder of the batch. Writes table.csv,
-// summary.json and report.html.
+// `batch`: folder of the batch. Writes table.csv, summary.json and report.html.
 std::vector<BatchRow> ReportBatch(const std::string& batch);
 
 // Deletes receipts, so that the workflow repeats these runs: runs with missing output and, with

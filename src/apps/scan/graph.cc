@@ -45,7 +45,6 @@ class LinkReader {
     }
   }
 
-  // Returns the accepted links of the files.
   std::vector<GraphLink> Read(const std::vector<std::string>& paths) const {
     std::vector<GraphLink> links;
     for (const std::string& path : paths) {
@@ -85,7 +84,6 @@ class LinkReader {
   std::map<std::string, Fragment> fragments_;
 };
 
-// Finds the tiles and the frames that observe them.
 class TileFinder {
  public:
   TileFinder(double tile_m, std::size_t recordings) : tile_m_(tile_m), recordings_(recordings) {}

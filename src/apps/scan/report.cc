@@ -150,7 +150,6 @@ class ScanReporter {
     return RecordingFile("trajectory", recording, "txt");
   }
 
-  // Concatenated trajectories of all recordings.
   Trajectory Path() const {
     Trajectory path;
     for (std::size_t r = 0; r < plan_.recordings.size(); ++r) {

@@ -26,7 +26,6 @@ struct GraphLink {
   bool is_rejected = false;  // outlier, or link to a disconnected fragment
 };
 
-// Pose graph of all keyframes of a scan.
 class ScanGraph {
  public:
   // `fragments`: std::nullopt if missing. `recordings`: index of the recording per fragment.
@@ -41,8 +40,8 @@ class ScanGraph {
   // std::nullopt: missing fragment.
   const std::vector<std::optional<GraphFragment>>& fragments() const { return fragments_; }
   const std::vector<GraphLink>& links() const { return links_; }
-  // Difference of the measured and the optimised relative pose of a link, in the source camera;
-  // std::nullopt for a disconnected fragment.
+  // Difference of the measured and the optimised relative pose of a link, in the source
+  // camera. std::nullopt for a disconnected fragment.
   std::optional<Rigid3d> Residual(const GraphLink& link) const;
   bool IsDisconnected(std::size_t fragment) const {
     return fragments_[fragment] && fragments_[fragment]->solved.empty();

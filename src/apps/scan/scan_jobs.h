@@ -111,7 +111,7 @@ std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interr
                      const std::function<void(int frames)>& progress);
 
 struct ScanReportOptions {
-  std::string scan;  // folder of the scan
+  std::string scan;
 
   void Visit(OptionVisitor& visitor);
 };
@@ -124,7 +124,7 @@ struct ScanSummary {
   std::string digest;                // hash of trajectories and tiles, hexadecimal
   int frames_total = 0, frames = 0;  // frames: with a pose
   int fragments = 0, links_accepted = 0, tiles = 0;
-  std::optional<double> ate_rmse_m;          // see GraphResult
+  std::optional<double> ate_rmse_m;
   std::vector<ScannedRecording> recordings;  // empty: no graph
   std::vector<std::string> failed;           // JOB: ERROR
 };

@@ -9,20 +9,18 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of PlanScan(). A scan splits recordings of one place into fragments, which are tracked
-// independently.
+// A scan splits recordings of one place into fragments, which are tracked independently.
 struct ScanPlanOptions {
   std::vector<std::string> sequences;
-  // Options of the fragment runs. `run.output`: folder of the scan. `run.sequence`: options of
-  // all recordings, without path.
+  // `run.output`: folder of the scan. `run.sequence`: options of all recordings, without path.
   SlamRunOptions run;
   int fragment_frames = 300;  // maximum length, including the overlap
   int overlap_frames = 30;    // frames that consecutive fragments share
   // Number of frames at the start of each recording for the calibration of the depth camera.
   // 0: no calibration. Single fragments are too short.
   int camera_frames = 600;
-  double tile_m = 4;     // edge length of a map tile
-  bool pictures = true;  // pictures of the map in the report
+  double tile_m = 4;  // edge length of a map tile
+  bool pictures = true;
 
   void Visit(OptionVisitor& visitor);
 };
@@ -49,8 +47,8 @@ struct ScanPlan {
 std::vector<ScanFragment> CutIntoFragments(int first, int frame_count, int stride,
                                            int fragment_frames, int overlap_frames);
 
-// Plans a scan. Opens each sequence, and writes plan.json and flag files of surfit_slam
-// (--flagfile) into the folder of the scan:
+// Opens each sequence, and writes plan.json and flag files of surfit_slam (--flagfile) into the
+// folder of the scan:
 //   fragments/NAME.flags    run of a fragment
 //   camera_R.flags          calibration run of recording R (0, 1, ...)
 //   found_camera_R.flags    calibrated camera of recording R, in addition to fragments/NAME.flags

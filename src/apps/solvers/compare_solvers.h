@@ -16,8 +16,8 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of CompareSolvers(). Exactly one input must be set: synthetic_points, sequence, source
-// and target, replay, or run with sequence.
+// Exactly one input must be set: synthetic_points, sequence, source and target, replay, or run
+// with sequence.
 struct CompareOptions {
   int synthetic_points = 0;  // number of random points with known correspondences; 0: off
   double noise_m = 0;        // noise of these points: standard deviation per coordinate
@@ -62,7 +62,6 @@ struct CompareOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Compared combination.
 struct SolverCombination {
   std::string solver;
   std::string linear_solver;  // only for ceres_per_point, and for ceres in refinement
@@ -91,8 +90,8 @@ struct ComparisonRow {
   std::optional<double> iteration_ms, memory_bytes;
   std::optional<double> final_cost;  // 1/2 sum of rho(s)
   std::optional<double> rotation_error_deg, translation_error_m;
-  std::optional<double> converged_ratio;  // converged runs / runs
-  std::string termination;                // most frequent value; empty for synthetic points
+  std::optional<double> converged_ratio;
+  std::string termination;  // most frequent value; empty for synthetic points
 };
 
 // Results of SLAM with a combination. ate_m is std::nullopt without ground truth. The surface

@@ -32,7 +32,7 @@ ComparisonRow RowOf(const ComparedRuns& runs);
 // Converged runs / runs of a cell. std::nullopt without runs or if the truth is unknown.
 std::optional<double> ConvergedRatio(const ComparedRuns& runs, const PerturbationCell& cell);
 
-// Runs SLAM with each combination. Results are in <output>/slam.
+// Results are in <output>/slam.
 std::vector<SlamComparisonRow> CompareSlam(
     const CompareOptions& options, const std::atomic<bool>& interrupted,
     const std::function<void(const CompareProgress&)>& progress);

@@ -40,7 +40,6 @@ PairBuffer MakePairs(const CompareOptions& options, const Rigid3d& target_from_s
   return pairs;
 }
 
-// Transforms the source points and normals.
 void MoveSource(const PairBuffer& pairs, const Rigid3d& motion, PairBuffer* moved) {
   const Eigen::Matrix3f r = motion.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f t = motion.translation.cast<float>();

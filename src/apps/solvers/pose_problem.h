@@ -12,7 +12,6 @@
 namespace surfit {
 
 inline constexpr char kKnownAssociation[] = "known";
-// Residuals of joint refinement.
 inline constexpr char kPlaneResidual[] = "planes";
 inline constexpr char kTexturedResidual[] = "planes_and_textures";
 
@@ -40,7 +39,6 @@ std::vector<PerturbationCell> AllCells(int rotations, int translations);
 Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double translation_m,
                   std::uint64_t seed);
 
-// Result of a combination from an initial pose.
 struct SolveOutcome {
   Rigid3d target_from_source;
   std::string termination;  // empty for known correspondences
@@ -61,7 +59,6 @@ struct PoseProblem {
   std::function<SolveOutcome(const SolverCombination&, const Rigid3d& start)> solve;
 };
 
-// make(i) creates problem i.
 struct PoseProblems {
   int count = 0;
   std::function<PoseProblem(int)> make;

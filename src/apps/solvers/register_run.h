@@ -46,7 +46,7 @@ struct RegisterRunOptions {
   std::string source;  // clouds: PLY or PCD, m
   std::string target;
   std::string output;  // output folder, created if missing
-  CloudSensor sensor;  // sensor of both clouds
+  CloudSensor sensor;
   CloudNormalOptions normals;
   RegisterCloudsOptions registration;
   int threads = 2;

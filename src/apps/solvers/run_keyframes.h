@@ -12,8 +12,8 @@ namespace surfit {
 
 struct RunKeyframes {
   SequenceInfo info;
-  Trajectory trajectory;           // trajectory of the run, in the pose convention of the frames
-  std::vector<double> stamps_s;    // timestamps of all frames
+  Trajectory trajectory;  // trajectory of the run, in the pose convention of the frames
+  std::vector<double> stamps_s;
   std::vector<std::size_t> poses;  // indices of the keyframes in `trajectory`
   std::vector<RefinementKeyframe> keyframes;
   int frames_without_pose = 0, frames_unreadable = 0;  // of all frames
@@ -21,8 +21,8 @@ struct RunKeyframes {
   std::vector<int> frames;               // frame indices of these poses
 };
 
-// Reads the keyframes of a run. Throws InputError for unreadable files, or a trajectory without
-// poses at frames of the sequence.
+// Throws InputError for unreadable files, or a trajectory without poses at frames of the
+// sequence.
 RunKeyframes ReadRunKeyframes(const RefineRunOptions& options);
 
 }  // namespace surfit

@@ -11,7 +11,7 @@ namespace {
 
 constexpr char kPerPoint[] = "ceres_per_point";
 
-// Returns the named values, or all if none is named. Throws InputError for unknown names.
+// Throws InputError for unknown names.
 std::vector<std::string> Chosen(const char* option, const std::vector<std::string>& named,
                                 const std::vector<std::string>& all) {
   for (const std::string& name : named) {

@@ -7,7 +7,6 @@
 namespace surfit {
 namespace {
 
-// Neighbour of a pose, connected by an edge.
 struct LinkedPose {
   std::size_t pose;
   Rigid3d pose_from_neighbour;

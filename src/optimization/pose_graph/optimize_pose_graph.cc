@@ -36,7 +36,6 @@ PoseGraphInitialization InitializationOf(const PoseGraphOptions& options) {
   return misled ? PoseGraphInitialization::kOdometry : way;
 }
 
-// Returns std::nullopt if the chordal initialisation fails.
 std::optional<std::vector<Rigid3d>> Initialize(PoseGraphInitialization way, const PoseGraph& graph,
                                                const ChainedPoses& chained) {
   switch (way) {

@@ -15,7 +15,6 @@
 
 namespace surfit {
 
-// Poses chained along a spanning forest of the graph.
 struct ChainedPoses {
   std::vector<Rigid3d> world_from_pose;
   // Roots of the trees, which fix the gauge: all fixed poses, and the first pose of each component
@@ -60,7 +59,6 @@ class PoseGraphProblem {
   std::vector<Rigid3d> Poses() const;
 
  private:
-  // Weight of a squared error.
   struct WeightLoss final : ceres::LossFunction {
     void Evaluate(double squared_error, double rho[3]) const override {
       rho[0] = weight * squared_error;
@@ -71,7 +69,7 @@ class PoseGraphProblem {
   };
 
   std::vector<std::array<double, kPoseSize>> poses_;
-  std::vector<WeightLoss> losses_;  // per edge
+  std::vector<WeightLoss> losses_;
   std::vector<const ceres::CostFunction*> costs_;
   const PoseGraph& graph_;
   ProductPoseManifold manifold_;

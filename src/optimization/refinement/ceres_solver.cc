@@ -40,7 +40,6 @@ ceres::Problem::Options RowsOwnedByUs() {
   return options;
 }
 
-// The complete ceres::Problem.
 class AllRows {
  public:
   AllRows(const JointProblem& joint, const RefinementOptions& options, const JointState& state)

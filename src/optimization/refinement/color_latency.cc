@@ -9,7 +9,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kStride = 4;      // stride of the compared pixels, in rows and columns
+constexpr int kStride = 4;
 constexpr int kNeighbours = 3;  // each keyframe is compared with this number of preceding keyframes
 constexpr int kMinKeyframes = 10;  // minimum for the scatter of the gradients
 constexpr int kMaxIterations = 15;
@@ -33,7 +33,6 @@ struct PairSums {
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
 };
 
-// Normal equations of the latency, with gain and offset eliminated.
 struct LatencySums {
   double hessian = 0, gradient = 0;
 };
@@ -43,7 +42,6 @@ class ColorComparison {
   ColorComparison(const std::vector<ColoredKeyframe>& keyframes, const PinholeCamera& camera)
       : keyframes_(keyframes), camera_(camera) {}
 
-  // Sums over the pairs of keyframe k and its preceding keyframes.
   LatencySums SumsOf(int k, double latency_s) const {
     LatencySums sums;
     for (int j = std::max(0, k - kNeighbours); j < k; ++j) {

@@ -49,7 +49,6 @@ JointState Moved(JointState state, const Eigen::VectorXd& increments) {
   return state;
 }
 
-// Cost of a state, with its quadratic model.
 class JointCost {
  public:
   JointCost(const JointProblem& problem, std::size_t pose_count)

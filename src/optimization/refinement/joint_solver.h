@@ -11,14 +11,12 @@
 
 namespace surfit {
 
-// Prior of poses and calibration.
 class JointPrior {
  public:
   JointPrior() = default;
   // Prior of the relative poses of consecutive keyframes. Its mean values are the relative
   // poses of `world_from_camera`.
   JointPrior(const std::vector<Rigid3d>& world_from_camera, double sigma_m, double sigma_rad);
-  // Prior of the calibration.
   JointPrior(const DepthCalibration& given, const CalibrationPrior& prior);
 
   // Sets the variance of the observations, relative to the error model. The cost of the prior
@@ -27,7 +25,6 @@ class JointPrior {
 
   // Sum of the weighted rho: twice the cost of the prior.
   double Rho(const JointState& state) const;
-  // Adds the normal equations of the prior.
   void AddTo(const JointState& state, ReducedSystem* system) const;
   // Adds the residuals to a problem without ownership of cost and loss functions. The prior
   // and `losses` must outlive the problem.
@@ -45,7 +42,6 @@ class JointPrior {
   double weight_ = 1;
 };
 
-// Problem of one round.
 struct JointProblem {
   const SharedSurfels& shared;
   const JointPrior& prior;

@@ -15,7 +15,6 @@ namespace surfit {
 // of all keyframe pairs share surfels. Runs on one thread.
 class PoseFactor {
  public:
-  // Computes the ordering and the number of operations.
   explicit PoseFactor(const BlockPattern& pattern);
 
   bool is_dense() const { return is_dense_; }
@@ -44,7 +43,6 @@ class PoseFactor {
   bool is_dense_;
 };
 
-// Damped Gauss-Newton step.
 struct ReducedStep {
   Eigen::VectorXd increments;  // of poses and calibration; 0 for fixed parameters
   double rho_decrease = 0;     // predicted decrease of rho, without the damping

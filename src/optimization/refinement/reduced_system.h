@@ -57,7 +57,6 @@ struct ReducedSystem {
   Eigen::Index CalibrationBegin() const { return gradient.size() - kCalibrationSize; }
 
   const BlockPattern* pattern;
-  // Blocks of the Hessian.
   std::vector<PoseMatrix> poses;   // in the order of the pattern; diagonal blocks: lower triangle
   std::vector<MixedMatrix> mixed;  // cross blocks of calibration and pose, per pose
   CalibrationMatrix calibration = CalibrationMatrix::Zero();
@@ -78,7 +77,6 @@ class SurfelResiduals {
 
   // Optimal surfel parameters, by reweighted Gauss-Newton from a displacement of 0.
   SurfelParameters Best(const JointKernels& kernels) const;
-  // Residuals at the optimal parameters.
   JointFit FitOf(const JointKernels& kernels) const;
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMinSurfels = 100;
 
-// Runs one round. Returns std::nullopt on success.
+// Returns std::nullopt on success.
 std::optional<RefinementTermination> RunRound(const RefinementOptions& options,
                                               const JointKernels& kernels,
                                               const std::vector<RefinementKeyframe>& keyframes,
@@ -47,7 +47,7 @@ void TakePoses(const JointState& state, std::vector<RefinementKeyframe>* keyfram
   }
 }
 
-// Runs rounds until convergence. Restores state and keyframes after a failure.
+// A failure restores state and keyframes.
 RefinementTermination RunRounds(const RefinementOptions& options,
                                 std::vector<RefinementKeyframe>* keyframes, JointPrior* prior,
                                 JointState* state, std::vector<RefinementRound>* rounds,
@@ -85,7 +85,6 @@ JointState StateOf(const std::vector<RefinementKeyframe>& keyframes,
   return state;
 }
 
-// Sets the final fit and the covariances.
 void SetFinalFit(const RefinementOptions& options, const std::vector<RefinementKeyframe>& keyframes,
                  JointPrior* prior, const JointState& state, RefinementSummary* summary) {
   const JointKernels kernels = KernelsOf(options.error_model);
@@ -113,7 +112,7 @@ RefinementFit FitOf(const RefinementOptions& options,
   return Agreement(FitOf(shared, state, KernelsOf(options.error_model)));
 }
 
-// Refines poses and calibration from `given`. Restores them after a failure.
+// A failure restores poses and calibration.
 void RefineFrom(const JointState& given, const RefinementOptions& options, JointPrior prior,
                 std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
                 const std::function<void(const RefinementRound&)>& progress) {
@@ -154,7 +153,6 @@ RefinementOptions PosesOnly(RefinementOptions options) {
   return options;
 }
 
-// Refines the poses with a fixed calibration.
 void RefinePoses(const JointState& given, const RefinementOptions& options,
                  std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
                  const std::function<void(const RefinementRound&)>& progress) {

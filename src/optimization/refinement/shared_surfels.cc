@@ -87,7 +87,6 @@ class PosedKeyframe {
   const double least_cosine_of_slant_, least_cosine_of_normals_;
 };
 
-// Cells of a keyframe image that contain a surfel.
 class Cells {
  public:
   Cells(const PinholeCamera& camera, int size_px)
@@ -116,7 +115,6 @@ class Cells {
   Image<std::uint8_t> taken_;
 };
 
-// Plane in the world frame, with its observations in the order of the keyframes.
 struct SeenPlane {
   Plane plane;
   std::vector<PlaneObservation> observations;

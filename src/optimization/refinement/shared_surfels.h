@@ -17,7 +17,6 @@ struct PlaneObservation {
   float inverse_sigma = 0;  // 1 / sigma of the inverse depth, m
 };
 
-// Observation of a surfel texture by a keyframe.
 struct TextureObservation {
   int keyframe = 0;
   int index = 0;            // position of the keyframe in the observations of the surfel
@@ -25,11 +24,10 @@ struct TextureObservation {
   TextureTaps taps;
 };
 
-// Surfel that several keyframes observe.
 struct SharedSurfel {
   Eigen::Vector3d point_in_world, normal_in_world;  // metres, unit length
-  double texture_radius_m = 0;     // distance of the neighbouring points: TexturePoints()
-  std::size_t begin = 0, end = 0;  // range of its observations
+  double texture_radius_m = 0;                      // distance of TexturePoints() from the centre
+  std::size_t begin = 0, end = 0;
   std::size_t textures_begin = 0, textures_end = 0;
 };
 
@@ -37,8 +35,7 @@ struct SharedSurfel {
 // frame, m.
 std::array<Eigen::Vector3d, 3> TexturePoints(const SharedSurfel& surfel);
 
-// Surfels of a set of keyframes. The observations of a surfel are contiguous and ordered by
-// keyframe.
+// The observations of a surfel are contiguous and ordered by keyframe.
 struct SharedSurfels {
   std::vector<SharedSurfel> surfels;
   std::vector<PlaneObservation> observations;

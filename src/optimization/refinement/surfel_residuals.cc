@@ -25,7 +25,6 @@ double BestDisplacement(const std::vector<PlaneResidual>& sights, const RobustKe
   return displacement;
 }
 
-// Normal equations of the surfel parameters.
 struct OwnSystem {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
