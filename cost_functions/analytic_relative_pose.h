@@ -28,7 +28,7 @@ inline Eigen::Matrix3d InverseLeftJacobian(const Eigen::Vector3d& w) {
 //   B_R -> exp(w) B_R: d log(E_R)/dw =  J A_R^T,  dE_t/dw = -A_R^T [B_R M_t]x, dE_t/dB_t =  A_R^T
 // with J = InverseLeftJacobian(log E_R). For Ceres, they are multiplied by dw/d(u, s) = 2 [s I +
 // [u]x | -u], the derivative by the quaternion (u, s). The Jacobian of the manifold cancels this
-// factor. Tangential derivatives equal those of autodiff.
+// factor.
 class AnalyticRelativePose final : public ceres::SizedCostFunction<6, kPoseSize, kPoseSize> {
  public:
   AnalyticRelativePose(const Rigid3d& a_from_b, const PoseInformation& information)

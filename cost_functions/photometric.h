@@ -5,8 +5,8 @@
 namespace surfit {
 
 // Photometric residual r = (I(u, v) - i) / sigma, one row: target intensity I minus intensity i
-// of the source point. (u, v) is the projection of y = R p + t into the target. I is linearised
-// at the pixel (u0, v0): I(u, v) = I0 + g_u (u - u0) + g_v (v - v0).
+// of the source point. The point projects to the pixel (u, v) of the target. I is linearised at
+// the pixel (u0, v0): I(u, v) = I0 + g_u (u - u0) + g_v (v - v0).
 struct Photometric : PointFunctor<Photometric, 9, 1> {
   // Intrinsics of the target camera, px.
   Photometric(double focal_u, double focal_v, double center_u, double center_v)

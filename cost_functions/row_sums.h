@@ -10,8 +10,8 @@ namespace surfit {
 // Weighted sums of Jacobian rows, for all linearisations.
 //
 // A row [a r] has six derivatives by the left perturbation (w, v) and the residual r. A point
-// has one to three rows. With its information 1 / sigma^2 and s = information * sum r^2, the
-// sums are: products of columns, with the weight information * rho'(s), and rho(s).
+// has one to three rows and the information 1 / sigma^2. With s = information * sum r^2, the
+// sums are rho(s), and products of columns with the weight information * rho'(s).
 inline constexpr int kRowColumns = 7;
 inline constexpr int kRowProducts = kRowColumns * (kRowColumns + 1) / 2;
 

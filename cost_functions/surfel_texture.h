@@ -14,7 +14,6 @@ struct IntensityTap {
   float slope_u = 0, slope_v = 0;  // per px
 };
 
-// Keyframe intensities at a surfel centre and at two points beside it.
 using TextureTaps = std::array<IntensityTap, 3>;
 
 // Texture residual of a surfel in a keyframe (after Schoeps, Sattler and Pollefeys, BAD SLAM,

@@ -94,7 +94,6 @@ void Apply(const Vector& increment, const Eigen::Vector3d& center, Fit* fit) {
 
 }  // namespace
 
-// Gauss-Newton, starting from the alignment without a mount.
 std::optional<MountFit> FitMount(const std::vector<MatchedPose>& poses, bool fit_scale) {
   const auto plain = ComputeAbsoluteTrajectoryError(poses);
   if (!plain) return std::nullopt;

@@ -14,7 +14,6 @@ constexpr int kOffsetSteps = 20;   // in each direction
 constexpr double kStep_s = 0.005;  // much shorter than the period of hand-held motion
 constexpr double kTolerance_s = 1e-5;
 
-// RMSE of the ATE; infinite without ATE.
 double RmseAt(double offset_s, const Trajectory& ground_truth, const Trajectory& estimate,
               const MatchOptions& options) {
   const auto at = EvaluateTimeOffset(ground_truth, estimate, offset_s, options);

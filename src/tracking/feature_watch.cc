@@ -15,7 +15,7 @@ constexpr int kMaxColumns = 400, kMaxCorners = 250;
 constexpr double kPlaceSigma_px = 0.5;  // error of a tracked corner
 constexpr double kTogether_m = 0.03, kSigmas = 3, kBetweenImages_s = 0.03;
 // Minimum support of a second motion: kMinApart features and kLeastRatio of all features, or
-// kMinOfMost features and kMost. Wrong matches agree by chance.
+// kMinOfMost features and kMost.
 constexpr int kMinApart = 12, kMinOfMost = 7;
 constexpr double kLeastRatio = 0.25, kMost = 0.5;
 constexpr int kTries = 400;

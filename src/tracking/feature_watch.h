@@ -51,8 +51,8 @@ class FeatureWatch {
   void Follow(const ColoredView& view, const std::optional<Rigid3d>& world_from_camera,
               double stamp_s);
   bool IsDue(double stamp_s) const { return was_apart_ || !last_ || stamp_s >= due_s_; }
-  // Compares a tracked frame with the last checked frame. Returns zeros if the last checked
-  // frame is older than 1 s. The frame becomes the last checked frame, unless its pose is
+  // Compares a tracked frame with the last checked frame. Returns zeros without a checked
+  // frame in the last 1 s. The frame becomes the last checked frame, unless its pose is
   // rejected. After a rejection, IsDue() is true until a pose is accepted.
   FeatureMotion Check(const ColoredView& view, const CellMask& moving, const MovingPose& frame,
                       double stamp_s);
@@ -64,7 +64,7 @@ class FeatureWatch {
 
   ErrorModel error_model_;
   std::optional<MovingPose> last_;
-  FeaturePoints points_;         // corners of the last checked frame
+  FeaturePoints points_;
   Rigid3d world_from_followed_;  // pose of the last tracked frame
   CornerTracks tracks_;
   double last_s_ = 0, begin_s_ = 0, due_s_ = 0;

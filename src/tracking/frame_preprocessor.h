@@ -11,7 +11,7 @@
 
 namespace surfit {
 
-// Frame for tracking and fusion. Does not own the images.
+// Does not own the images.
 struct PreprocessedFrame {
   const RgbdFrame& measured;
   const RgbdFrame& images;  // calibrated, depth at the middle of the readout
@@ -23,7 +23,6 @@ struct PreprocessedFrame {
   bool HasIntensities() const { return !surface().intensity.empty(); }
 };
 
-// Estimated calibration of a sensor.
 struct SensorCorrection {
   const DepthCalibration* calibration = nullptr;  // null: input calibration
   double color_latency_s = 0;                     // beyond the input latency
@@ -37,7 +36,6 @@ class FramePreprocessor {
   // Keeps a reference to the options.
   explicit FramePreprocessor(const PreprocessOptions& options) : options_(options) {}
 
-  // `motion` is the predicted motion during the readout.
   PreprocessedFrame Preprocess(const RgbdFrame& frame, const CameraMotion& motion,
                                const DepthSensor& sensor, const SensorCorrection& correction,
                                bool with_intensities);

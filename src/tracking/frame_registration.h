@@ -41,7 +41,6 @@ class FrameRegistration {
   // Registers a weakly constrained frame again with photometric residuals.
   Estimate FromData(const FramePyramid& frame, const Target& target,
                     const Rigid3d& reference_from_initial) const;
-  // Combines the registration with the motion prior.
   Estimate MostLikelyPose(const FramePyramid& frame, const Target& target,
                           const Rigid3d& reference_from_initial) const;
   // If the frame has moving objects, registers the frame again without them first.

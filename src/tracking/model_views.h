@@ -6,7 +6,6 @@
 
 namespace surfit {
 
-// Target view of a registration.
 struct ReferenceView {
   ColoredView view;  // colours only with photometric residuals
   Rigid3d world_from_view;

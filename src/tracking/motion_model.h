@@ -27,16 +27,15 @@ class MotionModel {
   // frame.
   std::optional<Rigid3d> PredictPose(const TrackingState& state,
                                      const Rigid3d& world_from_last) const;
-  // Velocity during the next frame. Zero after lost frames.
+  // Zero after lost frames.
   CameraMotion PredictMotion(const TrackingState& state) const;
-  // Covariance of the motion to the next frame (rad, m). std::nullopt without a motion prior.
+  // Covariance (rad, m) of the motion to the next frame. std::nullopt without a motion prior.
   std::optional<Matrix6d> PriorCovariance(const TrackingState& state, double seconds) const;
   // Returns whether there is a motion prior, and few enough frames were lost to predict the
   // motion.
   bool HasPredictableMotion(const TrackingState& state) const;
 
-  // Velocity of a motion from the last frame. Zero after lost frames and for intervals of 0.1
-  // s or more.
+  // Zero after lost frames and for intervals of 0.1 s or more.
   static CameraMotion Velocity(const TrackingState& state, const Rigid3d& last_from_frame,
                                double seconds);
 
@@ -47,7 +46,7 @@ class MotionModel {
 
  private:
   const TrackingOptions& options_;
-  CameraMotion motion_;  // velocity of the last motion
+  CameraMotion motion_;
   MotionPrior prior_;
   Rigid3d last_from_next_;  // predicted motion of constant_velocity
 };

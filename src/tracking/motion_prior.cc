@@ -9,7 +9,6 @@
 namespace surfit {
 namespace {
 
-// Standard deviations of an unknown velocity.
 constexpr double kTurn_rad_per_s = 1.5, kSpeed_m_per_s = 3;
 
 }  // namespace

@@ -197,7 +197,7 @@ CellMask MovingRegions::MovedBefore(const FrameLevel& frame, const Image<Side>& 
 }
 
 // Removes cells without a model surface if the second to last stored view shows the same surface
-// there. Such cells may be static surfaces beside the moving object.
+// there.
 void MovingRegions::RemoveStaticCells(const FrameLevel& frame, const Image<Side>& sides,
                                       const Rigid3d& world_from_camera,
                                       std::vector<int>* cells) const {

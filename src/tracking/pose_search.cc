@@ -18,8 +18,7 @@ constexpr int kSearchStride = 5;
 // Every kRelocalizeStride-th lost frame is relocalised.
 constexpr int kRelocalizeStride = 3;
 
-// Acceptance criteria without brightness, which motion blur changes. Confirm() also compares the
-// brightness with the map.
+// Acceptance criteria without brightness, which motion blur changes.
 FitCriteria ShapesAlone() {
   FitCriteria fit = InitializeOptions::FrameCriteria();
   fit.min_value_correlation = fit.min_detail_correlation = -1;

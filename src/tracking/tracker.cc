@@ -10,7 +10,6 @@
 namespace surfit {
 namespace {
 
-// Coarse level for the readout correction.
 constexpr std::size_t kReadoutLevel = 3;
 
 }  // namespace
@@ -207,7 +206,6 @@ Rigid3d Tracker::WithMeasuredMotion(const PreprocessedFrame& frame, const Tracke
                            frame.motion, motion, SecondsTo(frame));
 }
 
-// Begins a new submap after a long loss without a tentative pose.
 std::optional<Tracked> Tracker::InNewSubmap(const PreprocessedFrame& frame,
                                             const Tracked& tracked) {
   if (!relocalizer_ || tracked.tentative || !HasEnoughDepth(frame, options_.icp))

@@ -22,7 +22,7 @@ namespace surfit {
 struct Prediction {
   Rigid3d world_from_camera;
   const ReferenceView* reference = nullptr;
-  bool has_own_view = false;  // the reference view was rendered for this frame
+  bool has_own_view = false;
 };
 
 // Each frame passes Predict(), Track() and Update() in this order:
@@ -46,7 +46,7 @@ class Tracker {
   const TrackingState& state() const { return state_; }
   // Returns whether the next frame may need photometric residuals.
   bool NeedsIntensities() const;
-  // Predicted camera velocity. Zero after lost frames.
+  // Zero after lost frames.
   CameraMotion ExpectedMotion() const { return motion_model_.PredictMotion(state_); }
   // Camera velocity from the last frame to a pose. Zero after lost frames.
   CameraMotion MotionTo(double stamp_s, const Rigid3d& world_from_camera) const;

@@ -21,8 +21,7 @@ struct MapErrorOptions {
 // Accuracy and completeness of a map, relative to a point cloud of the reference surface.
 struct MapError {
   // Distances from each map point to the nearest reference point. They depend on the point
-  // spacing of the reference: for a square grid of spacing s, an exact map has a mean of 0.38
-  // s.
+  // spacing s of the reference: on a square grid, an exact map has a mean of 0.38 s.
   ErrorStatistics accuracy_m;
   // Distances from each map point to the tangent plane of the nearest reference point.
   // Independent of the point spacing, but blind to errors along the surface. std::nullopt

@@ -54,9 +54,9 @@ struct MatchedPose {
   Rigid3d estimate;
 };
 
-// Associates estimated poses with ground truth. Estimated poses without ground truth at their
-// timestamp are omitted. At equal timestamps, the ground-truth pose is used unchanged. Throws
-// InputError for invalid options.
+// Associates estimated poses with ground truth, in the order of the estimate. Estimated poses
+// without ground truth at their timestamp are omitted. At equal timestamps, the ground-truth
+// pose is used unchanged. Throws InputError for invalid options.
 std::vector<MatchedPose> MatchPoses(const Trajectory& ground_truth, const Trajectory& estimate,
                                     const MatchOptions& options);
 

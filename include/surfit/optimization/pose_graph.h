@@ -54,8 +54,8 @@ double SquaredError(const PoseGraph& graph, const PoseGraphEdge& edge);
 // Returns half the sum of SquaredError() of all edges, including outliers.
 double Cost(const PoseGraph& graph);
 
-// Sparse linear solvers of Ceres in this build, the default first: "suite_sparse" (requires
-// SURFIT_SUITESPARSE), "eigen_sparse". Throws InputError if Ceres has neither.
+// Sparse linear solvers of Ceres in this build, the default first: "suite_sparse" (if Ceres has
+// it and SURFIT_SUITESPARSE is on), "eigen_sparse". Throws InputError if Ceres has neither.
 std::vector<std::string> SparseBackendNames();
 
 // Initial poses:
@@ -129,7 +129,8 @@ struct PoseGraphSummary {
 
 // Moves the poses of the graph to a local minimum of Cost(), without outlier loop closures. Runs
 // on one thread: equal graphs give bitwise identical poses. A solver failure is a termination,
-// not an exception. Throws InputError for an invalid graph or invalid options.
+// not an exception. An empty graph converges. Throws InputError for an invalid graph or invalid
+// options.
 PoseGraphSummary OptimizePoseGraph(const PoseGraphOptions& options, PoseGraph* graph);
 
 }  // namespace surfit

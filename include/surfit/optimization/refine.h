@@ -17,11 +17,12 @@ namespace surfit {
 class OptionVisitor;
 
 // Overrides of RgbdCamera::prior, the prior of the input calibration. std::nullopt: value of the
-// sensor. Units: see CalibrationPrior.
+// sensor. 0: no prior. Units: see CalibrationPrior.
 struct PriorOptions {
   std::optional<double> focal_relative_sigma, aspect_relative_sigma, center_px, inverse_depth_sigma,
       readout_s;
 
+  // Returns `sensor` with these overrides.
   CalibrationPrior Over(CalibrationPrior sensor) const;
   // Sets the empty members to the values of the sensor.
   void Complete(const CalibrationPrior& sensor);
@@ -72,9 +73,9 @@ struct RefinementOptions {
   // calibration. They refer to the focal length (fx fy cx cy), 1 / (3 m) (inverse depth) and 1
   // s (readout).
   double model_error_ratio = 0.0005;
-  // Factors of `observation_angle_rad` and of the kernel width if only poses are refined. Only
-  // the estimation of a wrong calibration needs wide gates. They also accept points of curved
-  // or neighbouring surfaces.
+  // Factors of `observation_angle_rad` and of the kernel width if only poses are refined.
+  // Narrow gates reject points of curved or neighbouring surfaces, but prevent the correction
+  // of a wrong calibration.
   double kept_angle_ratio = 1. / 3;
   double kept_kernel_ratio = 0.5;
 
@@ -93,8 +94,8 @@ struct RefinementOptions {
   // values allow larger initial errors.
   double kernel_growth = 4;
 
-  // Distance within which normals of surfels have correlated errors. Increases the covariance
-  // if cells are smaller.
+  // Distance within which surfels have correlated normals. If cells are smaller, the
+  // covariances are increased by the squared ratio.
   int correlation_px = 7;
 
   void Visit(OptionVisitor& visitor);

@@ -32,9 +32,9 @@ struct TrackingOptions {
   // width, at the mean depth. A larger shift triggers a new view, fusion, and verification by
   // global registration.
   double max_view_shift = 0.1;
-  // Frames whose smallest IcpResult::eigenvalues is below this bound are weakly constrained.
-  // The frame after a weakly constrained frame gets its own view, is registered with all rows,
-  // and is fused.
+  // A frame is weakly constrained if its smallest IcpResult::eigenvalues is below this bound.
+  // The next frame then gets its own view, is registered with all rows, and is fused. 0:
+  // never.
   double min_turn_eigenvalue = 2e-3;
   // ErrorModel::photometric_weight for weakly constrained frames; 0: geometric residuals only.
   // Ignored if icp.error_model has a photometric weight.

@@ -23,7 +23,7 @@ struct TrackedRecording {
   std::optional<double> late_s;
 };
 
-// Input of the checks. Does not own the referenced objects.
+// Does not own the referenced objects.
 struct RecordingEvidence {
   const SequenceInfo& info;
   const std::vector<FrameStatistics>& frames;
@@ -38,7 +38,6 @@ std::vector<RecordingCheck> ChecksOfFrames(const RecordingEvidence& evidence);
 std::vector<RecordingCheck> ChecksOfStamps(const RecordingEvidence& evidence);
 std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence);
 
-// Text with three significant digits.
 inline std::string Rounded(double value) { return Concat(std::setprecision(3), value); }
 
 }  // namespace surfit

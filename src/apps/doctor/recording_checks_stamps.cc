@@ -24,7 +24,6 @@ std::vector<double> IntervalsOf(const std::vector<FrameStatistics>& frames) {
   return intervals_s;
 }
 
-// Estimates missing frames from timestamp intervals.
 RecordingCheck MissingFrames(const RecordingEvidence& evidence) {
   RecordingCheck check = {"missing_frames", {}, "%", Concat("at most ", 100 * kMaxMissing), "", ""};
   const std::vector<double> intervals_s = IntervalsOf(evidence.frames);

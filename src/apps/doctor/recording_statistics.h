@@ -28,8 +28,8 @@ struct FrameStatistics {
 
 // Typical width of edges relative to the image width (after Crete et al., SPIE 2007). Uses the
 // larger width of both directions, because motion blur has one direction. Averaging over n
-// pixels reduces the slope of an edge of width w from h / w to h / n, so the ratio of both
-// slopes is w / n. Returns std::nullopt if the image has too few edges above the noise.
+// pixels reduces the slope of an edge of width w by the factor w / n. Returns std::nullopt if
+// the image has too few edges above the noise.
 std::optional<double> EdgeWidth(const Image<Rgb8>& color);
 
 class RecordingStatistics {
@@ -54,7 +54,7 @@ class RecordingStatistics {
   double depth_units_per_metre_;
   std::vector<FrameStatistics> frames_;
   FrameImages last_;
-  std::vector<std::uint32_t> pixels_of_count_;  // histogram of raw depth values
+  std::vector<std::uint32_t> pixels_of_count_;
 };
 
 }  // namespace surfit

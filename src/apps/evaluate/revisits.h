@@ -15,7 +15,7 @@ class OptionVisitor;
 struct RevisitOptions {
   SequenceOptions sequence;  // `stride` selects the compared frames
   std::string estimate;      // trajectory file, TUM format, in the pose convention of the sequence
-  int min_gap = 300;         // minimum number of frames between two visits
+  int min_gap = 300;
   double max_distance_m = 0.3;
   double max_angle_rad = 0.26;
   PreprocessOptions preprocess;

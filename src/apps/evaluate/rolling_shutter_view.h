@@ -12,8 +12,7 @@ struct RowTimes {
   double readout_s = 0;  // for all rows
 };
 
-// Margin on each side of a rendered view. Surfaces in the margin can enter the view during the
-// readout.
+// Surfaces in the margin can enter the view during the readout.
 inline constexpr int kRollMargin_px = 32;
 PinholeCamera WithRollMargin(PinholeCamera camera);
 

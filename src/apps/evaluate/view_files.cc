@@ -16,7 +16,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kHeader_px = 28;  // height of the caption above the pictures
+constexpr int kHeader_px = 28;
 
 bool IsWorse(const ComparedView& a, const ComparedView& b) {
   return a.view.error.psnr_covered_db < b.view.error.psnr_covered_db;

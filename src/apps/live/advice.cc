@@ -27,7 +27,6 @@ DepthStatistics LookAtDepth(const Image<float>& depth_m) {
   return {static_cast<double>(depths.size()) / pixels, *middle};
 }
 
-// Approximate image motion between two frames, relative to the image width.
 double ImageShift(const Rigid3d& before, const Rigid3d& now, const PinholeCamera& camera,
                   double depth_m) {
   const Rigid3d moved = before.Inverse() * now;

@@ -26,7 +26,6 @@ std::string Lower(std::string text) {
   return text;
 }
 
-// Lower-case host name without port.
 std::string NameOf(const std::string& host) {
   const std::size_t bracket = host.rfind(']'), colon = host.rfind(':');
   const bool has_port =

@@ -12,7 +12,6 @@
 
 namespace surfit {
 
-// HTTP pages of a live run, with access control.
 class LivePages {
  public:
   LivePages(std::string token, LiveRun* run, ShownRun* shown)

@@ -43,7 +43,6 @@ class RateLimiter {
   Clock::time_point next_;
 };
 
-// Advice for the operator of the camera.
 struct Advice {
   std::string kind;  // "lost", "too_fast", "too_close", "little_depth", "little_shape" or "moving"
   std::string text;
@@ -86,7 +85,7 @@ class LiveRun {
   // Callbacks of RunSlam(). Update() blocks while the run is paused.
   void Update(const SlamRunProgress& progress);
   void Keep(const SlamRunResult& result);
-  // Call at the end. Blocks until the result is no longer viewed.
+  // Call at the end.
   void Stay();
 
   // Control by viewers, thread-safe. After the last frame, the run is not paused.
@@ -102,7 +101,7 @@ class LiveRun {
   const SlamRunProgress& progress() const { return progress_; }  // without frame
   FrameState state() const { return state_; }                    // state of the last frame
   bool is_lost() const { return state_ == FrameState::kLost; }
-  bool is_at_result() const { return is_at_result_; }  // all frames are processed
+  bool is_at_result() const { return is_at_result_; }
   bool is_done() const { return is_done_; }
   double frames_per_second() const { return frame_s_ > 0 ? 1 / frame_s_ : 0; }  // running mean
   const std::vector<Advice>& advice() const { return advice_; }

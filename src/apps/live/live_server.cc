@@ -96,9 +96,9 @@ struct LiveServer::Parts {
       map_pace{0, 0.008};
   std::array<bool, kShownCount> is_exact{};  // data are those of the last frame
   bool is_state_exact = false;
-  int map_rounds = 0;                          // complete rounds since the last frame
-  std::optional<Clock::time_point> last_turn;  // last update of map, path and views
-  HttpServer server;                           // last member: it uses the members above
+  int map_rounds = 0;  // complete rounds since the last frame
+  std::optional<Clock::time_point> last_turn;
+  HttpServer server;  // last member: it uses the members above
 };
 
 // During a pause (`must`), updates each kind of data once.

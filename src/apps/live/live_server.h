@@ -10,12 +10,11 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Address of the live web page, and size of its map.
 struct ServeOptions {
   int port = -1;  // -1: no web page; 0: any free port
   // IP address to listen on; 0.0.0.0: all network interfaces.
   std::string address = "127.0.0.1";
-  std::size_t max_surfels = 131072;  // maximum number of surfels on a page
+  std::size_t max_surfels = 131072;
 
   void Visit(OptionVisitor& visitor);
 };

@@ -25,7 +25,7 @@ struct SamplePlace {
   std::uint32_t epoch = 0;
   std::uint32_t level = 0;
   std::uint32_t version = 0;  // of the start of the last complete round; 0: no data
-  std::uint32_t slot = 0;     // next slot of this round
+  std::uint32_t slot = 0;
 };
 
 struct SampleChanges {
@@ -51,7 +51,6 @@ class MapSample {
   // Pages start again.
   void Reset(const SurfelMap& map);
 
-  // Returns at most `most` changes from a position.
   SampleChanges ChangesFrom(SamplePlace place, std::size_t most) const;
 
   // NoiseConfidence() of the sample, as WeightByte.

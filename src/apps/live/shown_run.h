@@ -20,7 +20,6 @@
 
 namespace surfit {
 
-// Kinds of data for pages.
 enum class Shown { kState, kMap, kPath, kFrame, kModel, kNormals };
 constexpr std::size_t kShownCount = 6;
 
@@ -37,7 +36,6 @@ struct ShownState {
   std::optional<std::pair<int, int>> last_loop;
 };
 
-// Path and loops, with limited size.
 struct ShownPath {
   std::vector<Eigen::Vector3f> places;
   std::vector<LoopSegment> loops;

@@ -27,8 +27,8 @@ struct FragmentCandidates {
 void WriteCandidates(const FragmentCandidates& pair, const std::string& path);
 FragmentCandidates ReadCandidates(const std::string& path);
 
-// Links between two fragments. ReadLinks() sets the frames, `reason` and `overlap_ratio` and,
-// for accepted links, `target_from_source` and `information`. Other members have default values.
+// ReadLinks() sets the frames, `reason` and `overlap_ratio` and, for accepted links,
+// `target_from_source` and `information`. Other members have default values.
 struct FragmentLinks {
   std::string target, source;
   std::vector<ScanLink> links;
@@ -36,8 +36,8 @@ struct FragmentLinks {
 void WriteLinks(const FragmentLinks& pair, const std::string& path);
 FragmentLinks ReadLinks(const std::string& path);
 
-// Reads poses, keyframes and pose graph of a fragment. `scan`: folder of the scan. Returns
-// std::nullopt for a failed fragment, which has no places.bin.
+// `scan`: folder of the scan. Returns std::nullopt for a failed fragment, which has no
+// places.bin.
 std::optional<RunPlaces> PlacesOf(const std::string& scan, const ScanFragment& fragment,
                                   PlacesPart part);
 

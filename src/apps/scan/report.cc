@@ -26,7 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Receipts of the given jobs, as far as they have finished.
 std::vector<JobReceipt> ReadReceipts(const std::string& scan, const std::set<std::string>& jobs) {
   std::vector<JobReceipt> receipts;
   for (const std::string& path : FilesIn(scan + "/jobs", ".json")) {

@@ -116,7 +116,6 @@ std::vector<int> ScanGraph::Parts(const std::vector<Connection>& connections,
   return parts;
 }
 
-// Returns the part with the most frames.
 int ScanGraph::LargestPart(const std::vector<int>& parts) const {
   std::map<int, std::size_t> frames;
   for (std::size_t i = 0; i < parts.size(); ++i) {

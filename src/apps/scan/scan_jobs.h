@@ -32,8 +32,8 @@ struct CandidatesOptions {
   // Output folder for A_B.json, created if missing. Other .json files in this folder are
   // deleted. Unchanged files keep their modification time.
   std::string output;
-  int min_gap = 100;    // minimum frame index difference within a recording
-  int max_similar = 3;  // maximum number of candidates per keyframe
+  int min_gap = 100;  // minimum frame index difference within a recording
+  int max_similar = 3;
   // Memory limit of the place index. If all keyframes exceed it, every n-th keyframe is used.
   std::size_t max_index_bytes = std::size_t{500} << 20;
 
@@ -43,13 +43,13 @@ struct CandidatesOptions {
 struct CandidatesResult {
   int fragments = 0, missing = 0, keyframes = 0;
   int looked_up = 0;  // used keyframes
-  int pairs = 0;      // fragment pairs with candidates
+  int pairs = 0;
 };
 CandidatesResult FindCandidates(const CandidatesOptions& options);
 
 struct LinkOptions {
-  std::string scan;        // folder of the plan
-  std::string candidates;  // candidate file of two fragments
+  std::string scan;  // folder of the plan
+  std::string candidates;
   std::string output;
   int threads = 1;
 

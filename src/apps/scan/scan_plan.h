@@ -15,7 +15,7 @@ struct ScanPlanOptions {
   // `run.output`: folder of the scan. `run.sequence`: options of all recordings, without path.
   SlamRunOptions run;
   int fragment_frames = 300;  // maximum length, including the overlap
-  int overlap_frames = 30;    // frames that consecutive fragments share
+  int overlap_frames = 30;
   // Number of frames at the start of each recording for the calibration of the depth camera.
   // 0: no calibration. Single fragments are too short.
   int camera_frames = 600;
@@ -25,7 +25,6 @@ struct ScanPlanOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Segment of a recording.
 struct ScanFragment {
   std::string name;         // "0000", "0001", ..., unique in the scan
   int first = 0, last = 0;  // frame indices in the sequence, both inclusive
@@ -42,8 +41,7 @@ struct ScanPlan {
 };
 
 // Splits the frames first, first + stride, ... into as few fragments as possible, with nearly
-// equal lengths. Consecutive fragments share overlap_frames frames. Requires overlap_frames <
-// fragment_frames. Throws InputError without frames.
+// equal lengths. Requires overlap_frames < fragment_frames. Throws InputError without frames.
 std::vector<ScanFragment> CutIntoFragments(int first, int frame_count, int stride,
                                            int fragment_frames, int overlap_frames);
 

@@ -24,8 +24,8 @@ struct CompareOptions {
 
   SequenceOptions sequence;  // empty path: none; `stride` is not used
   int pairs = 4;             // number of frame pairs, evenly spread; 0: none, requires `slam`
-  int gap = 10;              // frames from source to target
-  bool slam = false;         // also run SLAM on all frames with each combination
+  int gap = 10;
+  bool slam = false;
 
   std::string source, target;  // clouds: PLY or PCD
   std::string truth;           // target_from_source: tx,ty,tz,qx,qy,qz,qw; empty: unknown
@@ -52,7 +52,6 @@ struct CompareOptions {
   std::vector<double> rotations_deg = {1, 5, 10, 20, 45};
   std::vector<double> translations_m = {0.01, 0.05, 0.1, 0.3, 1};
   std::uint64_t seed = 1;
-  // Maximum errors of a converged run.
   double max_rotation_error_deg = 1;
   double max_translation_error_m = 0.02;
 
@@ -113,7 +112,7 @@ struct CompareProgress {
   std::string unit;  // "run", or "frame" for SLAM
   int done = 0;
   int total = 0;
-  double elapsed_s = 0;  // since the first run or frame
+  double elapsed_s = 0;
 };
 
 struct Comparison {

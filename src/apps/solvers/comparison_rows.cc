@@ -38,7 +38,6 @@ std::string MostFrequentTermination(const std::vector<ComparedRun>& runs) {
   return most == counts.end() ? "" : most->first;
 }
 
-// Runs that converged or, if the truth is unknown, succeeded.
 std::vector<ComparedRun> GoodRuns(const std::vector<ComparedRun>& runs) {
   std::vector<ComparedRun> good;
   std::copy_if(runs.begin(), runs.end(), std::back_inserter(good), [](const ComparedRun& run) {

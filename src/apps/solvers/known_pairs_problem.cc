@@ -20,8 +20,7 @@ Eigen::Vector3d RandomVector(double size, std::mt19937_64* rng) {
   return vector;
 }
 
-// Source points are in a cube of 2 m, 3 m in front of the camera. Normals are random. Target
-// points have noise.
+// Source points are in a cube of 2 m, 3 m in front of the camera. Target points have noise.
 PairBuffer MakePairs(const CompareOptions& options, const Rigid3d& target_from_source) {
   std::mt19937_64 rng(options.seed);
   std::normal_distribution<double> noise(0, 1);

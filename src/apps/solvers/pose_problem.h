@@ -31,7 +31,6 @@ struct PerturbationCell {
   }
 };
 
-// All cells, ordered by rotation, then translation.
 std::vector<PerturbationCell> AllCells(int rotations, int translations);
 
 // Perturbed pose: rotation about the origin of the target, then translation. Random axes, which
@@ -41,7 +40,7 @@ Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double
 
 struct SolveOutcome {
   Rigid3d target_from_source;
-  std::string termination;  // empty for known correspondences
+  std::string termination;
   bool succeeded = false;
   int points = 0;
   int iterations = 0;

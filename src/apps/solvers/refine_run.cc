@@ -160,7 +160,7 @@ class RefineRun {
   const std::function<void(const std::string&)>& progress_;
   RunKeyframes run_;
   RefineRunSummary summary_;
-  Failures failures_;  // errors of single results
+  Failures failures_;
 };
 
 }  // namespace

@@ -74,7 +74,6 @@ void SetReport(const JointReport& report, const RefinementOptions& options, Solv
   outcome->losses = report.costs;
 }
 
-// Solves one round with the final kernel width.
 SolveOutcome Solve(const RunKeyframes& run, const SolverCombination& combination,
                    const CompareOptions& compared) {
   const RefinementOptions options = OptionsOf(combination, compared);

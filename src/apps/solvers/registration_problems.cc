@@ -11,7 +11,6 @@
 namespace surfit {
 namespace {
 
-// Index of the source frame of pair i.
 int SourceOf(int i, int pairs, int first, int last) {
   return pairs == 1 ? first
                     : first + static_cast<int>(std::int64_t{last - first} * i / (pairs - 1));

@@ -128,7 +128,6 @@ class BlockSystem {
       entries_.emplace_back(kSize * block + i, kSize * block + i, k);
     }
   }
-  // The solver reads the lower triangle.
   void AddSymmetric(int row, int column, double value) {
     entries_.emplace_back(std::max(row, column), std::min(row, column), value);
   }

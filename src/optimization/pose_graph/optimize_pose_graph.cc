@@ -13,7 +13,7 @@
 namespace surfit {
 namespace {
 
-// Limits of the GNC rounds before the final round. These rounds need not converge.
+// Limits of the GNC rounds before the final round.
 constexpr int kRoundIterations = 10;
 constexpr double kRoundCostChange = 1e-3;
 // Enough rounds for an initial mu of 1e-30.
@@ -115,7 +115,6 @@ PoseGraphTermination Solve(const PoseGraph& graph, const PoseGraphOptions& optio
   return problem->Minimize(options, is_near ? kNearMinimum : kFarFromMinimum, summary);
 }
 
-// Held poses stay bitwise identical.
 void TakePoses(const PoseGraphProblem& problem, const std::vector<bool>& held, PoseGraph* graph) {
   const std::vector<Rigid3d> poses = problem.Poses();
   for (std::size_t i = 0; i < poses.size(); ++i) {

@@ -22,8 +22,7 @@ struct ChainedPoses {
   std::vector<bool> held;
 };
 
-// Chains measurements from the held poses. Uses loop closures only for poses that odometry does
-// not reach.
+// Uses loop closures only for poses that odometry does not reach.
 ChainedPoses ChainPoses(const PoseGraph& graph);
 
 // Chordal initial poses from two linear systems (Carlone et al.: Initialization techniques for
@@ -46,11 +45,11 @@ class PoseGraphProblem {
                    const std::vector<bool>& held);
 
   // Minimises the weighted cost by Levenberg-Marquardt from the current poses. The poses stay
-  // unchanged after a failure. Adds its iterations to the summary.
+  // unchanged after a failure.
   PoseGraphTermination Minimize(const PoseGraphOptions& options, double initial_radius,
                                 PoseGraphSummary* summary);
 
-  // Sets one weight per edge. Odometry edges ignore their weights.
+  // Odometry edges ignore their weights.
   void SetWeights(const std::vector<double>& weights);
 
   // Unweighted squared errors of all edges at the current poses.

@@ -119,7 +119,6 @@ class AllRows {
         numbers_[s][0] = best.displacement;
         if (surfel.textures_begin == surfel.textures_end) continue;
         // SurfelParameters::texture is in standard deviations, the block in intensity.
-        // All keyframes have the same sigma.
         const double sigma = 1. / joint_.shared.textures[surfel.textures_begin].inverse_sigma;
         numbers_[s][1] = sigma * best.texture[0];
         numbers_[s][2] = sigma * best.texture[1];

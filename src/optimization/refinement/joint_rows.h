@@ -104,7 +104,7 @@ class PlaneResidual {
   double along_ray_, from_camera_;  // N, D
 };
 
-// Camera motion at the image row of an observation. `rows`: image height.
+// `rows`: image height.
 inline RowMotion MotionOf(const PlaneObservation& observation, const KeyframeReadout& readout,
                           int rows) {
   const double share = (observation.v + 0.5) / rows - 0.5;

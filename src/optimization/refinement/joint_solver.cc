@@ -19,7 +19,6 @@ constexpr double kMinGain = 1e-3;
 class Damping {
  public:
   double value() const { return value_; }
-  // `gain`: ratio of actual and predicted decrease.
   void Accept(double gain) {
     const double excess = 2 * gain - 1;
     value_ *= std::max(1. / 3, 1 - excess * excess * excess);

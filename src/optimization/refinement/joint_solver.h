@@ -54,9 +54,9 @@ struct JointReport {
   int iterations = 0;  // number of steps, or kNoSolution if the initial cost is not finite
   // Initial cost, and the cost after each accepted step.
   std::vector<double> costs;
-  double build_ms = 0;      // setup of the problem
-  double linearize_ms = 0;  // one linearisation
-  double solve_ms = 0;      // everything except setup
+  double build_ms = 0;
+  double linearize_ms = 0;
+  double solve_ms = 0;  // everything except setup
 };
 
 // Returns which of the 11 calibration parameters are fixed.

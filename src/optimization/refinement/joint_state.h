@@ -111,7 +111,6 @@ double VarianceOf(const JointFit& fit, const SharedSurfels& shared, const JointS
 Eigen::MatrixXd ModelErrorOf(const DepthCalibration& calibration, const std::vector<bool>& held,
                              const RefinementOptions& options);
 
-// Squared Mahalanobis distance between two calibrations.
 struct CalibrationChange {
   double squared_distance = 0;
   int free = 0;

@@ -67,7 +67,6 @@ class ReducedFactor {
  public:
   ReducedFactor(const BlockPattern& pattern, const std::vector<bool>& fixed_calibration);
 
-  // Returns false if the damped Hessian is not positive definite.
   bool Factorize(const ReducedSystem& system, double damping);
 
   ReducedStep Solve(const Eigen::VectorXd& gradient) const;

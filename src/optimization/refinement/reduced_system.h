@@ -22,8 +22,7 @@ class BlockPattern {
   int pose_count() const { return pose_count_; }
   std::size_t block_count() const { return block_count_; }
 
-  // Index of the block of two poses, or kNoBlock. Requires row >= column. Blocks are numbered
-  // by rows.
+  // Index of the block of two poses, or kNoBlock. Requires row >= column.
   std::int32_t IndexOf(int row, int column) const { return indices_[PairOf(row, column)]; }
 
  private:
@@ -64,7 +63,6 @@ struct ReducedSystem {
   double rho = 0;  // sum of rho: twice the cost
 };
 
-// Residuals of all observations of a surfel, for one state.
 class SurfelResiduals {
  public:
   SurfelResiduals(const SharedSurfels& shared, const SharedSurfel& surfel,

@@ -161,8 +161,8 @@ std::vector<SeenPlane> MakePlanes(const std::vector<RefinementKeyframe>& keyfram
   return planes;
 }
 
-// Mean normal in the world frame. The noise of a single normal would rotate the plane about the
-// surfel centre, and displace it at the observations of other keyframes.
+// The noise of a single normal would rotate the plane about the surfel centre, and displace it
+// at the observations of other keyframes.
 Eigen::Vector3d MeanNormal(const std::vector<PlaneObservation>& observations,
                            const std::vector<RefinementKeyframe>& keyframes,
                            const std::vector<PosedKeyframe>& views) {

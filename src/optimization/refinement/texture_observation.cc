@@ -11,7 +11,6 @@
 namespace surfit {
 namespace {
 
-// Returns std::nullopt outside the image.
 std::optional<Eigen::Vector2d> ImageOf(const Eigen::Vector3d& point_in_world,
                                        const Rigid3d& camera_from_world,
                                        const PinholeCamera& camera) {
@@ -24,7 +23,6 @@ std::optional<Eigen::Vector2d> ImageOf(const Eigen::Vector3d& point_in_world,
   return at;
 }
 
-// Returns std::nullopt if the intensity is unknown.
 std::optional<IntensityTap> TapAt(const Image<float>& image, const Eigen::Vector2d& at) {
   IntensityTap tap;
   tap.u = static_cast<float>(at.x());
@@ -50,7 +48,6 @@ std::optional<TextureTaps> TapsOf(const SharedSurfel& surfel, const Image<float>
   return taps;
 }
 
-// Returns whether the nearest pixel observes the plane of the surfel.
 bool MeasuresPlane(const Eigen::Vector2d& at, const SharedSurfel& surfel,
                    const RefinementKeyframe& keyframe, const DepthCalibration& calibration,
                    const ErrorModel& model) {
