@@ -20,11 +20,11 @@ class ReducedBlock : public ceres::CostFunction {
 
 // Ceres residual block of N functors of one type (point_functor.h), reduced to seven rows.
 //
-// The residuals are the triangular factor [R q; 0 e] of all rows [J r]: R^T R = J^T J, R^T q =
-// J^T r and |q|^2 + e^2 = |r|^2. Cost, gradient and Gauss-Newton matrix equal those of all N
-// rows, and so do the Levenberg-Marquardt steps. With a robust kernel, rows have the weight
-// rho'(s), and |q|^2 + e^2 = sum rho(s). The factor is a Cholesky decomposition of sums of
-// products, computed by SIMD autodiff.
+// The residual rows are the triangular factor [R q; 0 e] of all rows [J r]. It satisfies R^T R =
+// J^T J, R^T q = J^T r and |q|^2 + e^2 = |r|^2. Cost, gradient and Gauss-Newton matrix equal
+// those of all N rows, and so do the Levenberg-Marquardt steps. With a robust kernel, rows have
+// the weight rho'(s), and |q|^2 + e^2 = sum rho(s). The factor is a Cholesky decomposition of
+// sums of products, computed by SIMD autodiff.
 //
 // S: precision of residuals and products; sums are double. The errors of cost and gradient are
 // 1e-5 (float) or 1e-9 (double) of the sum of absolute terms. Evaluation is parallel and bitwise
