@@ -32,8 +32,8 @@ class ModelViews {
   virtual void ActivateAround(int frame_index, int now) = 0;
 };
 
-// Upper bound of the image shift by a motion, as a ratio of the image width, for a point at the
-// mean depth. Infinite without depth.
+// Approximate image shift by a motion at the mean depth, as a ratio of the image width. Infinite
+// without depth.
 double ImageShift(const Rigid3d& motion, const FrameLevel& level);
 
 }  // namespace surfit

@@ -48,10 +48,10 @@ class Tracker {
   bool NeedsIntensities() const;
   // Zero after lost frames.
   CameraMotion ExpectedMotion() const { return motion_model_.PredictMotion(state_); }
-  // Camera velocity from the last frame to a pose. Zero after lost frames.
+  // Camera velocity from the last frame to a pose. Zero after lost frames and for intervals of
+  // 0.1 s or more.
   CameraMotion MotionTo(double stamp_s, const Rigid3d& world_from_camera) const;
-  // Camera velocity from the last frame to a tracked frame. Zero if the pose was found by
-  // search.
+  // As above. Also zero if the pose was found by search.
   CameraMotion MotionTo(double stamp_s, const Tracked& tracked) const;
 
   // Returns whether the depth equals the depth of the previous frame. Call once per frame.
