@@ -34,7 +34,7 @@ class RangesOfSequence final : public FrameSource {
   }
 
  private:
-  // Opens the current range, from its first frame that the stride of the sequence selects.
+  // Opens the current range at its first frame that is selected by the stride of the sequence.
   void Open() {
     SequenceOptions part = sequence_;
     const int past = ranges_[at_].first - sequence_.first;

@@ -28,7 +28,6 @@ cv::Point Fixed(PixelPoint p) {
   return {cvRound(p.u * (1 << kShift)), cvRound(p.v * (1 << kShift))};
 }
 
-// Size of a text in supersampled pixels.
 struct Strokes {
   double scale, capital;
   int thickness;
@@ -43,7 +42,7 @@ struct Strokes {
   }
 };
 
-constexpr float kHeadlight = 0.35f;  // shows shapes and keeps the colour scale readable
+constexpr float kHeadlight = 0.35f;  // shading, with the colour scale still readable
 
 std::uint8_t UnitToByte(float component) {
   return static_cast<std::uint8_t>(std::clamp(127.5f * (1 + component) + 0.5f, 0.f, 255.f));

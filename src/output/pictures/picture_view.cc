@@ -28,7 +28,7 @@ Rigid3d LookAlong(const Eigen::Vector3d& eye, const Eigen::Vector3d& forward,
 
 PinholeCamera FitCamera(const std::vector<Eigen::Vector3f>& points_in_camera, int width,
                         int height) {
-  constexpr double kTail = 0.005;  // ratio of points on each side that may be outside
+  constexpr double kTail = 0.005;  // maximum ratio of points outside, per side
   constexpr double kFilled = 0.94;
   constexpr float kMinExtent = 1e-3f;  // minimum extent in the plane z = 1
   std::vector<float> x, y;
