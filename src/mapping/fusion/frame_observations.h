@@ -12,10 +12,10 @@
 
 namespace surfit {
 
-// Average of the points that are assigned to a surfel, as one observation. Branch-free.
+// Averages the points of a surfel to one observation. Branch-free.
 class PointAverage {
  public:
-  // Points with a larger radius and points at depth edges do not affect the shape.
+  // Coarser points and points at depth edges do not affect the shape.
   explicit PointAverage(float max_radius_m)
       : max_radius_m_(max_radius_m), radius_m_(max_radius_m) {}
 
@@ -73,13 +73,11 @@ class FrameObservations {
     }
   };
 
-  // Points whose radius is larger than `max_radius_ratio` times the surfel radius do not affect the
-  // shape.
+  // Points coarser than `max_radius_ratio` times the surfel radius do not affect the shape.
   explicit FrameObservations(float max_radius_ratio) : max_radius_ratio_(max_radius_ratio) {}
 
-  // Averages the points of each chosen candidate and sets Candidate::seen, which is valid until the
-  // next call. Works in image order, because gathering by surfel spends half of its time waiting
-  // for memory.
+  // Averages the points of each chosen candidate, and sets Candidate::seen until the next call.
+  // Works in image order, because access by surfel would miss the cache.
   Counts Gather(const RgbdFrame& frame, const FrameColors& colors,
                 const std::vector<MeasuredPoint>& points, const Image<float>& weights,
                 const PosedCamera& camera, const SurfelAssignment& choice);

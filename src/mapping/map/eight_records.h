@@ -5,8 +5,8 @@
 namespace surfit {
 
 // Transposes eight records of eight floats to eight vectors and back: lane j of columns[i] is
-// records[j][i]. Records need no alignment. The loaded vectors combine halves of the records k and
-// k + 4, so that no shuffle crosses the 128-bit halves of a vector.
+// records[j][i]. Records need no alignment. Vectors combine halves of the records k and k + 4, so
+// no shuffle crosses the 128-bit halves.
 template <typename Instructions>
 class EightRecords {
  public:

@@ -9,14 +9,14 @@
 
 namespace surfit {
 
-// A row of patches as structure of arrays. It has one extra patch on the left and one vector of
-// extra patches on the right. Missing patches have zero normal and radius, so they never match.
+// A row of patches as structure of arrays, with one extra patch on the left and one extra vector on
+// the right. Missing patches never match: normal and radius are zero.
 class PatchRow {
  public:
   explicit PatchRow(int width) : stride_(width + 9), numbers_(kNumbers * stride_, 0.f) {}
 
-  // Sets eight patches from column u. Each record contains patch, radius and confidence; the first
-  // `count` numbers are used. Records after the end of the row must be zero.
+  // Sets eight patches from column u. Each record has patch, radius and confidence. Records after
+  // the end of the row must be zero.
   template <typename Instructions>
   void SetEight(int u, const float* const (&records)[8], int count) {
     Lanes<float, Instructions> columns[kNumbers];
@@ -51,7 +51,7 @@ class PatchRow {
   std::vector<float> numbers_;
 };
 
-// Results of the pixels of a row, padded to whole vectors.
+// Results of a row of pixels, padded to whole vectors.
 struct RowOutcome {
   explicit RowOutcome(int width) : state(width + 7), superfluous(width + 7) {}
 
@@ -97,8 +97,8 @@ void LoadSurfels(Candidate* const* own, int width, PatchRow* row) {
   });
 }
 
-// Assigns the points of a row to the surfels of three rows. Marks surfels of the middle row that
-// are duplicates of better ones. Ties are resolved in favour of the earlier surfel.
+// Assigns the points of a row to the surfels of three rows. Marks duplicates in the middle row. The
+// earlier surfel wins for equal distances.
 template <typename Instructions>
 void Meet(const MergeGate& gate, const PatchRow& points, const PatchRow* const rows[3], int width,
           RowOutcome* outcome) {
@@ -113,7 +113,6 @@ void Meet(const MergeGate& gate, const PatchRow& points, const PatchRow* const r
     const auto has_point = point_radius > zero;
     Numbers state =
         Select(has_point, Numbers(SurfelAssignment::kOpen), Numbers(SurfelAssignment::kNoPoint));
-    // Pixels without points have no candidates.
     for (int k = 0; k < 9 && Numbers::Any(has_point); ++k) {
       const PatchRow& row = *rows[k / 3];
       const int beside = u + k % 3 - 1;
@@ -230,7 +229,7 @@ const std::vector<std::vector<int>>& SurfelAssignment::SelectNew(
   const int bands = BandCount(height_);
   new_.resize(bands);
   for (std::vector<int>& of_band : new_) of_band.clear();
-  // Pixels of one phase are not neighbours, so they can be processed in parallel.
+  // Pixels of one phase are not neighbours, so they are independent.
   for (const int phase : {0, 3, 1, 2}) {
     ParallelFor(0, bands, 1, [&](int band, int) { SelectNewOfPhase(points, band, phase); });
   }
@@ -247,7 +246,7 @@ void SurfelAssignment::SelectNewOfPhase(const std::vector<MeasuredPoint>& points
   }
 }
 
-// True if the point matches a new surfel of a neighbouring pixel.
+// True if the point matches the new surfel of a neighbouring pixel.
 bool SurfelAssignment::IsCovered(const std::vector<MeasuredPoint>& points, int pixel) const {
   const State* middle = &states_[PaddedIndex(pixel)];
   for (int k = 0; k < 9; ++k) {

@@ -26,7 +26,7 @@ RenderOptions SplatOptions(float radius_ratio) {
   return options;
 }
 
-// (1 - o^2)^8, with a minimum that prevents a zero sum of weights.
+// (1 - o^2)^8, with a minimum against a zero sum of weights.
 float WeightAt(float offset2) {
   const float a = 1.f - offset2, a2 = a * a, a4 = a2 * a2;
   return a4 * a4 + 1e-6f;
@@ -38,10 +38,10 @@ struct Blend {
   // Weighted sums of inverse depth and colour (0 to 255).
   float rho = 0;
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
-  bool is_drawn = false;  // true: later layers do not change the pixel
+  bool is_drawn = false;  // later layers do not change the pixel
 };
 
-// One band of the image. Splats are drawn in the order of their surfels.
+// One band of the image. Splats are drawn in the order of surfels.
 class BlendBand {
  public:
   BlendBand(int band, const PinholeCamera& camera, const DepthNoise& noise)
@@ -72,7 +72,6 @@ class BlendBand {
   }
 
  private:
-  // Inverse depth of the back of the surface that starts at rho.
   float BackOf(float rho) const { return rho / (1.f + kThickness_m * rho + 4.f * sigma_ / rho); }
 
   static void Add(const SurfelMap& map, std::int32_t id, float rho, float weight, Blend* pixel) {

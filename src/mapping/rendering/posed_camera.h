@@ -8,7 +8,7 @@
 
 namespace surfit {
 
-// A pinhole camera at a pose, in single precision for loops over pixels and surfels.
+// Pinhole camera at a pose, in single precision.
 struct PosedCamera {
   PosedCamera(const PinholeCamera& camera, const Rigid3d& world_from_camera)
       : rotation(world_from_camera.Inverse().rotation.toRotationMatrix().cast<float>()),
@@ -34,10 +34,10 @@ struct PosedCamera {
   float fx, fy, cx, cy;
 };
 
-// Surfels with a smaller depth are not visible.
+// surfels with a smaller depth are not visible
 constexpr float kMinDepth = 0.05f;  // metres
 
-// Projections of the surfels of a block.
+// Projected surfels of a block.
 struct BlockCentres {
   alignas(32) PerSurfel<float> x, y, z;  // in the camera frame, m
   // Inverse depth (1/m) and pixel; invalid if z <= kMinDepth.
