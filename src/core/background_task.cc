@@ -34,13 +34,13 @@ struct Loop {
   bool IsDone() const { return !HasMore() && running == 0; }
 };
 
-// The lowest-priority thread, shared by all tasks until the process ends.
+// Thread of the lowest priority, shared by all tasks, until the process ends.
 class LowPriorityThread {
  public:
   LowPriorityThread() : thread_([this] { Work(); }) { thread_.detach(); }
 
   // Returns false if the task is awaited. If Await() is called during the loop, the calling thread
-  // executes the remaining blocks.
+  // runs the remaining blocks.
   bool Run(Loop* loop) {
     std::unique_lock<std::mutex> lock(mutex_);
     if (loop->is_awaited) return false;
@@ -79,7 +79,7 @@ class LowPriorityThread {
     }
   }
 
-  // Executes one block without the lock. After an exception no further block starts.
+  // Runs one block without the lock. No further block starts after an exception.
   void RunBlock(Loop* loop, std::unique_lock<std::mutex>* lock) {
     const int block = loop->next++;
     ++loop->running;
@@ -102,7 +102,7 @@ class LowPriorityThread {
   std::mutex mutex_;  // guards the members below and all loops
   std::condition_variable changed_;
   std::vector<Loop*> loops_;
-  std::thread thread_;  // last: its function uses the other members
+  std::thread thread_;  // last member: its function uses the others
 };
 
 LowPriorityThread& SharedLowPriorityThread() {

@@ -28,7 +28,7 @@ std::string Alternatives(const std::vector<std::string>& names) {
   return text;
 }
 
-// Constraint of a number as text. Bounds are divided by `unit`.
+// Constraint of a number as text, with bounds divided by `unit`.
 std::string NumberRule(const Option& option, double unit) {
   const double min = option.min / unit, max = option.max / unit;
   if (std::isinf(min)) return "finite";

@@ -9,7 +9,6 @@
 namespace surfit {
 namespace {
 
-// Distance weights of the filter window, row by row.
 std::vector<float> TriangleWeights(int radius) {
   std::vector<float> weights;
   for (int dv = -radius; dv <= radius; ++dv) {
@@ -21,8 +20,8 @@ std::vector<float> TriangleWeights(int radius) {
   return weights;
 }
 
-// Filtered inverse depth in units of the cut-off. Sums differences to the central pixel, because
-// sums of values would lose precision.
+// Filtered inverse depth in units of the cut-off. Sums differences to the centre, because sums of
+// values lose precision.
 template <typename V>
 V FilteredInverse(const float* at, std::ptrdiff_t stride, int radius, const float* weights) {
   const V center = V::Load(at);

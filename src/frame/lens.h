@@ -6,7 +6,7 @@
 
 namespace surfit {
 
-// Scalar: float, double, or Lanes of float or double.
+// Scalar: float, double or Lanes.
 template <typename Scalar>
 struct LensPixel {
   using Truth = decltype(Scalar() > Scalar());
@@ -18,8 +18,8 @@ struct LensPixel {
 // = x^2 + y^2 and k = 1 + k1 r2 + k2 r2^2 + k3 r2^3, the pixel of a point is
 //   u = fx (x k + 2 p1 x y + p2 (r2 + 2 x^2)) + cx,
 //   v = fy (y k + p1 (r2 + 2 y^2) + 2 p2 x y) + cy.
-// A point is invisible if Z <= 0, or if r k decreases with r: the polynomial would fold the point
-// back into the image. The image border is not tested.
+// A point is invisible if Z <= 0, or if r k decreases with r (invalid range of the polynomial). The
+// image border is not tested.
 template <typename Scalar>
 class Lens {
  public:
@@ -54,7 +54,7 @@ class Lens {
   Scalar fx_, fy_, cx_, cy_, k1_, k2_, p1_, p2_, k3_;
 };
 
-// Returns true if the pixel is visible and inside the image.
+// True if the pixel is visible and inside the image.
 template <typename Scalar>
 typename LensPixel<Scalar>::Truth IsInImage(const PinholeCamera& camera,
                                             const LensPixel<Scalar>& pixel) {

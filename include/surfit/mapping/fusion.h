@@ -95,8 +95,8 @@ class Fusion {
 };
 
 struct DuplicateOptions {
-  // Minimum number of frames between the last observation of the older surfel and the first
-  // observation of the newer surfel, minus 1.
+  // Duplicates have more than this number of frames between the last observation of the older and
+  // the first observation of the newer surfel.
   int frames_apart = 100;
   int newer_since = std::numeric_limits<int>::min();  // minimum first_seen of the newer surfel
 };
