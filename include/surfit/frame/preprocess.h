@@ -48,7 +48,7 @@ FrameLevel HalfResolution(const FrameLevel& fine, const PreprocessOptions& optio
 FramePyramid BuildPyramid(FrameLevel finest, const PreprocessOptions& options);
 
 // Filter, vertex map, normal map and pyramid of a depth image in m. The pyramid has no intensities.
-// An image size other than that of `sensor` is not checked.
+// The image must have the size of the camera, which is not checked.
 FramePyramid PreprocessDepth(const Image<float>& depth_m, const DepthSensor& sensor,
                              const PreprocessOptions& options);
 

@@ -13,8 +13,8 @@
 namespace surfit {
 namespace {
 
-// Largest standard deviation over all directions. The covariance assumes independent points, so it
-// is multiplied by EdgeNoise::shared_points.
+// Largest standard deviation over all directions. EdgeNoise::shared_points corrects the covariance,
+// which assumes independent points.
 double LargestSigma(const Eigen::Matrix3d& covariance) {
   const double largest =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly)
