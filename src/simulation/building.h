@@ -41,7 +41,7 @@ struct BuildingPlan {
   // Length of the rows, and depth of the ring, m.
   double Length() const { return columns * (kRoomWidth_m + kGap_m) - kGap_m; }
   static double Depth() { return 2 * kCorridor_m + 2 * kRoomDepth_m + 3 * kGap_m; }
-  // Centre lines of the corridors, m: y of the south and north corridors, x of all others.
+  // Centre lines of the corridors, m: y of south and north corridors, x of the others.
   static double SouthAisle() { return kCorridor_m / 2; }
   static double NorthAisle() { return Depth() - kCorridor_m / 2; }
   static double WestAisle() { return -kGap_m - kCorridor_m / 2; }
@@ -58,7 +58,7 @@ struct BuildingPlan {
 std::vector<Eigen::Vector3d> BuildingRoute(const BuildingPlan& plan);
 
 struct RoomPlan;
-// Adds steps, landings, handrails and pictures of the flight from `floor` to the next floor.
+// Adds the flight from `floor` to the next floor: steps, landings, handrails and pictures.
 void AddFlight(const RoomPlan& staircase, int floor);
 
 Scene MakeBuilding(std::uint64_t seed, const BuildingOptions& options);

@@ -203,17 +203,17 @@ struct SlamRunSummary {
 //   report files, places.bin    by the options
 //
 // With a continued session, frame indices, poses and the map are those of the session. Frames that
-// the session has from the same recording are skipped. A sequence of the format watch runs until
-// its end (WatchFolder()). Frames that cannot be read are skipped and counted.
+// the session already has are skipped. A sequence of the format watch runs until its end
+// (WatchFolder()). Unreadable frames are skipped and counted.
 //
-// `progress` is called on the calling thread after every frame, after every refinement round and
-// for every frame of the final map. Its duration is excluded from the frame times. If `interrupted`
-// becomes true, the current frame (at least the first frame) is completed and all results are
-// written. `finished`, if not empty, is called after all files are written without an error.
+// `progress` is called on the calling thread after every frame and refinement round, and for every
+// frame of the final map. Frame times exclude it. If `interrupted` becomes true, the current frame
+// is completed and all results are written. `finished`, if not empty, is called on the calling
+// thread after success.
 //
 // Throws InputError for invalid options, for an output folder that another run is writing to, and
-// if no frame can be read. After the first frame, errors (out of memory, full disk, read error) end
-// the run. All results that can be written are written, and the error is thrown as InputError.
+// if no frame can be read. Later errors (out of memory, full disk, read error) end the run: all
+// possible results are written, then InputError is thrown.
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
                        const std::function<void(const SlamRunProgress&)>& progress,
                        const std::function<void(const SlamRunResult&)>& finished = {});

@@ -15,10 +15,9 @@ namespace surfit {
 //               the pose graph, the calibration, and the list of map tiles
 //   tiles/      the map, one file per 2 m cube with surfels: X_Y_Z.N.tile, written by save N
 //               and never changed
-// A save writes the changed tiles, and then commits all other changes in one transaction. Tiles
-// without reference are deleted later. Therefore the folder contains a complete last save, however
-// the process ends. Each row has a checksum of its values. The row of a tile has the checksum of
-// its file, and the session row has the row counts of all other tables.
+// A save writes the changed tiles, then commits all other changes in one transaction. Tiles without
+// reference are deleted later. So the folder has a complete last save, even after a crash.
+// Checksums protect all rows and tiles.
 //
 // Frame indices of a session increase over all its runs.
 

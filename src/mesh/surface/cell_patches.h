@@ -8,9 +8,9 @@ namespace surfit {
 // Surface patches in a grid cell (Nielson 2004, dual marching cubes). Corner c of a cell is at (c &
 // 1, c >> 1 & 1, c >> 2). Bit c of a pattern is set if corner c is behind the surface.
 //
-// The surface cuts edges between corners on different sides, and connects the cut edges of each
-// face. If a face is ambiguous, the corners behind the surface are separated. The cut edges form
-// cycles. Each cycle is a patch of the surface and a vertex of the mesh.
+// The surface cuts edges between corners on different sides. In each face, it connects the cut
+// edges; an ambiguous face separates the corners behind the surface. Each cycle of cut edges is a
+// patch and a vertex of the mesh.
 struct CellPatches {
   static constexpr int kEdges = 12, kCorners = 8;
   static constexpr std::uint8_t kNone = 0xff;  // edge without cut
