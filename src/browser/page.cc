@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// JSON with '<' escaped, so that no string ends the script element. Replaces invalid UTF-8.
+// JSON with '<' escaped, so that no string ends the script element.
 std::string ToScriptText(const Json& json) {
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string safe;
@@ -36,7 +36,6 @@ std::string Escaped(const std::string& text) {
   return escaped;
 }
 
-// Percent-encodes a file path as URL.
 std::string AddressOf(const std::string& path) {
   std::ostringstream address;
   for (const char c : path) {

@@ -39,8 +39,7 @@ class PlainPage {
 
   void Section(const std::string& title);
   void Paragraph(const std::string& text);
-  void Picture(const std::string& file);  // path relative to the page
-  // The first row has the column headings.
+  void Picture(const std::string& file);
   void Table(const std::vector<std::vector<Cell>>& rows);
   void Write(const std::string& title, const std::string& path) const;
 

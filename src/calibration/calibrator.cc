@@ -10,19 +10,16 @@
 namespace surfit {
 namespace {
 
-// Stride of the keyframe pixels: there are far more pixels than surfels.
 constexpr int kFrameStride = 2;
 
-// Side of an image region with fully correlated model error, in cells. Few keyframes do not average
-// this error out.
+// Side of an image region with fully correlated model error, in cells.
 constexpr int kSharedCells = 4;
 
-// Number of additional keyframes before the next task. All tasks together take about five times as
-// long as the last task.
+// Number of additional keyframes before the next task.
 std::size_t MoreKeyframes(std::size_t keyframes) { return std::max<std::size_t>(1, keyframes / 4); }
 
 // Number of frames from the start of a task to the use of its result. On two cores at 30 Hz, a task
-// needs about half of this time. It needs 2 frames for 4 keyframes, 10 for 19, and 32 for 42.
+// needs about half of this time.
 int DelayFrames(int keyframes) { return 1 + keyframes / 2 + keyframes * keyframes / 40; }
 
 DepthSensor Subsampled(DepthSensor sensor) {

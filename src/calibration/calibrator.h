@@ -42,7 +42,6 @@ class Calibrator {
 
   // Adds a keyframe with measured images, which are copied.
   void AddKeyframe(const RgbdFrame& frame);
-  // Last stored keyframe; null if calibration needs no more keyframes.
   std::shared_ptr<const RgbdFrame> last_keyframe() const {
     return frames_.empty() ? nullptr : frames_.back();
   }
@@ -51,15 +50,15 @@ class Calibrator {
   bool IsTaskDue() const {
     return !task_.IsPending() && next_count_ > 0 && frames_.size() >= next_count_;
   }
-  // Starts a task. `world_from_keyframe` has the poses of all keyframes. `trajectory` has all
-  // frames, for the motion during readout.
+  // `world_from_keyframe` has the poses of all keyframes. `trajectory` has all frames, for the
+  // motion during readout.
   void StartTask(std::vector<Rigid3d> world_from_keyframe, const Trajectory& trajectory);
 
   BackgroundTask<Outcome>& task() { return task_; }
   // Returns the task result, and makes its calibration the current one.
   Outcome Take();
 
-  // Drops the running task. No other task starts.
+  // Drops the running task.
   void End();
 
  private:

@@ -25,7 +25,7 @@ void Fill(int file, const std::string& path, bool to_disk,
   if (!buffer.Close(to_disk)) ThrowCannotWrite(path);
 }
 
-// Creates a temporary file with a unique name. Files of killed processes can still exist.
+// Creates a temporary file with a unique name.
 std::string MakePartial(const std::string& path, int* file) {
   static std::atomic<int> count{0};
   std::string partial;

@@ -11,8 +11,8 @@
 namespace surfit {
 
 // Runs the parallel loops of a task at low priority. On Linux, one thread of the lowest priority
-// runs the blocks of the loops. The thread of the task keeps its priority. After Await(), loops run
-// in parallel as usual. So a waiting thread waits for at most one block at low priority.
+// runs the blocks of the loops. The thread of the task keeps its priority. So a waiting thread
+// waits for at most one block at low priority.
 class LowPriorityScope {
  public:
   LowPriorityScope();
@@ -59,10 +59,9 @@ class BackgroundTask {
 
   // True from Start() until Take() or Drop().
   bool IsPending() const { return result_.valid(); }
-  // Counts one step. Returns true if a result is due.
+  // Returns true if a result is due.
   bool IsDueAfterStep() { return IsPending() && --steps_left_ <= 0; }
-  // Counts one step. Returns true if a result is due and ready. Ends the low priority of an overdue
-  // task.
+  // Returns true if a result is due and ready. Ends the low priority of an overdue task.
   bool IsReadyAfterStep() {
     if (!IsDueAfterStep()) return false;
     if (!IsAtWork()) return true;

@@ -38,7 +38,6 @@ class OpenFile {
   std::string Read(std::size_t most) const {
     std::string bytes;
     std::size_t used = 0;
-    // With one more byte, the second read() returns 0 without a larger buffer.
     std::size_t room = is_regular() ? size() + 1 : std::size_t{1} << 16;
     while (used < most) {
       bytes.resize(std::min(room, most));
@@ -64,7 +63,6 @@ void RequireNoMoreThan(std::size_t most, std::size_t bytes, const std::string& p
   throw InputError(path, " is too large, must have ", most, " bytes at most");
 }
 
-// Ignores brackets within JSON strings.
 void RequireShallow(const std::string& json, const std::string& path) {
   int depth = 0;
   bool in_string = false;

@@ -22,7 +22,6 @@ int CreateFileExclusively(const std::string& path);
 // errors.
 int OpenSpecialFile(const std::string& path);
 
-// Returns false and sets errno if not all bytes were written.
 bool WriteAll(int file, const char* bytes, std::size_t count);
 
 // Stream buffer that owns an open file. All writes after an error fail.

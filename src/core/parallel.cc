@@ -66,7 +66,7 @@ struct ThreadLimit::State {
 
 ThreadLimit::ThreadLimit(int threads) {
   ThrowIf(threads < 1 || threads > 1024, "threads is ", threads, ", must be from 1 to 1024");
-  // OpenCV only decodes and draws images. Its threads would exceed the limit.
+  // Its threads would exceed the limit.
   cv::setNumThreads(1);
   state_ = std::make_unique<State>(threads);
 }
@@ -104,7 +104,6 @@ void ParallelFor(int begin, int end, int grain, const std::function<void(int, in
 
 void RunInBackground(std::function<void()> task) {
   CHECK_GT(ThreadCount(), 1) << "background tasks need a limit of at least 2 threads";
-  // In a separate arena, because a waiting parallel loop must not run the task.
   static tbb::task_arena* const arena = new tbb::task_arena(2, 1);
   static SanitizerFence fork;
   fork.Release();

@@ -10,7 +10,6 @@ namespace surfit {
 // Throws InputError for an unknown flag.
 Option SharedOption(const std::string& flag);
 
-// Shared flag with additional rules.
 template <typename... Rules>
 Option SharedOption(const std::string& flag, const Rules&... rules) {
   Option option = SharedOption(flag);

@@ -21,7 +21,7 @@ class TraceFile {
 
   explicit TraceFile(const std::string& path) : file_(path), start_(Clock::now()) {
     text_ << '[';
-    ThreadNumber();  // gives number 1 to this thread
+    ThreadNumber();
     Write();
   }
 
@@ -72,8 +72,7 @@ class TraceFile {
     return text;
   }
 
-  // Number of the calling thread, from 1 in the order of first use. The first use writes the thread
-  // name.
+  // Number of the calling thread, from 1 in the order of first use.
   int ThreadNumber() {
     const auto [thread, is_new] =
         threads_.emplace(std::this_thread::get_id(), static_cast<int>(threads_.size()) + 1);
@@ -86,7 +85,7 @@ class TraceFile {
     return number;
   }
 
-  std::mutex mutex_;  // guards all other members
+  std::mutex mutex_;
   AppendedFile file_;
   std::ostringstream text_;  // not yet written
   std::exception_ptr failure_;

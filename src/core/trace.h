@@ -43,7 +43,6 @@ class TraceSlice {
   std::chrono::steady_clock::time_point begin_;
 };
 
-// Slice that adds its duration to a sum, also without a recorder.
 class StageTimer {
  public:
   StageTimer(const char* name, int frame, double* sum_ms)

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kKernelWidth = 0.06;      // intensity, from 0 to 1
 constexpr double kPointsPerResidual = 25;  // points with correlated errors
-constexpr double kSigma = 0.01;            // prior of the rendered pose, m and rad
-constexpr double kMinSlope = 0.008;        // minimum intensity gradient of a point, 1/px
+constexpr double kSigma = 0.01;
+constexpr double kMinSlope = 0.008;
 constexpr int kStride_px = 2;
 constexpr int kMinPoints = 500;
 constexpr int kPixelGrain = 4096;
@@ -47,7 +47,6 @@ Image<float> Smoothed(const Image<float>& grey, double smoothing_px) {
   return smoothed;
 }
 
-// Point of the rendered view, in the camera frame.
 struct Point {
   Eigen::Vector3d at;
   double intensity;
@@ -97,7 +96,7 @@ class ColorRegistration {
   }
 
  private:
-  // Normal equations. `hessian` has the lower triangle only.
+  // `hessian` has the lower triangle only.
   struct System {
     Matrix8d hessian = Matrix8d::Zero();
     Vector8d gradient = Vector8d::Zero();

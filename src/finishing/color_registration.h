@@ -10,7 +10,6 @@
 
 namespace surfit {
 
-// Extrapolates a pose by `seconds` with constant velocity.
 Rigid3d ExtrapolatePose(const Rigid3d& world_from_camera, const CameraMotion& motion,
                         double seconds);
 

@@ -64,7 +64,6 @@ class SequenceFusion {
   DepthSensor sensor_;
 };
 
-// Recolours a map from one sequence. Registers each colour image to the map first.
 class Recoloring {
  public:
   Recoloring(const PosedSequence& known, const SequenceInfo& info, const SurfelMap& map,
@@ -91,7 +90,7 @@ class Recoloring {
   }
 
  private:
-  static constexpr int kColumns = 320;  // approximate width of the rendered views, px
+  static constexpr int kColumns = 320;
 
   // Minimum depth of each pixel block. 0: a pixel of the block has no depth.
   Image<float> Coarse(const Image<float>& depth_m) const {
@@ -213,7 +212,6 @@ class FinalMap {
   const std::atomic<bool>& interrupted_;
   const FinalMapProgress& progress_;
   SurfelMap map_;
-  // `done_` counts thirds of a frame: fusion has two thirds, colours have one.
   int fused_ = 0, done_ = 0;
 };
 

@@ -12,7 +12,7 @@ namespace surfit {
 
 struct RefinedSequence {
   std::size_t keyframes = 0;
-  RefinementSummary summary;  // with the calibration of the prepared frames
+  RefinementSummary summary;
   // Unchanged if the refinement failed.
   Trajectory trajectory;
   EstimatedSensor found;

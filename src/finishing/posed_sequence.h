@@ -23,12 +23,11 @@ namespace surfit {
 // Estimated calibration for prepared frames: undistorted and downsampled, with the input depth
 // field applied.
 struct EstimatedSensor {
-  std::optional<DepthCalibration> calibration;  // std::nullopt: input calibration
-  double color_latency_s = 0;                   // in addition to the input latency
+  std::optional<DepthCalibration> calibration;
+  double color_latency_s = 0;  // in addition to the input latency
 
   // Returns the input sensor with the estimated camera and readout.
   DepthSensor Of(DepthSensor given) const;
-  // Corrects depth and colour timestamp of a prepared frame.
   void Correct(RgbdFrame* frame) const;
 };
 
@@ -42,9 +41,8 @@ struct PosedSequence {
   const SequenceOptions& sequence;  // options of the run
   const SlamOptions& slam;
   const Trajectory& trajectory;
-  const std::vector<int>& frames;  // frame index of each pose, ascending
-  const std::set<int>& left_out;   // indices of frames that are not fused
-  // FrameReport::moving by frame index
+  const std::vector<int>& frames;
+  const std::set<int>& left_out;  // indices of frames that are not fused
   const std::map<int, Image<std::uint8_t>>& moving;
   EstimatedSensor found;
 };

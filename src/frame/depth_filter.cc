@@ -39,7 +39,6 @@ V FilteredInverse(const float* at, std::ptrdiff_t stride, int radius, const floa
   return center + sum / weight_sum;
 }
 
-// Filters one row of a band with inverse depths in units of 1/scale, 1/m.
 template <typename V>
 void FilterRow(const InverseDepthBand& band, int v, int width, int radius, const float* weights,
                float scale, float* depth_m) {

@@ -16,7 +16,6 @@ class InverseDepthBand {
  public:
   static constexpr float kMissing = -1e30f;
 
-  // Allocates `rows` rows of `width` pixels, with a margin in px.
   InverseDepthBand(int width, int rows, int margin)
       : width_(width),
         margin_(margin),
@@ -53,7 +52,7 @@ class InverseDepthBand {
   int width_;
   int margin_;
   std::ptrdiff_t stride_;
-  int first_ = 0;  // image row of the uppermost row
+  int first_ = 0;
   std::unique_ptr<float[]> values_;
 };
 

@@ -6,12 +6,11 @@
 
 namespace surfit {
 
-// Scalar: float, double or Lanes.
 template <typename Scalar>
 struct LensPixel {
   using Truth = decltype(Scalar() > Scalar());
   Scalar u = 0, v = 0;  // px
-  Truth is_seen{};      // false: u and v are invalid
+  Truth is_seen{};
 };
 
 // Camera with lens distortion (Brown's model, coefficients as in OpenCV). With x = X/Z, y = Y/Z, r2
@@ -39,7 +38,7 @@ class Lens {
     const Scalar x = point_x / point_z, y = point_y / point_z;
     const Scalar r2 = x * x + y * y, xy = x * y;
     const Scalar k = 1 + r2 * (k1_ + r2 * (k2_ + r2 * k3_));
-    const Scalar slope = 1 + r2 * (3 * k1_ + r2 * (5 * k2_ + r2 * 7 * k3_));  // d(r k) / dr
+    const Scalar slope = 1 + r2 * (3 * k1_ + r2 * (5 * k2_ + r2 * 7 * k3_));
     LensPixel<Scalar> pixel;
     pixel.u = fx_ * (x * k + 2 * p1_ * xy + p2_ * (r2 + 2 * x * x)) + cx_;
     pixel.v = fy_ * (y * k + p1_ * (r2 + 2 * y * y) + 2 * p2_ * xy) + cy_;
@@ -54,7 +53,6 @@ class Lens {
   Scalar fx_, fy_, cx_, cy_, k1_, k2_, p1_, p2_, k3_;
 };
 
-// True if the pixel is visible and inside the image.
 template <typename Scalar>
 typename LensPixel<Scalar>::Truth IsInImage(const PinholeCamera& camera,
                                             const LensPixel<Scalar>& pixel) {

@@ -49,10 +49,9 @@ class NormalRows {
   int radius_;
   float fx_, fy_;
   double cy_;
-  std::vector<float> du_;  // u - cx by column, padded to whole vectors
+  std::vector<float> du_;
 };
 
-// Removes normals at depth edges.
 template <typename V>
 void DropRow(const InverseDepthBand& band, const EdgeBounds& bounds, int v, VectorImage* normal) {
   const int width = normal->width();

@@ -11,7 +11,6 @@ namespace {
 constexpr int kMinWidth = 40;
 constexpr int kMinHeight = 30;
 
-// Blocks of 2 x 2 pixels, one per lane.
 template <typename V>
 struct Block {
   V pixel[4];

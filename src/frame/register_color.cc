@@ -57,7 +57,6 @@ ColorRegistration::ColorRegistration(const RgbdCamera& camera, int downsample)
 }
 
 void ColorRegistration::FindTaps(int v, const float* depth_m, BilinearTap* taps) const {
-  // R ray(u, v) is linear in u
   const PointRow points = {(rotation_ * pinhole_.Ray(0, v)).cast<float>(),
                            (rotation_.col(0) / pinhole_.fx).cast<float>(),
                            translation_.cast<float>()};

@@ -8,11 +8,10 @@
 
 namespace surfit {
 
-// Position for bilinear interpolation.
 struct BilinearTap {
-  std::int32_t index = -1;     // of the upper left pixel; -1: outside the image
-  std::uint16_t weight_u = 0;  // weight of the right pixels, 1/256
-  std::uint16_t weight_v = 0;  // weight of the lower pixels, 1/256
+  std::int32_t index = -1;
+  std::uint16_t weight_u = 0;
+  std::uint16_t weight_v = 0;
 };
 
 // Pixel coordinate in 1/256 px, plus 0.5 for rounding by truncation. Clamped to the pixel centres
@@ -52,9 +51,8 @@ inline Rgb8 SampleBilinear(const Image<Rgb8>& image, const BilinearTap& tap) {
 }
 
 // Registers colour to the undistorted, downsampled depth image. A depth pixel with the point x = d
-// ray has the colour at color_from_depth * x = d R ray + t. If this pixel does not depend on d (t =
-// 0, or registered colour), it is stored in a table. Otherwise, pixels without depth get no colour.
-// Occlusion is ignored: background pixels near depth edges can get the colour of the foreground.
+// ray has the colour at color_from_depth * x = d R ray + t. Occlusion is ignored: background pixels
+// near depth edges can get the colour of the foreground.
 class ColorRegistration {
  public:
   ColorRegistration(const RgbdCamera& camera, int downsample);
@@ -68,10 +66,10 @@ class ColorRegistration {
 
   PinholeCamera pinhole_;  // of the output
   PinholeCamera color_;
-  Eigen::Matrix3d rotation_;     // of color_from_depth
+  Eigen::Matrix3d rotation_;
   Eigen::Vector3d translation_;  // m
-  bool is_copy_;                 // colour pixels equal output pixels
-  Image<BilinearTap> taps_;      // empty if colour pixels depend on the depth
+  bool is_copy_;
+  Image<BilinearTap> taps_;  // empty if colour pixels depend on the depth
 };
 
 }  // namespace surfit

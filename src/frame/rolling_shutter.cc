@@ -15,7 +15,6 @@ namespace {
 // standard deviation of 2.4 sigmas.
 constexpr double kMaxBendSigmas = 6;
 
-// Lower bound of the depth ratio, for finite values.
 constexpr double kMinScale = 0.1;
 
 // Displacement to the middle of the readout in px, ratio of new to old depth, and old inverse depth
@@ -30,8 +29,7 @@ std::vector<float> ColumnsOf(int width) {
   return columns;
 }
 
-// Moves the points X of row v to X + tau (turn x X + velocity). All terms are divided by the depth
-// of X.
+// Moves the points X of row v to X + tau (turn x X + velocity).
 template <typename V>
 void MoveRow(const Image<float>& depth_m, const DepthSensor& sensor, const CameraMotion& motion,
              const std::vector<float>& columns, int v, MovedPixels* moved) {
@@ -72,7 +70,6 @@ MovedPixels MovePixels(const Image<float>& depth_m, const DepthSensor& sensor,
   return moved;
 }
 
-// Finds source pixel and depth of each output pixel of a row.
 template <typename V>
 class OriginFinder {
  public:
@@ -93,7 +90,6 @@ class OriginFinder {
  private:
   using Mask = typename V::Mask;
 
-  // Pixels with their four neighbours.
   struct Neighbours {
     V u, v, du, dv, scale, inverse, left, right, above, below;
   };
@@ -140,7 +136,6 @@ class OriginFinder {
     return near;
   }
 
-  // Slope of inverse depth per pixel; 0 at depth edges.
   V Slope(const V& before, const V& here, const V& after) const {
     const Mask continues =
         (before > V(0.)) & (after > V(0.)) & (abs(before + after - here * 2.) <= max_bend_);

@@ -26,7 +26,6 @@ struct KdTree::Box {
   }
 };
 
-// Sorts points by leaf: recursive median splits along the longest side of the bounding box.
 class KdTree::Sorter {
  public:
   struct Item {

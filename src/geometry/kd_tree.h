@@ -31,7 +31,6 @@ class KdTree {
   explicit KdTree(const std::vector<Eigen::Vector3f>& points);
 
   std::size_t size() const { return order_.size(); }
-  // Input index of each rank.
   const std::vector<std::uint32_t>& order() const { return order_; }
   Eigen::Vector3f Point(std::uint32_t rank) const { return {x_[rank], y_[rank], z_[rank]}; }
 
@@ -72,9 +71,9 @@ class KdTree {
     return static_cast<std::uint32_t>(leaf * order_.size() >> depth_);
   }
 
-  int depth_ = 0;                     // number of binary splits; the tree has 2^depth leaves
+  int depth_ = 0;
   std::vector<std::uint32_t> order_;  // by rank
-  std::vector<float> x_, y_, z_;      // by rank; padded with kWidth NaN
+  std::vector<float> x_, y_, z_;
   // Root first. Child c of node i is node 8 i + c of the next level.
   std::vector<std::vector<Node>> levels_;
 };

@@ -39,7 +39,6 @@ class KdTree::Search {
 
  private:
   static Float4 Square(Float4 a) { return a * a; }
-  // Distance of a coordinate to the intervals; 0 inside, NaN for intervals of NaN.
   static Float4 Outside(const float* low, const float* high, Float4 coordinate) {
     return Max(Max(Load4(low) - coordinate, coordinate - Load4(high)), Float4{});
   }

@@ -3,7 +3,6 @@
 namespace surfit {
 namespace {
 
-// Interpolates two transforms: the rotation, and the displacement of a point.
 Rigid3d Between(const Rigid3d& from, const Rigid3d& to, double share,
                 const Eigen::Vector3d& point) {
   const Eigen::Quaterniond rotation = from.rotation.slerp(share, to.rotation);

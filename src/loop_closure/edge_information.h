@@ -7,7 +7,7 @@ namespace surfit {
 
 // Information matrix of the odometry edge from keyframe a to keyframe b, in the frame of a.
 // `frames` is the number of frames from a to b. The covariance is the accumulated registration
-// covariance plus the noise. It is large along unobservable directions.
+// covariance plus the noise.
 Matrix6d OdometryInformation(const IcpResult& icp, int frames, const Rigid3d& a_from_b,
                              const EdgeNoise& noise);
 

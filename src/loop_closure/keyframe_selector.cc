@@ -5,7 +5,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kStridePx = 8;  // stride of the pixels for the overlap
+constexpr int kStridePx = 8;
 // Minimum depth behind a surface of an occluded point, relative to its depth.
 constexpr double kHiddenRatio = 0.1;
 // Minimum motion of a keyframe by overlap or number of frames. Relative to `max_distance_m` and

@@ -13,7 +13,6 @@
 
 namespace surfit {
 
-// Returns a callback that computes the view at its first call.
 ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options);
 
 PoseGraphEdge LoopEdge(const LoopVerification& attempt, const EdgeNoise& noise);
@@ -26,16 +25,16 @@ struct KeyframeForLoops {
 
 struct LoopTask {
   std::vector<KeyframeForLoops> added;  // new keyframes
-  PoseGraph graph;                      // snapshot with all keyframes
+  PoseGraph graph;
 };
 
 // Result of a task, applied to the pose store by the caller.
 struct LoopOutcome {
   std::vector<LoopRecord> attempts;
-  bool optimised = false;                    // new loops exist, and the solver succeeded
-  std::vector<Rigid3d> world_from_keyframe;  // of all keyframes, if optimised
-  std::vector<bool> loops_in_graph;          // of all verified loops so far, if optimised
-  std::size_t removed_views = 0;             // by LimitKeyframes()
+  bool optimised = false;
+  std::vector<Rigid3d> world_from_keyframe;
+  std::vector<bool> loops_in_graph;
+  std::size_t removed_views = 0;  // by LimitKeyframes()
 };
 
 // Finds loops and optimises the pose graph in background tasks. Owns the keyframe views and their

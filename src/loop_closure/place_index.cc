@@ -74,7 +74,7 @@ std::vector<PlaceCandidate> PlaceIndex::Query(
     const std::function<bool(int keyframe)>& is_wanted) const {
   std::map<int, double> votes;
   double all_votes = 0;
-  std::vector<int> found;  // keyframes with a matching feature
+  std::vector<int> found;
   for (const PlaceFeature& feature : view.features) {
     found.clear();
     for (int table = 0; table < options_.tables; ++table) {

@@ -10,7 +10,6 @@
 namespace surfit {
 namespace {
 
-// Pyramids of a keyframe view, for registration.
 class ExpandedView {
  public:
   // The view must not be empty.
@@ -35,9 +34,9 @@ class ExpandedView {
   }
 
  private:
-  FramePyramid finest_;         // finest level only
-  FramePyramid coarser_;        // coarser levels, or the finest level if it is the only one
-  BrightnessLevel brightness_;  // brightness of the first coarse level; 0: unknown
+  FramePyramid finest_;   // finest level only
+  FramePyramid coarser_;  // coarser levels, or the finest level if it is the only one
+  BrightnessLevel brightness_;
   bool has_color_;
 };
 

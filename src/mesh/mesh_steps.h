@@ -13,8 +13,7 @@ namespace surfit {
 // Steps of MeshSurfels(), in order of execution.
 
 // Scales the relative sigmas of surfels to m. The scale is the median ratio of the measured
-// distance from local planes to sigma. Surfels with larger distances get a larger sigma, up to a
-// factor of four.
+// distance from local planes to sigma.
 void FindSigmas(std::vector<MeshSurfel>* surfels);
 
 // Moves surfels along their normals into local planes, and replaces their normals. Planes are
@@ -25,8 +24,7 @@ void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& d
                    std::vector<MeshSurfel>* surfels);
 
 // Zero level set of the field by dual marching cubes (Nielson 2004). Each surface patch in a cell
-// becomes a vertex with normal and colour of nearby surfels. Each cut grid edge becomes two
-// triangles.
+// becomes a vertex with normal and colour of nearby surfels.
 //
 // A vertex needs a nearby surfel whose normal agrees with the sign of the field. `done` is called
 // from several threads with the completed ratio.

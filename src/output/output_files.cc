@@ -175,7 +175,7 @@ InverseDepthField Combined(const DepthCalibration& given, const DepthCalibration
   return sum;
 }
 
-// Camera of the full-size images. `found` was estimated from undistorted and downsampled images.
+// Camera of the full-size images.
 RgbdCamera Calibrated(RgbdCamera camera, const DepthCalibration& given,
                       const DepthCalibration& found) {
   const bool mirrored = camera.depth.fy < 0;

@@ -10,12 +10,11 @@
 
 namespace surfit {
 
-// Results of a run of surfit_slam, without the map.
 struct RecordedRun {
   Trajectory trajectory;
   std::map<int, Rigid3d> world_from_camera;  // by frame index
-  EstimatedSensor found;                     // of the prepared frames
-  std::set<int> held_out;                    // indices of held-out frames
+  EstimatedSensor found;
+  std::set<int> held_out;
 };
 
 // Reads poses.json and summary.json from the folder of a run. Throws InputError with the path of a

@@ -30,7 +30,7 @@ Trajectory ReadEstimate(const std::string& path, const SequenceInfo& info);
 
 struct PosedView {
   ColoredView view;
-  std::optional<Rigid3d> world_from_camera;  // ground-truth pose, if known
+  std::optional<Rigid3d> world_from_camera;
 };
 
 // Reads frame `index` without intensities, regardless of `first`, `last` and `stride`. Throws

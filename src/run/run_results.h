@@ -17,11 +17,11 @@ struct RunOutcome {
   const SequenceInfo& info;
   const RunTrajectory& trajectory;
   const EstimatedSensor& found;
-  const Backend* backend;  // null without loops and calibration
+  const Backend* backend;
   const SurfelMap& map;
   const KeptViews& views;
   const Thumbnails& thumbnails;
-  const std::vector<double>& stamps_s;  // timestamps of all frames, also unreadable ones
+  const std::vector<double>& stamps_s;
   const std::optional<TrajectoryEvaluation>& evaluation;
   const SlamRunOptions& options;
 };

@@ -99,7 +99,6 @@ RunSession::RunSession(SlamRunOptions* options) : options_(*options) {
   shift_ = first_index_ - options->sequence.first;
 }
 
-// Skips frames that the session already has.
 void RunSession::ContinueAfter(const std::vector<SessionRun>& runs, SequenceOptions* sequence) {
   const std::string path = FullPath(sequence->path);
   const int newest = state_->frames.back().index;

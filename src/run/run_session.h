@@ -22,9 +22,8 @@ class RunSession {
   // localisation in an empty session.
   explicit RunSession(SlamRunOptions* options);
 
-  // Frame index of the sequence to index of the session.
   void Shift(ReadResult* result) const;
-  int first_index() const { return first_index_; }  // session index of the first frame of the run
+  int first_index() const { return first_index_; }
   bool is_localized() const { return options_.localize; }
   bool has_state() const { return state_.has_value(); }
 
@@ -35,7 +34,6 @@ class RunSession {
   void Begin(const SequenceInfo& info, Slam* slam);
   // Call after each frame. Saves periodically.
   void Offer(const Slam& slam, double stamp_s);
-  // Saves the state after the last frame.
   void Finish(const Slam& slam);
   // Replaces poses, calibration and map after Finish(). `frames`: session index of each pose.
   // Residuals of the pose graph do not change.
@@ -50,7 +48,7 @@ class RunSession {
   const SlamRunOptions& options_;
   std::unique_ptr<SessionWriter> writer_;  // null for localisation
   std::optional<SlamState> state_;
-  DepthSensor sensor_;          // input sensor of the session
+  DepthSensor sensor_;
   bool is_contiguous_ = false;  // the run follows the last frame of the session directly
   int first_index_ = 0, shift_ = 0;
 };

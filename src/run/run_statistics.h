@@ -11,12 +11,10 @@
 namespace surfit {
 
 // Counts and times of the frames of a run, for the summary. elapsed_s() begins with construction.
-// The frame time is the time between the completions of consecutive frames, without excluded times.
 class RunStatistics {
  public:
   explicit RunStatistics(const SlamOptions& options);
 
-  // Starts the time of the first frame, after opening the sequence.
   void BeginFrames() { last_completion_ = Clock::now(); }
   // Counts a read or unreadable frame. Excludes ReadResult::waited_ms.
   void CountRead(const ReadResult& result);
@@ -26,11 +24,9 @@ class RunStatistics {
   void RecordPoseTime() { pose_known_ = Clock::now(); }
   // Completes the current frame. Returns its frame time, ms.
   double CompleteFrame();
-  // Adds the stage times of a processed frame, and the latencies of an offered frame.
   void AddTimes(const ReadResult& result, const StageTimes& times, double write_ms, bool offered);
   // Time of an offered frame since its arrival, ms.
   double AgeMs(const ReadResult& result) const { return AgeMs(result, Clock::now()); }
-  // Calls `call` and excludes its duration.
   template <typename Call>
   void LeaveOut(const Call& call) {
     const Clock::time_point before = Clock::now();
@@ -40,7 +36,6 @@ class RunStatistics {
 
   int frames_done() const { return summary_.frames_total + summary_.frames_dropped; }
   double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  // Timestamps of all frames, also unreadable ones.
   const std::vector<double>& stamps_s() const { return stamps_s_; }
 
   // Summary with counts and times only. Other fields have their defaults.

@@ -93,8 +93,7 @@ class SlamRun {
     }
   }
 
-  // Processes all frames and writes the results. After an error, writes the results of all complete
-  // frames, then throws InputError.
+  // Processes all frames and writes the results.
   SlamRunSummary Run(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     failures_.Try([&] { ProcessFrames(interrupted, progress); });
     if (!slam_) {
@@ -379,15 +378,15 @@ class SlamRun {
   OutputFolder folder_;
   std::unique_ptr<RunTrajectory> trajectory_;
   std::unique_ptr<FrameTable> frame_table_;
-  std::unique_ptr<Slam> slam_;                      // null before the first frame
-  EstimatedSensor found_;                           // estimated calibration of the prepared frames
+  std::unique_ptr<Slam> slam_;
+  EstimatedSensor found_;
   std::unique_ptr<LocalizationFile> localization_;  // null without localisation
   KeptViews views_;
   Thumbnails thumbnails_;
   RepeatedWarning skipped_{"frames skipped"}, without_truth_{"frames without a ground-truth pose"};
   Failures failures_;
   std::set<int> left_out_;  // held-out and duplicate frames: not in the final map
-  std::map<int, Image<std::uint8_t>> moving_;  // FrameReport::moving by frame index
+  std::map<int, Image<std::uint8_t>> moving_;
   std::optional<FinalRefinement> refinement_;
   std::optional<SurfelMap> final_map_;
   std::optional<double> final_map_s_;
@@ -402,8 +401,7 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
   Validate(options);
   const ThreadLimit limit(options.threads);
   SlamRunOptions run = options;
-  // Only lost frames are registered globally. For uncertain frames this takes too long: the next
-  // frame would be uncertain, too.
+  // Only lost frames are registered globally.
   if (options.OffersFrames()) {
     run.slam.confident_inlier_ratio = 0;
     run.slam.real_time = true;

@@ -27,7 +27,7 @@ class ChangedTiles {
   std::vector<ChangedTile> Take(const SurfelMap& map, int corrections, int last_frame);
 
  private:
-  std::vector<std::int32_t> counts_;  // number of surfels per cell at the last call
+  std::vector<std::int32_t> counts_;
   std::map<std::int64_t, std::vector<std::int32_t>> cells_of_tile_;
   int corrections_ = 0;
   int last_frame_ = 0;

@@ -12,7 +12,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kLockTimeout_ms = 3000;  // maximum wait for a lock of another program
+constexpr int kLockTimeout_ms = 3000;
 
 // Checksum of the table name, and of type and value of each column.
 std::int64_t ChecksumOf(const std::string& table, const Row& row) {

@@ -35,8 +35,8 @@ class Database {
   const std::string& path() const { return path_; }
 
   void Run(const std::string& sql);
-  std::int64_t Number(const std::string& sql);             // first column of the first row, or 0
-  std::vector<std::string> Texts(const std::string& sql);  // first column of each row
+  std::int64_t Number(const std::string& sql);
+  std::vector<std::string> Texts(const std::string& sql);
 
   // Inserts rows with checksums. Replaces rows with equal keys.
   void Put(const std::string& table, const std::vector<Row>& rows);

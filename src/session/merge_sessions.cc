@@ -85,7 +85,6 @@ void Append(std::vector<T> from, std::vector<T>* to) {
 
 class Merger {
  public:
-  // `gap`: frame indices between sessions
   Merger(Session first, int gap) : gap_(gap), all_(std::move(first)) {
     all_.state.settled_keyframes = all_.state.keyframes.size();
     first_keyframe_.push_back(0);
@@ -136,7 +135,7 @@ class Merger {
 
   const int gap_;
   Session all_;
-  std::vector<std::size_t> first_keyframe_;  // first keyframe of each session
+  std::vector<std::size_t> first_keyframe_;
   std::vector<int> first_frame_;
 };
 
@@ -177,8 +176,7 @@ MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOp
   const std::vector<PlaceView> views = merger.all().state.views;
   SlamOptions slam_options = options;
   slam_options.loops.enabled = true;
-  // Finds loops between sessions only. Loops within a session were already found, and would
-  // displace other candidates.
+  // Finds loops between sessions only.
   slam_options.loops.find.min_gap = gap;
   Slam slam(sensor, slam_options, std::move(merger.all().state), StateUse::kContinue);
   writer.Begin(runs, sensor, &slam);

@@ -10,7 +10,7 @@ namespace surfit {
 
 struct MergeSummary {
   std::size_t sessions = 0;
-  std::size_t loops_between = 0;   // accepted loop closures between sessions
+  std::size_t loops_between = 0;
   std::vector<std::string> apart;  // sessions that are not connected to the first session
   std::size_t frames = 0, keyframes = 0, surfels = 0;
   std::size_t merged_duplicates = 0;  // merged duplicate surfels
@@ -18,9 +18,9 @@ struct MergeSummary {
 
 // Merges sessions of the same sensor into a new session. Loops are found between each keyframe and
 // all earlier sessions. The joint pose graph is optimised with outlier rejection, and duplicate
-// surfels are merged. The first calibration of the sessions is used. Frames get new indices. The
-// input sessions do not change. Sessions without a loop closure become disconnected submaps. Throws
-// InputError like ReadSession() and SessionWriter, and for different sensors.
+// surfels are merged. The first calibration of the sessions is used. The input sessions do not
+// change. Sessions without a loop closure become disconnected submaps. Throws InputError like
+// ReadSession() and SessionWriter, and for different sensors.
 MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOptions& options,
                            const std::string& output);
 

@@ -195,7 +195,7 @@ class Loader {
   Database database_;
   SessionRow facts_;
   Session session_;
-  std::int64_t key_ = 0;  // key of the current row
+  std::int64_t key_ = 0;
 };
 
 bool IsSameSensor(const DepthSensor& a, const DepthSensor& b) {

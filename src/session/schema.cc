@@ -75,7 +75,6 @@ void PassColumns(KeyframeLink& keyframe, Io* io) {
   io->Pass(keyframe.frame, keyframe.parent_frame, keyframe.submap);
 }
 
-// `information`: packed information matrix of the edge.
 template <typename Io>
 void PassColumns(StoredEdge& kept, Blob& information, Io* io) {
   io->Pass(kept.edge.a, kept.edge.b, kept.edge.a_from_b, information, kept.edge.loop,

@@ -10,15 +10,13 @@
 
 namespace surfit {
 
-// Tables of session.db, and conversion of their rows.
-
 inline std::string DatabaseOf(const std::string& folder) { return folder + "/session.db"; }
 inline std::string TilesOf(const std::string& folder) { return folder + "/tiles"; }
 
 struct TableLayout {
   const char* name;
-  const char* columns;  // columns with types, key first, without checksum
-  std::size_t count;    // number of columns
+  const char* columns;
+  std::size_t count;  // number of columns
 };
 
 inline constexpr TableLayout kTables[] = {
@@ -102,7 +100,7 @@ class RowReader {
     ++at_;
     return *value;
   }
-  int TakeInt();  // fails for values outside the range of int
+  int TakeInt();
   template <typename... Ts>
   void Pass(Ts&... values) {
     (TakeInto(&values), ...);

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPeriod_s = 0.5;  // recording time between saves
-constexpr int kPeriodFrames = 15;  // maximum number of frames between saves
+constexpr double kPeriod_s = 0.5;
+constexpr int kPeriodFrames = 15;
 
 bool AreSame(const PosedFrame& a, const PosedFrame& b) {
   return a.index == b.index && a.keyframe == b.keyframe && a.segment == b.segment &&

@@ -27,7 +27,7 @@ struct SessionContent {
   std::optional<DepthCalibration> calibration;  // none: as given
   double color_latency_s = 0;
   const SurfelMap& map;
-  int map_corrections = 0;  // Slam::corrections_of_map()
+  int map_corrections = 0;
 };
 
 // Content of a Slam with loop closure.
@@ -67,7 +67,6 @@ class SessionWriter {
   std::int64_t waits() const { return waits_; }
 
  private:
-  // Keyframe whose view is not saved.
   struct UnsavedView {
     int frame = 0;
     ViewOfKeyframe view;
@@ -96,7 +95,7 @@ class SessionWriter {
   bool has_saved_ = false;
   std::vector<UnsavedView> new_views_;
   std::vector<SessionRun> runs_;  // new runs
-  std::int64_t first_run_ = 0;    // key of the first new run
+  std::int64_t first_run_ = 0;
   bool are_runs_saved_ = false;
 
   int frames_since_save_ = 0;

@@ -10,13 +10,12 @@ namespace {
 
 constexpr char kMagic[] = "surfit tile 2\n";
 constexpr std::size_t kHeadBytes = sizeof(kMagic) - 1 + sizeof(std::uint32_t);
-constexpr int kTileCellsAcross = 4;  // cells per tile and axis
+constexpr int kTileCellsAcross = 4;
 constexpr int kAxisBits = 20;
 constexpr int kFarthest = 1 << (kAxisBits - 1);
 
 int FloorDiv(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
-// Calls `column` in file order.
 template <typename Block, typename Call>
 void ForEachColumn(Block& block, const Call& column) {
   for (auto* floats : {block.x, block.y, block.z, block.confidence}) column(floats);

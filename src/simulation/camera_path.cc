@@ -15,8 +15,7 @@
 namespace surfit {
 namespace {
 
-// Numbers of random candidates and lengths of pieces. Buildings have long paths, so fewer whole
-// candidates and shorter pieces.
+// Numbers of random candidates and lengths of pieces.
 int Attempts(const Scene& scene, int in_a_room, int in_a_building) {
   return scene.cells.empty() ? in_a_room : in_a_building;
 }
@@ -51,7 +50,7 @@ Walk ChooseWalk(const Scene& scene, int frames, double step_m, Random* random) {
 struct Operator {
   Walk walk;
   Gaze gaze;
-  Hand moving, turning;  // m and rad per frame
+  Hand moving, turning;
 
   void Film(int begin, int end, double frames_per_second, Trajectory* path) {
     for (int i = begin; i < end; ++i) {
@@ -64,7 +63,7 @@ struct Operator {
   }
 };
 
-// Cost of a path; 0 if it meets all requirements. Buildings need no minimum ratio of planar views.
+// Cost of a path; 0 if it meets all requirements.
 double PathCost(const Scene& scene, const PathQuality& quality) {
   constexpr double kMaxPlanar = 0.45;
   const double least_planar = scene.cells.empty() ? 0.28 : 0;
@@ -143,7 +142,7 @@ SmoothPath::SmoothPath(Trajectory poses) : poses_(std::move(poses)) {
   }
   // Natural cubic spline. The second derivatives m with steps h satisfy
   //   h0 m0 + 2 (h0 + h1) m1 + h1 m2 = 6 ((y2 - y1) / h1 - (y1 - y0) / h0),
-  // with m = 0 at both ends. The tridiagonal system is solved by the Thomas algorithm.
+  // with m = 0 at both ends.
   second_derivatives_.assign(count, Knot::Zero());
   std::vector<double> above(count, 0);
   const auto step = [&](std::size_t i) { return poses_[i + 1].stamp_s - poses_[i].stamp_s; };

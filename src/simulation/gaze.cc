@@ -89,8 +89,7 @@ void Gaze::Advance(const Vector3d& position, double turn_rad) {
     ChooseTarget(position);
   }
   Steer((scene_->targets[target_] - position).normalized());
-  // At high or low elevations, the camera rotates more than the gaze direction. A fixed-point
-  // iteration finds the arc for a rotation by turn_rad.
+  // At high or low elevations, the camera rotates more than the gaze direction.
   constexpr int kIterations = 10;
   const Eigen::Quaterniond before = Orientation();
   const Vector3d direction = direction_, heading = heading_;

@@ -14,8 +14,8 @@ namespace surfit {
 // Geometric content of a view of 640 x 480 px with a focal length of 525 px. Visible pixels have
 // depths of 0.4 to 4.5 m.
 struct ViewQuality {
-  double visible_ratio = 0;     // ratio of visible pixels to all pixels
-  double two_planes_ratio = 0;  // ratio of visible pixels on the two largest flat faces
+  double visible_ratio = 0;
+  double two_planes_ratio = 0;
 
   bool IsPlanar() const { return two_planes_ratio >= 0.8; }
   // True if registration would be degenerate
@@ -24,10 +24,9 @@ struct ViewQuality {
 
 ViewQuality EvaluateView(const Scene& scene, const Rigid3d& world_from_camera);
 
-// View quality of a camera path, from every 10th frame.
 struct PathQuality {
-  double planar_ratio = 0;      // ratio of planar views
-  double degenerate_ratio = 0;  // ratio of degenerate views
+  double planar_ratio = 0;
+  double degenerate_ratio = 0;
 };
 
 PathQuality EvaluatePath(const Scene& scene, const Trajectory& path);

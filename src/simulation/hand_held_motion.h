@@ -135,7 +135,6 @@ class Walk {
   }
 
   std::optional<Loop> loop_;
-  // Centre and half size of the camera space; with a route, half size of the deviations.
   Eigen::Vector3d center_, half_;
   SmoothNoise3 curve_;
   double place_ = 0;

@@ -10,7 +10,7 @@ namespace surfit {
 namespace {
 
 constexpr double kMeanGrey = 0.18;
-constexpr double kMinLight = 1e-3;  // lower bound of the mean light
+constexpr double kMinLight = 1e-3;
 
 // First-order low-pass filter, updated once per frame. Always 0 if the lag is 0.
 class Lagged {

@@ -15,7 +15,7 @@ Scene MakeRoom(std::uint64_t seed);
 
 struct Doorway {
   static constexpr double kWidth_m = 1.2, kHeight_m = 2.1;
-  int wall;             // index for RoomPlan::WallFrame()
+  int wall;
   double at_m;          // x of the middle in the wall frame
   double bottom_m = 0;  // z of the lower edge in the wall frame
 };
@@ -34,7 +34,7 @@ struct RoomPlan {
   double width_m, depth_m;  // x in [0, width_m], y in [0, depth_m], floor at z = 0
   Eigen::Vector3d corner_in_world = Eigen::Vector3d::Zero();
   std::vector<Doorway> doorways = {};
-  double turn_rad = 0;  // rotation of the room about its corner
+  double turn_rad = 0;
   double height_m = kHeight_m;
   // Random numbers of pictures and rugs; null: `random`. Rooms with equal `random` have equal
   // furniture.
@@ -49,7 +49,6 @@ struct RoomPlan {
   }
   // Region of PointLight::lit: the room with half of each doorway.
   Eigen::AlignedBox3d Lit() const;
-  // Space between the walls.
   Eigen::AlignedBox3d SpaceInWorld() const;
   // Frame of wall i: x from 0 to WallLength(i) along its lower edge, y into the room, z up.
   Item WallFrame(int i) const;

@@ -23,8 +23,8 @@ void AddWall(const RoomPlan& room, int i, const Texture& paint) {
     wall.Box({from, 0, 0}, {to, 0.015, 0.08}, board);
   };
   const std::vector<Doorway> doorways = room.DoorwaysIn(i);
-  double end = -kThick_m;   // end of the wall so far
-  double skirting_end = 0;  // end of the skirting board so far
+  double end = -kThick_m;
+  double skirting_end = 0;
   for (std::size_t k = 0; k < doorways.size();) {
     const double at = doorways[k].at_m;
     const double from = at - Doorway::kWidth_m / 2, to = from + Doorway::kWidth_m;

@@ -65,7 +65,6 @@ Eigen::AlignedBox3d BoxInWorld(const Shape& shape, const Rigid3d& world_from_obj
   return {world_from_object.translation - reach, world_from_object.translation + reach};
 }
 
-// Cone about a unit axis with the length reach_m.
 struct Cone {
   Cone(Vector3d cone_apex, Vector3d unit_axis, double half_angle_rad, double cone_reach_m)
       : apex(std::move(cone_apex)),

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDoorwayY_m = 2.4;  // world y, about half the depth of a room
+constexpr double kDoorwayY_m = 2.4;
 constexpr double kCameraZ_m = 1.4;
 
 // Closed route through the doorways at x = first and x = second. It passes each room on one side,
@@ -48,7 +48,7 @@ Scene MakeThreeRooms(std::uint64_t seed) {
   constexpr double kBetween_m = 2 * RoomPlan::kThick_m;
   Scene scene;
   Random random(seed);
-  std::array<double, kRooms - 1> doorways;  // x of the middle of each doorway
+  std::array<double, kRooms - 1> doorways;
   double x = 0;
   for (int i = 0; i < kRooms; ++i) {
     RoomPlan room{&scene, &random, random.Uniform(5, 6.5), random.Uniform(4.8, 5.6), {x, 0, 0}};

@@ -30,7 +30,6 @@ double ShiftedDepth(const Image<float>& depth_m, double u, double v, double here
               b * ((1 - a) * disparity[1][0] + a * disparity[1][1]));
 }
 
-// Cosine of the angle between pixel ray and surface normal, from the depth image.
 double CosineOfIncidence(const Image<float>& depth_m, const PinholeCamera& camera, int u, int v) {
   // Point of another pixel, or of this pixel if the other one has no depth.
   const auto point = [&](int other_u, int other_v) -> Eigen::Vector3d {

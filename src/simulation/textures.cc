@@ -14,7 +14,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Random value in [0, 1) of a lattice point.
 float LatticeValue(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t seed) {
   const std::uint64_t key = static_cast<std::uint64_t>(x) * 0x8da6b343u +
                             static_cast<std::uint64_t>(y) * 0xd8163841u +

@@ -24,7 +24,6 @@ class Mapper : public ModelViews {
   void UseCalibration(const DepthCalibration* calibration) { calibration_ = calibration; }
 
   const SurfelMap& map() const { return map_; }
-  // Number of duplicate surfels that corrections have merged.
   std::size_t merged_duplicates() const { return merged_duplicates_; }
   int corrections() const { return corrections_; }
 
@@ -65,10 +64,10 @@ class Mapper : public ModelViews {
   Fusion fusion_;
   SurfelMap map_;
   ReferenceView view_;
-  bool has_view_ = false;     // `view_` uses the current calibration
-  bool is_view_new_ = false;  // the map has not changed since `view_`
+  bool has_view_ = false;  // `view_` uses the current calibration
+  bool is_view_new_ = false;
   int period_;
-  int unfused_count_ = 0;  // frames with a pose since the last fused frame
+  int unfused_count_ = 0;
   Rigid3d world_from_fused_;
   std::size_t merged_duplicates_ = 0;
   int corrections_ = 0;

@@ -55,7 +55,6 @@ FrameReport ReportOf(const RgbdFrame& frame, const Tracked& tracked) {
 
 class BackendRelocalizer : public Relocalizer {
  public:
-  // `new_map_after` is LoopOptions::new_map_after, 0 for localisation.
   BackendRelocalizer(Backend* backend, int new_map_after)
       : backend_(backend), new_map_after_(new_map_after) {}
 
@@ -212,7 +211,6 @@ FrameReport Slam::ReportDuplicate(const RgbdFrame& frame, const StageTimes& time
   return report;
 }
 
-// Adds a frame with a pose to the trajectory and the map.
 FrameReport Slam::Integrate(PreprocessedFrame frame, Tracked tracked, StageTimes* times) {
   FrameReport report = ReportOf(frame.measured, tracked);
   if (on_pose_) on_pose_(report);

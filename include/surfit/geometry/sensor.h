@@ -56,11 +56,12 @@ struct CalibrationPrior {
   double aspect_relative_sigma = 0.001;  // of fx / fy, relative
   double center_px = 5;                  // of cx and cy
   double inverse_depth_sigma = 0.02;     // 1/m, per coefficient of InverseDepthField
-  // Of RgbdCamera::latency_s and color_latency_s, s.
+  // Latencies and readout of RgbdCamera, s.
   double latency_s = 0.01;
   double color_latency_s = 0.02;
   double readout_s = 0.003;
-  // Of RgbdCamera::color_from_depth, or of the extrinsics in the registration by a driver.
+  // RgbdCamera::color_from_depth, or the extrinsics that a driver used to register colour: m and
+  // rad.
   double color_translation_m = 0.005;
   double color_rotation_rad = 0.01;
 

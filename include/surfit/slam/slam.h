@@ -90,8 +90,8 @@ struct FrameReport {
 // and calibration.
 class Slam {
  public:
-  // Starts with an empty map. The first frame gets `world_from_first_camera`. Throws InputError for
-  // an invalid sensor or invalid options.
+  // Starts with an empty map. The pose of the first frame is `world_from_first_camera`. Throws
+  // InputError for an invalid sensor or invalid options.
   Slam(const DepthSensor& sensor, const SlamOptions& options,
        const Rigid3d& world_from_first_camera);
   // Continues from the state of another Slam of the same sensor. The camera is relocalised by
@@ -122,8 +122,8 @@ class Slam {
   // the thread of Process(). References in LostFrame are valid during the call.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
-  // Replaces FindLoops() for loop closure. Call before OnKeyframe(), because this function discards
-  // its callback. Aborts if loops are disabled or a frame has a pose.
+  // Replaces FindLoops() for loop closure. Call before OnKeyframe(), because this function removes
+  // the keyframe callback. Aborts if loops are disabled or a frame has a pose.
   void UseLoopFinder(LoopFinder finder);
 
   // Sets a callback for each new keyframe, called by the thread of Process(). Requires enabled

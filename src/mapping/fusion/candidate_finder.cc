@@ -51,7 +51,6 @@ void Gather(std::uint64_t mask, const std::vector<MeasuredPoint>& points,
   });
 }
 
-// Returns the mask of the free-space violations.
 std::uint64_t FindFreeSpaceViolations(BlockPixels* p) {
   PerSurfel<std::uint8_t> through;
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {

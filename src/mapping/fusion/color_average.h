@@ -9,7 +9,6 @@
 
 namespace surfit {
 
-// A depth image (m, 0: no depth) and its camera.
 struct DepthPicture {
   const Image<float>& depth_m;
   const PosedCamera& camera;
@@ -22,11 +21,11 @@ class ColorAverage {
   explicit ColorAverage(const SurfelMap& map);
 
   // Adds the colours of a frame. `drawn` is the rendered depth of the map, `measured` the depth of
-  // the frame. Both should have a similar resolution.
+  // the frame.
   //
   // A surfel is occluded if it is more than 5 % behind the smallest depth within one pixel, in
-  // either image. The one-pixel margin excludes mixed colours at object borders. Surfels without
-  // measured depth are treated as occluded, because the map lacks black and shiny objects.
+  // either image. Surfels without measured depth are treated as occluded, because the map lacks
+  // black and shiny objects.
   void Add(const FrameColors& colors, const PosedCamera& camera, const DepthPicture& drawn,
            const DepthPicture& measured);
 

@@ -9,7 +9,6 @@
 namespace surfit {
 namespace {
 
-// Prefetch distance in pixels.
 constexpr int kPixelsSoon = 24;
 
 // Sets the colours of observations in the order of Add().
@@ -24,7 +23,6 @@ class ColorsOfSurfels {
     if (batch_.count == ColorBatch::kCapacity) Flush();
   }
 
-  // Call after the last Add().
   void Flush() {
     colors_.LookUp(&batch_);
     for (int k = 0; k < batch_.count; ++k, ++next_) {

@@ -12,7 +12,7 @@
 
 namespace surfit {
 
-// Averages the points of a surfel to one observation. Branch-free.
+// Averages the points of a surfel to one observation.
 class PointAverage {
  public:
   // Coarser points and points at depth edges do not affect the shape.
@@ -57,15 +57,15 @@ class PointAverage {
   const float max_radius_m_;
   float radius_m_;
   float weight_ = 0, shape_weight_ = 0;
-  Four first_ = {}, last_ = {};  // x, y, z, nx; z, nx, ny, nz
+  Four first_ = {}, last_ = {};
   bool at_edge_ = true;
 };
 
 class FrameObservations {
  public:
   struct Counts {
-    int points = 0;   // points assigned to a surfel
-    int surfels = 0;  // surfels with at least one point
+    int points = 0;
+    int surfels = 0;
     Counts& operator+=(const Counts& other) {
       points += other.points;
       surfels += other.surfels;
@@ -77,7 +77,6 @@ class FrameObservations {
   explicit FrameObservations(float max_radius_ratio) : max_radius_ratio_(max_radius_ratio) {}
 
   // Averages the points of each chosen candidate, and sets Candidate::seen until the next call.
-  // Works in image order, because access by surfel would miss the cache.
   Counts Gather(const RgbdFrame& frame, const FrameColors& colors,
                 const std::vector<MeasuredPoint>& points, const Image<float>& weights,
                 const PosedCamera& camera, const SurfelAssignment& choice);

@@ -21,7 +21,6 @@
 namespace surfit {
 namespace {
 
-// Prefetch distance in candidates.
 constexpr int kCandidatesAhead = 16;
 
 // Drops new surfels above the limit of the map size. Returns their number.
@@ -57,7 +56,7 @@ class FrameWindow {
   std::deque<int> indices_;
 };
 
-// State of the fusion of one frame. The buffers are reused.
+// State of the fusion of one frame.
 struct Fusion::Workspace {
   explicit Workspace(const FusionOptions& fusion_options)
       : options(fusion_options),
@@ -83,14 +82,14 @@ struct Fusion::Workspace {
   SurfelAssignment choice;
   FrameObservations sightings;
   const RgbdFrame* frame = nullptr;
-  FrameWindow awake;   // older surfels can be noise
-  FrameWindow active;  // older surfels are inactive
+  FrameWindow awake;  // older surfels can be noise
+  FrameWindow active;
   Image<float> weights;
-  double weights_cx = 0, weights_cy = 0;  // principal point of `weights`
-  std::vector<MeasuredPoint> points;      // per pixel
-  Image<float> free_depth_m;              // per pixel
-  std::vector<std::int32_t> cells;        // indices of the map cells to process
-  std::vector<CandidateList> candidates;  // per entry of `cells`
+  double weights_cx = 0, weights_cy = 0;
+  std::vector<MeasuredPoint> points;  // per pixel
+  Image<float> free_depth_m;          // per pixel
+  std::vector<std::int32_t> cells;
+  std::vector<CandidateList> candidates;
 };
 
 Fusion::Fusion(const FusionOptions& options)
@@ -220,7 +219,6 @@ void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map
 std::vector<Surfel> Fusion::Workspace::NewSurfels(const PosedCamera& camera,
                                                   const FrameColors& colors) {
   const std::vector<std::vector<int>>& bands = choice.SelectNew(points);
-  // Index of the first surfel of each band, then the total.
   std::vector<std::size_t> begins = {0};
   for (const std::vector<int>& of_band : bands) begins.push_back(begins.back() + of_band.size());
   std::vector<Surfel> added(begins.back());
@@ -247,7 +245,6 @@ Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, int pixel) const 
   return surfel;
 }
 
-// Colours of new surfels; black without a colour.
 void Fusion::Workspace::SetColors(const FrameColors& colors, const std::vector<int>& pixels,
                                   Surfel* surfels) const {
   ColorBatch batch;

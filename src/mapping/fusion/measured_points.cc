@@ -11,7 +11,6 @@
 namespace surfit {
 namespace {
 
-// Depth up to which a pixel with this measured depth has seen free space.
 float FreeDepth(float depth_m, const DepthNoise& noise, const FusionOptions& options) {
   if (!(depth_m > 0)) return 0.f;
   const float sigma = static_cast<float>(noise.inverse_depth_sigma) * depth_m * depth_m;
@@ -110,8 +109,8 @@ class Points {
   const FrameLevel& surface_;
   const float pixel_size_;
   const float max_slant_scale_;
-  const float sigma_;                 // of inverse depth
-  std::vector<float> ray_x_, ray_y_;  // x and y of the rays with z = 1, by column and row
+  const float sigma_;  // of inverse depth
+  std::vector<float> ray_x_, ray_y_;
 };
 
 }  // namespace

@@ -11,11 +11,11 @@ namespace surfit {
 
 // Point of a pixel, aligned to one cache line.
 struct alignas(32) MeasuredPoint {
-  Patch patch = {};  // in the camera frame; valid if radius_m > 0
+  Patch patch = {};
   // Radius of the disc that covers the pixel footprint: sqrt(2) z / f / |n_z|, limited at grazing
   // angles. 0: no point.
   float radius_m = 0;
-  bool at_edge = false;  // normal of a neighbouring pixel
+  bool at_edge = false;
 
   Eigen::Vector3f position() const { return {patch.x, patch.y, patch.z}; }
   Eigen::Vector3f normal() const { return {patch.nx, patch.ny, patch.nz}; }

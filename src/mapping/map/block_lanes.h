@@ -9,12 +9,10 @@
 
 namespace surfit {
 
-// One value per surfel of a block. Loops over these arrays are branch-free, so that the compiler
-// vectorises them; see WithInstructions().
+// One value per surfel of a block.
 template <typename T>
 using PerSurfel = T[SurfelBlock::kCapacity];
 
-// Bit mask of flags, which must be 0 or 1.
 inline std::uint64_t MaskOf(const PerSurfel<std::uint8_t>& flags) {
   std::uint64_t mask = 0;
   for (int byte = 0; byte < 8; ++byte) {
@@ -38,14 +36,12 @@ inline std::uint64_t MaskOfActive(const SurfelBlock& block, int frame) {
   return MaskOf(seen);
 }
 
-// Calls f(k) for all set bits in ascending order.
 template <typename F>
 void ForEachBit(std::uint64_t mask, const F& f) {
   for (; mask != 0; mask &= mask - 1) f(__builtin_ctzll(mask));
 }
 
-// Minimum of the values. Uses eight partial minima, because the compiler does not reorder
-// floating-point comparisons.
+// Minimum of the values.
 inline float LeastOf(const PerSurfel<float>& numbers) {
   float least[8];
   for (int j = 0; j < 8; ++j) least[j] = numbers[j];
@@ -79,7 +75,7 @@ inline void Fetch(const void* begin, const void* end) {
   }
 }
 
-// Prefetch parts of a block. Blocks are too short and scattered for the hardware prefetcher.
+// Prefetch parts of a block.
 inline void FetchShapes(const SurfelBlock& block) { Fetch(&block, block.first_seen); }
 inline void FetchAll(const SurfelBlock& block) { Fetch(&block, &block + 1); }
 inline void FetchAges(const SurfelBlock& block) {

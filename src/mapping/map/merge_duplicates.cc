@@ -77,7 +77,7 @@ class SurfelGrid {
  private:
   using Cube = Eigen::Vector3i;
   static constexpr int kMaxCubes = 64;  // along each axis
-  static constexpr int kPadding = 8;    // lanes read after the last surfel
+  static constexpr int kPadding = 8;
   static constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();  // passes no gate
 
   void Set(int place, const GridSurfel& surfel) {
@@ -97,9 +97,9 @@ class SurfelGrid {
   Eigen::Vector3f low_;
   float per_metre_ = 0;
   Cube size_ = Cube::Ones();
-  std::array<std::vector<float>, 7> numbers_;  // x y z nx ny nz, last_seen
+  std::array<std::vector<float>, 7> numbers_;
   std::vector<std::int32_t> ids_;
-  std::vector<int> begin_;  // first place of each cube, then the number of surfels
+  std::vector<int> begin_;
 };
 
 constexpr std::int32_t kNobody = -1;
@@ -120,7 +120,6 @@ struct NewerSurfel {
   float radius_m;
 };
 
-// Newer surfels of a cell, and the box of their possible duplicates.
 struct NewerOfCell {
   std::vector<NewerSurfel> surfels;
   Eigen::Vector3f low, high;
@@ -228,7 +227,6 @@ class DuplicateFinder {
     const PatchOf<Number> patch = {p.x, p.y, p.z, p.nx, p.ny, p.nz};
     const Number radius_m = newer.radius_m,
                  seen_before = newer.first_seen - duplicates_.frames_apart;
-    // first place of the vector with the minimum
     Number least = MergeGate::kNever, from = 0.;
     const Eigen::Vector3f reach = gate_.Reach({p.nx, p.ny, p.nz});
     grid.ForEachRowAround(PositionOf(p), reach, [&](int begin, int end) {

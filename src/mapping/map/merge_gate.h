@@ -9,7 +9,6 @@
 
 namespace surfit {
 
-// Position and normal of one point or surfel, or of several (Lanes).
 template <typename Number>
 struct PatchOf {
   Number x, y, z;
@@ -52,7 +51,6 @@ class MergeGate {
     return max_distance_m_ * normal.array().abs() + max_spacing_m_ * across;
   }
 
-  // Squared distance of two patches without a viewing ray; kNever without a match.
   template <typename Number>
   Number SquaredDistance(const PatchOf<Number>& point, const Number& point_radius_m,
                          const PatchOf<Number>& surfel) const {
@@ -60,8 +58,7 @@ class MergeGate {
     return SquaredDistanceWithin(reach, point, surfel);
   }
 
-  // Squared distance of two duplicate surfels; kNever for other surfels. The distance gate is
-  // `duplicate_ratio` times the minimum of both radii and max_spacing_m.
+  // Squared distance of two duplicate surfels; kNever for other surfels.
   template <typename Number>
   Number SquaredDistanceOfDuplicates(const PatchOf<Number>& a, const Number& radius_a_m,
                                      const PatchOf<Number>& b, const Number& radius_b_m) const {

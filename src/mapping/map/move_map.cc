@@ -91,7 +91,6 @@ void MoveSurfel(const Moves& moves, std::size_t frame, int k, SurfelBlock* block
   block->SetNormal(k, normal);
 }
 
-// Returns the number of moved surfels.
 template <typename Moves>
 std::size_t MoveBlock(const FrameCorrections& corrections, const Moves& moves, SurfelBlock* block) {
   std::size_t moved = 0;

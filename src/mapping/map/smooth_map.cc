@@ -15,15 +15,14 @@ namespace {
 constexpr int kPasses = 2;
 constexpr float kReachInRadii = 3, kMaxReach_m = 0.03f;
 constexpr float kStep_m = 0.001f;
-constexpr float kNormalsApart = 0.1f;  // 1 - cosine of the angle
+constexpr float kNormalsApart = 0.1f;
 
 struct NearSurfel {
   Eigen::Vector3f position, normal;
-  float sigma_m;  // standard deviation along the normal
+  float sigma_m;
   float weight;
 };
 
-// Surfels in and around a cell, sorted by cube.
 class NeighbourGrid {
  public:
   NeighbourGrid(const Eigen::Vector3f& low, const Eigen::Vector3f& high,
@@ -64,7 +63,7 @@ class NeighbourGrid {
   const Eigen::Vector3f low_;
   const Cube size_;
   std::vector<NearSurfel> sorted_;
-  std::vector<int> begin_;  // first index of each cube, then the number of surfels
+  std::vector<int> begin_;
 };
 
 struct Moved {

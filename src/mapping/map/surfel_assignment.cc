@@ -10,7 +10,7 @@
 namespace surfit {
 
 // A row of patches as structure of arrays, with one extra patch on the left and one extra vector on
-// the right. Missing patches never match: normal and radius are zero.
+// the right.
 class PatchRow {
  public:
   explicit PatchRow(int width) : stride_(width + 9), numbers_(kNumbers * stride_, 0.f) {}
@@ -24,7 +24,6 @@ class PatchRow {
     for (int i = 0; i < count; ++i) columns[i].Store(&numbers_[i * stride_ + u + 1]);
   }
 
-  // Patches from column u >= -1.
   template <typename Numbers>
   PatchOf<Numbers> Patches(int u) const {
     return {Load<Numbers>(0, u), Load<Numbers>(1, u), Load<Numbers>(2, u),
@@ -55,13 +54,12 @@ class PatchRow {
 struct RowOutcome {
   explicit RowOutcome(int width) : state(width + 7), superfluous(width + 7) {}
 
-  std::vector<std::int32_t> state;        // SurfelAssignment::State
-  std::vector<std::int32_t> superfluous;  // 1: duplicate of a better candidate
+  std::vector<std::int32_t> state;  // SurfelAssignment::State
+  std::vector<std::int32_t> superfluous;
 };
 
 namespace {
 
-// Prefetch distance in pixels.
 constexpr int kPixelsAhead = 16;
 
 constexpr float kNoRecord[8] = {};
@@ -191,7 +189,7 @@ int SurfelAssignment::AssignAll(const std::vector<MeasuredPoint>& points) {
 int SurfelAssignment::ChooseBand(const std::vector<MeasuredPoint>& points, int begin, int end) {
   for (std::vector<int>& phase : open_[begin / kBandRows]) phase.clear();
   PatchRow of_points(width_);
-  std::vector<PatchRow> surfels(3, PatchRow(width_));  // row v is at index v % 3
+  std::vector<PatchRow> surfels(3, PatchRow(width_));
   const PatchRow none(width_);
   RowOutcome outcome(width_);
   if (begin > 0) LoadSurfels(own_.row(begin - 1), width_, &surfels[(begin - 1) % 3]);
@@ -210,7 +208,6 @@ int SurfelAssignment::ChooseBand(const std::vector<MeasuredPoint>& points, int b
   return count;
 }
 
-// Returns the number of points in the row.
 int SurfelAssignment::Keep(int v, const RowOutcome& outcome) {
   auto& open = open_[v / kBandRows];
   State* states = states_.row(v + 1) + 1;
@@ -246,7 +243,6 @@ void SurfelAssignment::SelectNewOfPhase(const std::vector<MeasuredPoint>& points
   }
 }
 
-// True if the point matches the new surfel of a neighbouring pixel.
 bool SurfelAssignment::IsCovered(const std::vector<MeasuredPoint>& points, int pixel) const {
   const State* middle = &states_[PaddedIndex(pixel)];
   for (int k = 0; k < 9; ++k) {

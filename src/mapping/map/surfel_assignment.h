@@ -16,18 +16,18 @@ namespace surfit {
 
 // Surfel that matches the point of its pixel.
 struct Candidate {
-  Patch patch;  // in the camera frame
+  Patch patch;
   float radius_m, confidence;
   std::int32_t surfel;
   int pixel;
-  float distance2;                          // squared distance to the point
-  bool is_duplicate = false;                // duplicate of a better candidate nearby
-  const SurfelObservation* seen = nullptr;  // average of its points; null: no points
+  float distance2;
+  bool is_duplicate = false;  // duplicate of a better candidate nearby
+  const SurfelObservation* seen = nullptr;
 };
 
 struct CandidateList {
   std::vector<Candidate> candidates;  // sorted by surfel
-  BucketList bands;                   // indices of candidates by band
+  BucketList bands;
 };
 
 class CandidateFinder {
@@ -46,8 +46,7 @@ class CandidateFinder {
     return !bounds.empty() && frustum_.MaySee(bounds);
   }
 
-  // Appends the candidates of some blocks. Marks free-space violations for removal. Marked surfels
-  // are no candidates.
+  // Appends the candidates of some blocks. Marks free-space violations for removal.
   void Find(const std::vector<std::int32_t>& blocks, SurfelMap* map,
             std::vector<Candidate>* candidates) const;
 
@@ -78,8 +77,7 @@ class SurfelAssignment {
 
   explicit SurfelAssignment(const MergeGate& gate) : gate_(gate) {}
 
-  // Starts a frame. Keeps the nearest candidate per pixel, and marks the others as duplicates. The
-  // lists must not change during the frame.
+  // Starts a frame. Keeps the nearest candidate per pixel, and marks the others as duplicates.
   void SetCandidates(int width, int height, std::vector<CandidateList>* lists);
 
   // Assigns all points, and marks duplicates of neighbouring candidates. Returns the number of
@@ -90,7 +88,6 @@ class SurfelAssignment {
   // surfel. Returns their pixels in raster order, one list per band.
   const std::vector<std::vector<int>>& SelectNew(const std::vector<MeasuredPoint>& points);
 
-  // Candidate of a pixel; null: none.
   Candidate* OfPixel(int pixel) const { return own_[pixel]; }
 
   // Masks of the pixels of row v. Bit k: the point of pixel k of 3 x 3, row by row, is assigned to
@@ -103,7 +100,6 @@ class SurfelAssignment {
   int Keep(int v, const RowOutcome& outcome);
   void SelectNewOfPhase(const std::vector<MeasuredPoint>& points, int band, int phase);
   bool IsCovered(const std::vector<MeasuredPoint>& points, int pixel) const;
-  // index into the states, which have a border of one pixel
   std::size_t PaddedIndex(int pixel) const {
     return static_cast<std::size_t>(pixel / width_ + 1) * (width_ + 2) + pixel % width_ + 1;
   }

@@ -141,7 +141,6 @@ std::size_t SurfelMap::ReassignCells() {
   return strays.size();
 }
 
-// Surfels outside the cube of their cell.
 std::vector<std::int32_t> SurfelMap::Strays() const {
   std::vector<std::vector<std::int32_t>> of_cell(cells_.size());
   ParallelFor(0, cell_count(), 1, [&](int i, int) {

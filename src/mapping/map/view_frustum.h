@@ -21,7 +21,7 @@ class ViewFrustum {
     const Eigen::Vector3f middle = 0.5f * (high + low);
     const Eigen::Vector3f half = 0.5f * (high - low) + RoundingAt(middle);
     for (const Plane& plane : planes_) {
-      // Tests the corner that is farthest inside. NaN and infinity are visible.
+      // Tests the corner that is farthest inside.
       if (plane.inwards.dot(middle) + plane.inwards.cwiseAbs().dot(half) < plane.offset) {
         return false;
       }
@@ -44,7 +44,6 @@ class ViewFrustum {
   float camera_position_norm_;
 };
 
-// Indices of the cells with possibly visible surfels, ascending.
 std::vector<std::int32_t> VisibleCells(const SurfelMap& map, const ViewFrustum& frustum);
 
 }  // namespace surfit

@@ -10,8 +10,8 @@ namespace {
 
 constexpr float kNone = -1;
 constexpr float kClosed = std::numeric_limits<float>::infinity();
-constexpr float kOutside = 2;               // larger than offset2 on a disc
-constexpr std::size_t kDiscsAhead = 8;      // prefetch distance in discs
+constexpr float kOutside = 2;
+constexpr std::size_t kDiscsAhead = 8;
 constexpr std::size_t kMaxDiscs = 1 << 24;  // exact integers in a float
 constexpr int kLanes = Lanes<float>::kCount;
 
@@ -23,7 +23,6 @@ float BackOfSurface(float rho, float thickness, float inverse_depth_sigma) {
 
 }  // namespace
 
-// Members of the visible Disc per pixel of a row, padded to whole vectors.
 struct BandCanvas::PixelDiscs {
   explicit PixelDiscs(int width)
       : u(width + kLanes),
@@ -78,7 +77,7 @@ void BandCanvas::DrawWith(const std::vector<DiscList>& lists, Layer layer) {
   CloseDrawnPixels();
 }
 
-// Updates first_. Returns true if the disc meets an undrawn pixel.
+// Returns true if the disc meets an undrawn pixel.
 template <typename Instructions>
 bool BandCanvas::FindFirst(const Disc& disc) {
   using Numbers = Lanes<float, Instructions>;

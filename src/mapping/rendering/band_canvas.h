@@ -26,12 +26,12 @@ namespace surfit {
 // Therefore the ray meets the disc if rho > 0 and |du a + dv b|^2 <= rho^2. All values are relative
 // to the centre, which avoids cancellation for distant discs.
 struct Disc {
-  float u, v;               // the image of p, px
+  float u, v;
   float rho, rho_u, rho_v;  // 1 / p_z and the derivatives, 1/m and 1/(m px)
   float aa, ab, bb;         // |a|^2, 2 a . b, |b|^2
   std::int32_t surfel;
-  std::int16_t u_begin, v_begin;  // first pixel of the bounding rectangle
-  std::uint8_t columns, rows;     // size of the bounding rectangle, px
+  std::int16_t u_begin, v_begin;
+  std::uint8_t columns, rows;
 
   int u_end() const { return u_begin + columns; }
   int v_end() const { return v_begin + rows; }
@@ -81,7 +81,7 @@ enum Layer { kStable, kUnstable, kLayerCount };
 // Discs of one layer, sorted by band and then by surfel. A disc can be in several bands.
 struct DiscLayer {
   std::vector<Disc> discs;
-  BucketList bands;  // indices of discs by band
+  BucketList bands;
 
   void Add(const Disc& disc);
 };
@@ -128,14 +128,13 @@ class BandCanvas {
   const PosedCamera& camera_;
   const DepthNoise noise_;
   const RenderOptions& options_;
-  std::vector<const Disc*> discs_;  // by id: discs that meet at least one undrawn pixel
-  // Buffers per pixel, with an extra row because rows are processed in pairs. Depths are inverse:
-  // nearer is larger.
+  std::vector<const Disc*> discs_;
+  // Buffers per pixel, with an extra row because rows are processed in pairs.
   std::vector<float> first_;  // nearest intersection; 0: none
   // Minimum inverse depth to draw: first 0, then the back of the first surface, then infinity.
   std::vector<float> back_;
   std::vector<float> offset2_;  // squared offset of the drawn disc, relative to its radius
-  std::vector<float> drawn_;    // id of the drawn disc, an integer
+  std::vector<float> drawn_;
 };
 
 }  // namespace surfit

@@ -5,7 +5,6 @@
 
 namespace surfit {
 
-// Height of the bands in which images are processed, px.
 constexpr int kBandRows = 16;
 inline int BandCount(int height) { return (height + kBandRows - 1) / kBandRows; }
 

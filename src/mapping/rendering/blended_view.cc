@@ -18,7 +18,6 @@ constexpr float kThickness_m = 0.03f;  // of a surface
 
 constexpr int kMaxHalfWindow_px = 127;  // limit of Disc
 
-// Options for splats with `radius_ratio` times the surfel radius.
 RenderOptions SplatOptions(float radius_ratio) {
   RenderOptions options;
   options.radius_ratio = radius_ratio;
@@ -35,13 +34,12 @@ float WeightAt(float offset2) {
 struct Blend {
   float first = 0;  // inverse depth of the first surface; 0 if none
   float weight = 0;
-  // Weighted sums of inverse depth and colour (0 to 255).
   float rho = 0;
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
-  bool is_drawn = false;  // later layers do not change the pixel
+  bool is_drawn = false;
 };
 
-// One band of the image. Splats are drawn in the order of surfels.
+// Splats are drawn in the order of surfels.
 class BlendBand {
  public:
   BlendBand(int band, const PinholeCamera& camera, const DepthNoise& noise)
@@ -81,7 +79,6 @@ class BlendBand {
     pixel->color += weight * block.FineColor(id % SurfelBlock::kCapacity);
   }
 
-  // Calls f(pixel, disc, inverse depth, squared offset relative to the radius of the splat).
   template <typename F>
   void ForEachPixel(const std::vector<DiscList>& lists, Layer layer, const F& f) {
     for (const DiscList& list : lists) {

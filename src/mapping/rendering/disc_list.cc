@@ -10,7 +10,6 @@
 namespace surfit {
 namespace {
 
-// Discs of a block, with the members of Disc.
 struct BlockDiscs {
   BlockCentres centre;
   alignas(32) PerSurfel<float> rho_u, rho_v, aa, ab, bb;

@@ -58,11 +58,10 @@ struct FrameColors::Samples {
   V weight;  // 1, or 0 without colour
 };
 
-// The 2 x 2 pixels around each position, row by row.
 template <typename V>
 struct FrameColors::Corners {
-  float u[V::kCount], v[V::kCount];  // position of the first pixel
-  float is_seen[V::kCount];          // 1, or 0 with a border pixel
+  float u[V::kCount], v[V::kCount];
+  float is_seen[V::kCount];  // 1, or 0 with a border pixel
   float color[4][3][V::kCount];
   float is_lit[4][V::kCount];  // 0 for black pixels
 };

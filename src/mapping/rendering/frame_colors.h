@@ -9,7 +9,6 @@
 
 namespace surfit {
 
-// Observed colour in sRGB (0 to 255); weight 0: not observed.
 struct SeenColor {
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
   float weight = 0;
@@ -33,14 +32,13 @@ struct ColorBatch {
   alignas(32) float weight[kCapacity] = {};
 };
 
-// Colours of points from the colour image of a frame. Colour and depth have different capture
-// times, and the rows of colour can have different capture times as well. Therefore a point X at
-// the pose of the frame is projected from its position at the capture time t of its row,
-//   X - t (turn x X + velocity),
-// and its colour is interpolated bilinearly. The weight of a colour is
-//   (n / 500)^2 |cos a| / (1 + b^2)^2,
-// with n pixels per metre at the point, the angle a between normal and ray, and b pixels of motion
-// in 5 ms. Black borders of undistorted images have weight 0.
+// Colours of points from the colour image of a frame. The motion between the pose and the capture
+// time t of a colour row is corrected: instead of X, the colour camera sees the point
+//   X - t (turn x X + velocity).
+// The weight of a colour is
+//   (n / 500)^2 |cos a| / (1 + b^2)^2
+// for n pixels per metre at the point, the angle a between normal and ray, and b pixels of motion
+// in 5 ms. Black image borders have weight 0.
 class FrameColors {
  public:
   FrameColors(const RgbdFrame& frame, const PosedCamera& camera, const FrameMotion& motion);
@@ -57,7 +55,6 @@ class FrameColors {
     bool Has(int i) const { return i >= begin && i < end; }
   };
 
-  // Colours at one vector of image positions.
   template <typename V>
   struct Samples;
 
@@ -76,7 +73,7 @@ class FrameColors {
   const Eigen::Vector3f turn_, velocity_;  // per second
   // Capture time of the middle row relative to the pose, and time per row.
   const float middle_s_, row_s_;
-  std::vector<Range> rows_, columns_;  // by index of the first of two lines
+  std::vector<Range> rows_, columns_;
 };
 
 }  // namespace surfit

@@ -10,7 +10,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Linear value of an sRGB value, 0 to 65535.
 std::array<std::uint16_t, 256> LinearOfBytes() {
   std::array<std::uint16_t, 256> linear;
   for (int byte = 0; byte < 256; ++byte) {
@@ -84,7 +83,7 @@ class Glb {
 
   std::string binary_;
   Json views_ = Json::array(), accessors_ = Json::array();
-  std::optional<std::size_t> picture_;  // index of its buffer view
+  std::optional<std::size_t> picture_;
 };
 
 constexpr int kFloatType = 5126, kUnsignedType = 5125, kShortType = 5123;
@@ -127,7 +126,6 @@ int AddTriangles(const std::vector<TriangleMesh::Triangle>& triangles, Glb* glb)
   return glb->Add(triangles.data(), 12 * triangles.size(), accessor, kOfIndices);
 }
 
-// Vertex values, duplicated per texture coordinate.
 std::vector<Eigen::Vector3f> AtPlaces(const std::vector<Eigen::Vector3f>& vectors,
                                       const MeshTexture& texture) {
   std::vector<Eigen::Vector3f> found;

@@ -17,7 +17,7 @@ void WriteMtl(const std::string& picture, std::ostream& out);
 
 void WriteGlbMesh(const TriangleMesh& mesh, const MeshTexture* texture, std::ostream& out);
 
-// Texture as JPEG. Throws InputError if encoding fails.
+// Throws InputError if encoding fails.
 std::string EncodeTexture(const MeshTexture& texture);
 
 }  // namespace surfit

@@ -37,7 +37,7 @@ class TextLines {
 
 constexpr int kDigits = 5;  // decimals of metres
 constexpr int kDigitsOfOne = 4;
-constexpr int kDigitsOfPlace = 6;  // decimals of texture coordinates
+constexpr int kDigitsOfPlace = 6;
 
 void WriteVertices(const TriangleMesh& mesh, bool has_colors, TextLines* to) {
   TextLines& lines = *to;
@@ -91,7 +91,7 @@ void WriteObjMesh(const TriangleMesh& mesh, const MeshTexture* texture, const st
     for (const Eigen::Vector2f& place : texture->places) {
       lines.Word("vt");
       lines.Number(place.x(), kDigitsOfPlace);
-      lines.Number(1 - place.y(), kDigitsOfPlace);  // origin at the lower left corner
+      lines.Number(1 - place.y(), kDigitsOfPlace);
       lines.End();
     }
     lines.Word("usemtl frames");

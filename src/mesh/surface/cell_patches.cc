@@ -5,14 +5,12 @@ namespace {
 
 constexpr int kFaces = 6;
 
-// Edge of two corners that differ in one coordinate.
 int EdgeBetween(int corner, int other) {
   const int axis = (corner ^ other) == 1 ? 0 : (corner ^ other) == 2 ? 1 : 2;
   const int k = (corner >> (axis + 1) % 3 & 1) | (corner >> (axis + 2) % 3 & 1) << 1;
   return 4 * axis + k;
 }
 
-// Finds the cycles of cut edges in a cell.
 class Tracer {
  public:
   explicit Tracer(int pattern) : pattern_(pattern) {

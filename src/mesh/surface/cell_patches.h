@@ -9,14 +9,13 @@ namespace surfit {
 // 1, c >> 1 & 1, c >> 2). Bit c of a pattern is set if corner c is behind the surface.
 //
 // The surface cuts edges between corners on different sides. In each face, it connects the cut
-// edges; an ambiguous face separates the corners behind the surface. Each cycle of cut edges is a
-// patch and a vertex of the mesh.
+// edges; an ambiguous face separates the corners behind the surface.
 struct CellPatches {
   static constexpr int kEdges = 12, kCorners = 8;
   static constexpr std::uint8_t kNone = 0xff;  // edge without cut
 
   std::uint8_t count = 0;
-  std::array<std::uint8_t, kEdges> of_edge = {};  // patch that cuts the edge
+  std::array<std::uint8_t, kEdges> of_edge = {};
 };
 
 // Edge 4 a + k is parallel to axis a and begins at EdgeCorner(a, k). The bits of k are the

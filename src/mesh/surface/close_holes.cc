@@ -82,7 +82,7 @@ void SeparateFans(const Sides& sides, TriangleMesh* mesh) {
   for (std::uint32_t first = 0; first < is_done.size(); ++first) {
     if (is_done[first] != 0) continue;
     const std::uint32_t vertex = BeginOf(mesh->triangles, first);
-    std::uint32_t start = first;  // first side of an open fan
+    std::uint32_t start = first;
     while (sides.opposite[start] != kNoSide) {
       start = NextSide(sides.opposite[start]);
       if (start == first) break;
@@ -140,7 +140,6 @@ class HoleFiller {
  private:
   std::uint32_t At(std::size_t i) const { return ring_[i % ring_.size()]; }
 
-  // Adds a vertex with the mean normal and colour of `others`.
   std::uint32_t Add(const std::vector<std::uint32_t>& others, const Eigen::Vector3f& position) {
     Eigen::Vector3f normal = Eigen::Vector3f::Zero(), color = Eigen::Vector3f::Zero();
     for (const std::uint32_t v : others) {

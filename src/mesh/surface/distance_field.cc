@@ -105,7 +105,7 @@ void DistanceField::Add(const MeshSurfel& surfel, const Eigen::Vector3f& origin,
       if (square >= kernel.square) continue;
       float* weight = &(*weights)[(z * kSide + y) * kSide];
       float* distance = &(*distances)[(z * kSide + y) * kSide];
-      for (int x = 0; x < kSide; ++x) {  // whole row, for vectorisation
+      for (int x = 0; x < kSide; ++x) {
         const float dx = static_cast<float>(x) * cell_m_ - center.x();
         const float w = kernel.Weight(square + dx * dx);
         weight[x] += w;

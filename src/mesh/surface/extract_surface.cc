@@ -23,8 +23,8 @@ struct SurfaceVertex {
 };
 
 struct Around {
-  float weight = 0, height = 0;                      // sums of w and of w n . (x - p)
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // sum of w n
+  float weight = 0, height = 0;  // sums of w and of w n . (x - p)
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float color_weight = 0;
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
   bool is_supported = false;
@@ -38,7 +38,6 @@ class VertexRefiner {
   VertexRefiner(const DistanceField& field, const SurfelCubes& surfels)
       : field_(field), surfels_(surfels) {}
 
-  // The vertices must be close together.
   void Refine(std::vector<SurfaceVertex>* vertices) {
     if (vertices->empty()) return;
     Eigen::Vector3f low = vertices->front().position, high = low;
@@ -105,10 +104,10 @@ class VertexRefiner {
 };
 
 struct BlockMesh {
-  std::array<std::uint16_t, DistanceField::kPoints> first;  // vertex of each cell
+  std::array<std::uint16_t, DistanceField::kPoints> first;
   std::vector<SurfaceVertex> vertices;
   std::vector<TriangleMesh::Triangle> triangles;
-  std::uint32_t begin = 0;  // index of its first vertex in the mesh
+  std::uint32_t begin = 0;
 };
 
 int WideIndex(const Cube& point) {
@@ -148,7 +147,6 @@ struct Cell {
     return sum / static_cast<float>(count);
   }
 
-  // Gradient of the field, towards the observed side.
   Eigen::Vector3f Gradient() const {
     Eigen::Vector3f gradient = Eigen::Vector3f::Zero();
     for (int c = 0; c < CellPatches::kCorners; ++c)
@@ -210,7 +208,7 @@ class QuadBuilder {
     if (std::isnan(from) || std::isnan(to) || (from < 0) == (to < 0)) return;
     const Cube u = Cube::Unit((axis + 1) % 3), v = Cube::Unit((axis + 2) % 3);
     const std::array<Cube, 4> cells = {point - u - v, point - v, point, point - u};
-    constexpr std::array<int, 4> kEdgeOf = {3, 2, 0, 1};  // index of this edge in its cells
+    constexpr std::array<int, 4> kEdgeOf = {3, 2, 0, 1};
     std::array<Place, 4> corners;
     for (int i = 0; i < 4; ++i) {
       corners[i] = Find(cells[i], 4 * axis + kEdgeOf[i], values);

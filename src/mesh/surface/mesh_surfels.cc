@@ -13,7 +13,6 @@
 namespace surfit {
 namespace {
 
-// Sums the progress over threads and stages.
 class StageProgress {
  public:
   StageProgress(const MeshProgress& progress) : progress_(progress) {}
@@ -91,7 +90,6 @@ std::vector<MeshSurfel> ToSurfels(const PointCloud& cloud, const MeshOptions& op
   return surfels;
 }
 
-// Distances of points to the mesh along the normal of the nearest vertex.
 void MeasureDistances(const PointCloud& cloud, const TriangleMesh& mesh, double cell_m,
                       MeshSummary* summary) {
   constexpr int kPointsPerTask = 4096;

@@ -9,13 +9,13 @@ namespace surfit {
 namespace {
 
 constexpr int kCubesPerTask = 16;
-constexpr int kFewest = 6;              // minimum number of surfels for a plane
-constexpr float kFacingSameWay = 0.5f;  // minimum cosine of two normals
-constexpr double kFlat = 4;             // minimum ratio of variances along and across a plane
-constexpr float kMinSigma = 5e-4f;      // correlated error, which does not average out, m
-constexpr float kMaxSpacings = 8;       // maximum radius, in spacings
+constexpr int kFewest = 6;
+constexpr float kFacingSameWay = 0.5f;
+constexpr double kFlat = 4;         // minimum ratio of variances along and across a plane
+constexpr float kMinSigma = 5e-4f;  // correlated error, which does not average out, m
+constexpr float kMaxSpacings = 8;   // maximum radius, in spacings
 constexpr float kFewestSpacings = 2.5f;
-constexpr float kPlaneSpacings = 4;  // radius to measure the scale of the sigmas
+constexpr float kPlaneSpacings = 4;
 
 struct Plane {
   Eigen::Vector3f point, normal;
@@ -71,7 +71,6 @@ class PlaneFitter {
  public:
   explicit PlaneFitter(const SurfelCubes& cubes) : cubes_(cubes) {}
 
-  // Selects the cube of the next surfels and their maximum radius.
   void Enter(int cube, float reach_m) {
     const Eigen::Vector3f low = cubes_.CubeOf(cube).cast<float>() * cubes_.cube_m();
     const Eigen::Vector3f margin = Eigen::Vector3f::Constant(reach_m);
@@ -156,7 +155,7 @@ void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& d
                    std::vector<MeshSurfel>* surfels) {
   constexpr float kGates = 3;  // standard deviations
   // The slope of a plane over n = pi reach^2 / spacing^2 surfels has the standard deviation 2 sigma
-  // / (reach sqrt(n)) = 2 sigma spacing / (sqrt(pi) reach^2). Weights reduce n to about a third.
+  // / (reach sqrt(n)) = 2 sigma spacing / (sqrt(pi) reach^2).
   const auto factor = static_cast<float>(2 * 1.7 / (std::sqrt(M_PI) * normal_noise_rad));
   const float most_m = kMaxSpacings * MedianSpacing(*surfels);
   const auto reach_of = [&](const MeshSurfel& surfel) {

@@ -17,7 +17,7 @@ struct MeshSurfel {
   Rgb8 color;
 };
 
-using Cube = Eigen::Vector3i;  // coordinates in a grid of cubes
+using Cube = Eigen::Vector3i;
 
 // Integer coordinates of a cube, sorted by z, y, x. Coordinates are within +-2^20.
 class CubeKey {
@@ -45,12 +45,10 @@ class SurfelCubes {
     std::uint32_t begin, end;
   };
 
-  // Throws InputError for surfels more than CubeKey::kMaxCubes cubes from the origin.
   SurfelCubes(const std::vector<MeshSurfel>& surfels, float cube_m);
 
   float cube_m() const { return cube_m_; }
   const std::vector<MeshSurfel>& surfels() const { return surfels_; }
-  // Input index of each surfel.
   const std::vector<std::uint32_t>& order() const { return order_; }
 
   // Number of non-empty cubes, which are sorted by key.
@@ -71,7 +69,6 @@ class SurfelCubes {
   std::vector<MeshSurfel> surfels_;
   std::vector<std::uint32_t> order_;
   std::vector<std::uint64_t> keys_;
-  // Index of the first surfel of each cube, then the number of surfels.
   std::vector<std::uint32_t> begin_;
 };
 

@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::uint32_t kNoPlace = std::numeric_limits<std::uint32_t>::max();
 
-// Collects connected triangles with the same view.
 std::vector<std::uint32_t> ConnectedTo(std::uint32_t first, const TriangleNeighbors& neighbors,
                                        const std::vector<int>& views, std::vector<bool>* is_done) {
   std::vector<std::uint32_t> found = {first};
@@ -133,7 +132,6 @@ PackedSize PackCharts(int max_side_px, std::vector<TextureChart>* charts) {
   constexpr double kSmaller = 0.95, kSmallest = 0.02;
   PackedSize size;
   for (; size.pixel_ratio > kSmallest; size.pixel_ratio *= kSmaller) {
-    // as square as possible
     double area = 0, widest = 0;
     for (const TextureChart& chart : *charts) {
       const Eigen::Vector2d sides = size.pixel_ratio * (chart.high - chart.low).cast<double>() +

@@ -15,9 +15,9 @@ struct TextureChart {
   int view = 0;  // index of a frame, or frame count + ColorViews index
   std::vector<std::uint32_t> triangles;
   std::uint32_t first_place = 0, end_place = 0;
-  Eigen::Vector2f low, high;  // bounds in pixels of the view
-  int left = 0, top = 0;      // position in the texture with margin
-  int width = 0, height = 0;  // size in the texture
+  Eigen::Vector2f low, high;
+  int left = 0, top = 0;
+  int width = 0, height = 0;
 };
 
 // Six orthographic views of the vertex colours along the axes.
@@ -36,8 +36,8 @@ class ColorViews {
 // Charts of a mesh with pixel coordinates in their views.
 struct TextureLayout {
   std::vector<TextureChart> charts;
-  std::vector<std::uint32_t> vertices;            // mesh vertex of each place
-  std::vector<Eigen::Vector2f> pixels;            // in the view of the chart
+  std::vector<std::uint32_t> vertices;
+  std::vector<Eigen::Vector2f> pixels;
   std::vector<TriangleMesh::Triangle> triangles;  // indices of places
 };
 

@@ -25,7 +25,6 @@ double AreaOf(const TriangleMesh& mesh, std::size_t triangle) {
   return 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
 }
 
-// Selects the frame of each triangle.
 class FrameSelection {
  public:
   static constexpr int kNoFrame = -1;
@@ -48,8 +47,6 @@ class FrameSelection {
   }
 
   // Greedy selection: each step takes the frame with the largest sharp area of remaining triangles.
-  // Then triangles switch to frames of their neighbours if this reduces the cost of seams and lost
-  // sharpness.
   std::vector<int> Choose(const TriangleMesh& mesh, const TriangleNeighbors& neighbors,
                           const TextureOptions& options) const {
     std::vector<int> frames = CoverGreedily(mesh, static_cast<float>(options.min_sharpness));
@@ -66,7 +63,6 @@ class FrameSelection {
   using Candidates = std::array<Candidate, kCandidates>;  // descending sharpness
 
   std::vector<int> CoverGreedily(const TriangleMesh& mesh, float least_share) const {
-    // Value of a candidate for a triangle without frame.
     const auto worth = [&](std::size_t i, const Candidate& candidate) {
       const float share = candidate.sharpness / candidates_[i][0].sharpness;
       return share >= least_share ? share * AreaOf(mesh, i) : 0.;

@@ -11,7 +11,6 @@ namespace {
 
 Eigen::Vector3f ToVector(Rgb8 color) { return Eigen::Vector3f(color.r, color.g, color.b); }
 
-// Bilinear interpolation, clamped at the borders.
 Eigen::Vector3f ColorAt(const Image<Rgb8>& image, const Eigen::Vector2f& at) {
   const float u = std::clamp(at.x(), 0.f, static_cast<float>(image.width() - 1));
   const float v = std::clamp(at.y(), 0.f, static_cast<float>(image.height() - 1));

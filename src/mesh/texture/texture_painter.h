@@ -13,9 +13,8 @@ class TexturePainter {
   TexturePainter(const TriangleMesh& mesh, const TextureLayout& layout, const PackedSize& size);
 
   // Paints frame colours times the gain. Adds the smoothed difference to the mesh colours, so that
-  // charts meet without steps. Detail comes from the frame.
+  // charts meet without steps.
   void Paint(const TextureChart& chart, const Image<Rgb8>& frame, const Eigen::Vector3f& gain);
-  // Paints the vertex colours of the mesh.
   void PaintColors(const TextureChart& chart);
 
   // Texture coordinates (0 to 1) of a pixel of the view.
@@ -24,7 +23,6 @@ class TexturePainter {
   Image<Rgb8>& image() { return image_; }
 
  private:
-  // Colours (0 to 255) of the places of a chart or of its texels.
   using Colors = std::vector<Eigen::Vector3f>;
 
   Eigen::Vector2f InChart(const TextureChart& chart, const Eigen::Vector2f& pixel) const {

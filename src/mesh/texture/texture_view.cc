@@ -13,16 +13,15 @@ namespace surfit {
 namespace {
 
 constexpr int kVerticesPerTask = 8192, kTrianglesPerTask = 8192;
-constexpr int kMargin_px = 3;             // width of mixed colours at depth edges and image borders
-constexpr float kMinCosine = 0.2f;        // between ray and normal
-constexpr float kHidden_m = 0.03f;        // minimum depth behind an occluder
+constexpr int kMargin_px = 3;  // width of mixed colours at depth edges and image borders
+constexpr float kMinCosine = 0.2f;
+constexpr float kHidden_m = 0.03f;
 constexpr float kHiddenPerMetre = 0.03f;  // added to kHidden_m, per metre of depth
 constexpr float kMissed_m = 0.1f;         // maximum difference to the measured depth
-constexpr int kDark = 20, kBright = 245;  // limits of reliable colours
+constexpr int kDark = 20, kBright = 245;
 constexpr float kLossByBrightness = 0.7f;
 constexpr float kBlur_s = 0.005f, kPixelsPerMetre = 500.f;  // as in FrameColors
 
-// Minimum in the square neighbourhood of each pixel.
 template <typename T>
 Image<T> MinAround(const Image<T>& image, int radius) {
   const int width = image.width(), height = image.height();

@@ -34,7 +34,7 @@ class TextureView {
   const TriangleMesh& mesh_;
   const TextureFrame& frame_;
   const TextureCamera camera_;
-  std::vector<TextureCamera::Place> places_;  // per vertex of the mesh
+  std::vector<TextureCamera::Place> places_;
   Image<float> nearest_m_;        // smallest mesh depth around each pixel; infinity: none
   Image<std::uint8_t> is_clear_;  // 0 near image borders and missing colours
   std::vector<float> sharpness_;

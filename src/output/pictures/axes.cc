@@ -20,7 +20,6 @@ AxisRange Widened(const AxisRange& range, double length) {
   return {center - half, center + half};
 }
 
-// Smallest round step (1, 2 or 5 times a power of ten) of at least `least`.
 double RoundStep(double least) {
   const double power = std::pow(10, std::floor(std::log10(least)));
   for (const double factor : {1, 2, 5}) {
@@ -76,7 +75,7 @@ PixelPoint Axes::At(double x, double y) const {
 }
 
 void DrawAxes(Image<Rgb8>* image, const Axes& axes) {
-  constexpr double kSpacing_px = 75;  // minimum distance of tick labels
+  constexpr double kSpacing_px = 75;
   constexpr TextStyle kNumber = {15, 0.5, kAxisInk}, kLabel = {17, 0.5, kAxisInk};
   const PixelBox& box = axes.box;
   const int columns = static_cast<int>((box.right - box.left) / kSpacing_px);

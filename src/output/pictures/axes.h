@@ -23,7 +23,6 @@ struct AxisRanges {
 // 1 mm.
 AxisRanges EqualAspect(const AxisRanges& ranges, double box_width_px, double box_height_px);
 
-// Colour of ticks and labels.
 inline constexpr Rgb8 kAxisInk = {40, 40, 40};
 
 // At most `most` ticks in the range, ascending, with steps of 1, 2 or 5 times a power of ten.
@@ -31,10 +30,8 @@ std::vector<double> RoundTicks(AxisRange range, int most);
 // Ticks from low to high, 0 < low: powers of ten. Ranges below two decades also have ticks at 2 and
 // 5.
 std::vector<double> LogarithmicTicks(double low, double high);
-// Text of a tick with at most 6 digits.
 std::string TickText(double value);
 
-// Axes of a chart: the box in the image, px, and the values at its edges.
 struct Axes {
   PixelBox box;
   AxisRanges ranges;
@@ -47,16 +44,14 @@ struct Axes {
 // below.
 void DrawAxes(Image<Rgb8>* image, const Axes& axes);
 
-// World axes (0, 1, 2: x, y, z) of a view of a path.
 struct ShownAxes {
   std::string title;
   int horizontal, vertical;
   bool vertical_downward;  // coordinates increase downwards
 };
 
-// Axes of a view from above and of a view from the side. "Up" is the world axis nearest to `up`.
-// Both views are right-handed. The view from the side shows the horizontal axis with the larger
-// extent.
+// Axes of a view from above and of a view from the side. Both views are right-handed. The view from
+// the side shows the horizontal axis with the larger extent.
 std::array<ShownAxes, 2> ChooseTrajectoryAxes(const Eigen::Vector3d& up,
                                               const Eigen::Vector3d& extent_m);
 

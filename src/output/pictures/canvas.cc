@@ -18,9 +18,9 @@ namespace {
 static_assert(sizeof(Rgb8) == 3, "images are shared with OpenCV");
 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-constexpr int kFiner = 4;        // supersampling factor of text
-constexpr int kShift = 4;        // fractional bits of OpenCV coordinates
-constexpr double kCapital = 21;  // height of capital letters at scale 1, px
+constexpr int kFiner = 4;  // supersampling factor of text
+constexpr int kShift = 4;
+constexpr double kCapital = 21;
 
 cv::Scalar AsScalar(Rgb8 color) { return {1. * color.r, 1. * color.g, 1. * color.b}; }
 

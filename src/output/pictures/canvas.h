@@ -31,7 +31,6 @@ struct TextStyle {
 // OpenCV header of the image. Shares the pixels, so the image must outlive it.
 cv::Mat AsMat(Image<Rgb8>* image);
 
-// Width of a text without margins, px.
 double TextWidth(const std::string& text, const TextStyle& style);
 
 // Drawing functions, clipped to the image. Lines, discs and text are antialiased. Text must be
@@ -69,25 +68,24 @@ class ColorScale {
   std::array<Rgb8, 256> colors_;
 };
 
-// Draws a colour bar with ticks below it. Low values are on the left.
+// Draws a colour bar with ticks below it.
 void DrawColorBar(Image<Rgb8>* image, const ColorScale& scale, const PixelBox& box);
 
 // Colours each pixel by its index. Calls `color_of` in parallel.
 Image<Rgb8> ColorIndices(const Image<std::int32_t>& indices,
                          const std::function<Rgb8(int u, int v, std::int32_t index)>& color_of);
 
-// Multiplies a colour by `brightness` in [0, 1].
 Rgb8 Dimmed(Rgb8 color, float brightness);
 
 // Colouring of the surfels of a map, with a legend. The map must outlive this object.
 struct SurfelColoring {
   std::string title;
-  std::function<Rgb8(std::int32_t)> color_of;  // colour by surfel id
+  std::function<Rgb8(std::int32_t)> color_of;
   // Share of the brightness that depends on the angle between normal and viewing ray. 0: no
   // shading.
   float headlight = 0;
   std::string legend;
-  std::optional<ColorScale> scale;  // scale of the colour bar; empty: no bar
+  std::optional<ColorScale> scale;
 };
 
 // Surfel colours.
@@ -96,7 +94,6 @@ SurfelColoring ColorByColor(const SurfelMap& map);
 SurfelColoring ColorByNormal(const SurfelMap& map);
 // Logarithmic scale up to the largest confidence, at most four decades.
 SurfelColoring ColorByConfidence(const SurfelMap& map);
-// Linear scale over the values of last_seen.
 SurfelColoring ColorByLastSeen(const SurfelMap& map);
 
 }  // namespace surfit

@@ -15,7 +15,7 @@ namespace {
 
 constexpr Rgb8 kSourceColor = {240, 120, 0};
 constexpr Rgb8 kTargetColor = {20, 90, 210};
-constexpr int kPointSize_px = 3;  // supersampled pixels, 1.5 px of the picture
+constexpr int kPointSize_px = 3;
 constexpr int kViewWidth = PictureSheet::kCellWidth * PictureSheet::kSupersampling;
 constexpr int kViewHeight = PictureSheet::kCellHeight * PictureSheet::kSupersampling;
 
@@ -63,7 +63,6 @@ float EyeDomeLight(const Image<float>& log_depth, int u, int v) {
   return std::max(kDarkest, std::exp(-kStrength * behind));
 }
 
-// The first `source_count` points are the source.
 Image<Rgb8> ColorPoints(const std::vector<Eigen::Vector3f>& points, std::size_t source_count,
                         const PictureView& view) {
   const Image<std::int32_t> indices = RenderPoints(points, kPointSize_px, view);

@@ -63,7 +63,6 @@ Image<std::int32_t> WithoutHoles(const Image<std::int32_t>& ids) {
   return filled;
 }
 
-// White text on a red band, and a red frame.
 void DrawAlarm(const std::string& text, cv::Mat picture) {
   constexpr int kBand_px = 48, kEdge_px = 8;
   cv::rectangle(picture, cv::Rect(0, 0, picture.cols, picture.rows), kAlarm, 2 * kEdge_px);

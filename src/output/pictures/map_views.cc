@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// Sample of the shown surfels.
 struct Sample {
   std::vector<Eigen::Vector3f> points, normals;
   std::vector<float> areas;
@@ -32,10 +31,9 @@ Sample DrawSample(const SurfelMap& map, const std::vector<std::uint8_t>& shown) 
   return sample;
 }
 
-// Refines the up direction to the mean normal of horizontal surfaces. Cameras are usually pitched,
-// so the first search cone about `up` is wide.
+// Refines the up direction to the mean normal of horizontal surfaces.
 Eigen::Vector3d RefineUp(const Sample& sample, Eigen::Vector3d up) {
-  constexpr double kLeastRatio = 0.02;  // minimum ratio of horizontal area to total area
+  constexpr double kLeastRatio = 0.02;
   const double total = std::accumulate(sample.areas.begin(), sample.areas.end(), 0.);
   for (const double gate_rad : {0.75, 0.5, 0.35, 0.25}) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -49,13 +47,11 @@ Eigen::Vector3d RefineUp(const Sample& sample, Eigen::Vector3d up) {
   return up;
 }
 
-// Axes of a room: two horizontal directions along the walls, and up.
 struct RoomAxes {
   Eigen::Vector3d across, along, up;  // right-handed
 };
 
-// Wall normals are horizontal and at right angles. So the mean of exp(4 i azimuth) over all surfels
-// has the argument 4 * azimuth of the walls.
+// Wall normals are horizontal and at right angles.
 RoomAxes FindRoomAxes(const Sample& sample, const Eigen::Vector3d& up) {
   const Eigen::Vector3d x = up.unitOrthogonal(), y = up.cross(x);
   double sum_cos = 0, sum_sin = 0;
@@ -157,7 +153,7 @@ double MedianDepth(const Sample& sample, const Rigid3d& camera_from_world) {
 // View from a pose of the path, moved back along the optical axis.
 PictureView PulledBackView(const std::string& label, const Sample& sample, const Rigid3d& pose,
                            int width, int height) {
-  constexpr double kPulledBack = 0.2;  // distance relative to the median depth
+  constexpr double kPulledBack = 0.2;
   constexpr double kFocal =
       0.75;  // focal length relative to the width: field of view of 67 degrees
   PictureView view;

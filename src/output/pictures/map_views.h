@@ -42,8 +42,7 @@ class PictureSheet {
 };
 
 // Four views of the surfels with shown[id] != 0, each of width x height px: from above, oblique
-// from above, and from behind two cameras. These cameras have the first pose and
-// MostDifferentPose().
+// from above, and from behind two cameras.
 std::array<PictureView, 4> ChooseMapViews(const SurfelMap& map,
                                           const std::vector<std::uint8_t>& shown,
                                           const Trajectory& camera_path, int width, int height);

@@ -11,7 +11,6 @@
 
 namespace surfit {
 
-// Camera of a picture of a map or a cloud.
 struct PictureView {
   std::string label;
   PinholeCamera camera;

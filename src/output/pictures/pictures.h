@@ -14,8 +14,8 @@ namespace surfit {
 
 // Writes map_color.png, map_normals.png, map_confidence.png and map_last_seen.png into the
 // directory. Each picture has four views: from above, oblique from above, and from behind two
-// cameras. The cameras have the first pose and the most different pose. The world frame may have
-// any orientation. The up direction is computed from the cameras, floors and tables.
+// cameras. The cameras have the first pose and the most different pose. The up direction is
+// computed from the cameras, floors and tables.
 //
 // Back faces are not drawn, so ceiling and near walls do not occlude the room. map_confidence shows
 // all surfels. The other pictures show surfels with confidence >= NoiseConfidence(). A normal n in
@@ -43,7 +43,6 @@ void WriteTrajectoryPicture(const Trajectory& estimate, const Trajectory& ground
 void WriteTwoCloudPicture(const std::vector<Eigen::Vector3f>& source,
                           const std::vector<Eigen::Vector3f>& target, const std::string& path);
 
-// Colouring of the model in a live picture.
 enum class ModelColors { kNormals, kColor };
 
 // Pictures of a run in progress, kWidth x kHeight px. Images keep their aspect ratio.

@@ -60,7 +60,6 @@ class NearestIndexImage {
     return std::uint64_t{bits} << 32 | static_cast<std::uint32_t>(index);
   }
 
-  // The lower 32 bits are kNothing.
   static constexpr std::uint64_t kFarthest = std::numeric_limits<std::uint64_t>::max();
 
   int width_;

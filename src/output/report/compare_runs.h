@@ -12,8 +12,8 @@ namespace surfit {
 
 struct RunAlignment {
   Rigid3d target_from_source;
-  std::size_t poses = 0;  // number of pose pairs with equal timestamps
-  double rms_m = 0;       // RMS distance of the aligned positions
+  std::size_t poses = 0;
+  double rms_m = 0;
 };
 
 // Aligns two runs by the positions of poses with equal timestamps. For an unobservable rotation

@@ -37,7 +37,6 @@ std::vector<std::size_t> SpreadOrder(std::size_t count) {
   return order;
 }
 
-// Base64 column of the table: `size` values of type T per surfel.
 template <typename T, typename F>
 std::string Column(const std::vector<Surfel>& surfels, int size, const F& values_of) {
   std::vector<T> column;

@@ -10,7 +10,6 @@
 
 namespace surfit {
 
-// Base64 with padding (RFC 4648, section 4).
 std::string EncodeBase64(const unsigned char* bytes, std::size_t count);
 inline std::string EncodeBase64(const std::string& bytes) {
   return EncodeBase64(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());

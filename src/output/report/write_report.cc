@@ -16,10 +16,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Limit of all runs together. Thumbnails have about 40 kB each.
+// Limit of all runs together.
 constexpr std::size_t kMaxThumbnails = 120;
 
-// Alignment of each run to the first run; std::nullopt if AlignRuns() fails.
 std::vector<std::optional<RunAlignment>> AlignWithFirst(const std::vector<ReportedRun>& runs) {
   std::vector<std::optional<RunAlignment>> alignments = {RunAlignment()};
   for (std::size_t i = 1; i < runs.size(); ++i) {
@@ -38,7 +37,7 @@ Json ToJson(const RunAlignment& alignment) {
           {"rms_m", alignment.rms_m}};
 }
 
-// Compares the first run with the second, and all other runs with the first.
+// Compares the first run with the second run, and all other runs with the first run.
 void Compare(const std::vector<ReportedRun>& runs, std::size_t max_points,
              std::vector<Json>* pages) {
   if (runs.size() < 2) return;

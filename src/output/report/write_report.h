@@ -11,7 +11,7 @@ class OptionVisitor;
 struct ReportOptions {
   // output folders of RunSlam() or RunRefinement(), shown side by side
   std::vector<std::string> runs;
-  std::string output;  // path of the HTML file
+  std::string output;
   // Maximum number of surfels of all runs together. Larger maps are sampled evenly.
   int max_points = 500000;
 
@@ -20,8 +20,8 @@ struct ReportOptions {
 
 struct ReportedMap {
   std::string run;
-  std::size_t points = 0;        // surfels of the map
-  std::size_t shown_points = 0;  // surfels in the page
+  std::size_t points = 0;
+  std::size_t shown_points = 0;
 };
 
 // Writes a self-contained HTML file that needs no network. The page shows:

@@ -7,8 +7,7 @@
 namespace surfit {
 
 // Evenly spaced sample of a stream of unknown length: every stride-th item. A full sample (`most`
-// items) drops every second item and doubles the stride. Long streams give most / 2 to `most`
-// items.
+// items) drops every second item and doubles the stride.
 template <typename T>
 class EvenSample {
  public:

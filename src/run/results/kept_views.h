@@ -13,10 +13,9 @@
 
 namespace surfit {
 
-// JPEG pictures of a frame and of the model view at its pose.
 struct KeptView {
   struct Picture {
-    std::string name;  // input_color, model_color, input_depth or model_depth
+    std::string name;
     std::string jpeg;
   };
   int index = 0;
@@ -41,7 +40,6 @@ class KeptViews {
   // Returns the views by frame. Call after the last frame, whose model view is rendered.
   std::vector<KeptView> Finish(const SurfelMap& map, const DepthSensor& sensor) const;
 
-  // path relative to the output folder
   static std::string FileName(int view, const std::string& picture);
   static std::vector<std::string> FileNames();
   // Writes the pictures into the output folder. Throws InputError with the path.

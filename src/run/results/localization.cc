@@ -13,8 +13,7 @@
 namespace surfit {
 namespace {
 
-// Largest standard deviation over all directions. EdgeNoise::shared_points corrects the covariance,
-// which assumes independent points.
+// Largest standard deviation over all directions.
 double LargestSigma(const Eigen::Matrix3d& covariance) {
   const double largest =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly)

@@ -27,12 +27,10 @@ class RunTrajectory {
   // Replaces the poses of all frames(), in this order. After a failed frame, the sizes differ:
   // drops surplus poses or frames at the end.
   void Replace(Trajectory corrected);
-  // Writes trajectory.txt again if poses were replaced.
   void Finish() const;
 
   // Poses in the convention of the run: mirrored if `mirrored` is true.
   const Trajectory& poses() const { return poses_; }
-  // Frame index of each pose, ascending.
   const std::vector<int>& frames() const { return frames_; }
 
  private:
@@ -55,7 +53,6 @@ class FrameTable {
 
   // `frame_ms`: time between the completions of the previous frame and this frame.
   void Add(const FrameReport& report, double read_ms, double frame_ms);
-  // Adds the row of an unreadable frame.
   void AddSkipped(const ReadResult& result, double frame_ms);
 
  private:
