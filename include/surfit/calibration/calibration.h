@@ -23,8 +23,9 @@ inline RefinementOptions CoarseRefinementOptions() {
 
 // Options of calibration during tracking. Refine() runs on all keyframes so far. The first run
 // needs `first_keyframes` keyframes. Each further run needs 25 % more keyframes. The result of n
-// keyframes is applied 1 + n/2 + n^2/40 frames after the run starts, on every machine. The input
-// calibration is kept unless the estimate differs significantly.
+// keyframes is applied 1 + n/2 + n^2/40 frames after the run starts, on every machine. In
+// real time, it may be applied later. The input calibration is kept unless the estimate differs
+// significantly.
 struct CalibrationOptions {
   bool enabled = true;
   int first_keyframes = 4;

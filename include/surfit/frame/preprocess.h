@@ -31,9 +31,8 @@ VectorImage VertexMap(Image<float> depth_m, const PinholeCamera& camera);
 
 // Normals of a vertex map, towards the camera. A plane n . X = d has the inverse depth r = (n_x (u
 // - cx)/fx + n_y (v - cy)/fy + n_z) / d, so n ~ (fx r_u, fy r_v, r - (u - cx) r_u - (v - cy) r_v).
-//    The gradient (r_u, r_v) is the least-squares slope of symmetric differences up to
-//    normal_radius_px, or up to a depth edge. (0, 0, 0) if a direct neighbour is beyond a depth
-//    edge.
+// The gradient (r_u, r_v) is the least-squares slope of symmetric differences up to
+// normal_radius_px, or up to a depth edge. (0, 0, 0) if a direct neighbour is beyond a depth edge.
 VectorImage NormalMap(const VectorImage& vertex, const DepthSensor& sensor,
                       const PreprocessOptions& options);
 

@@ -53,7 +53,7 @@ struct LoopOptions {
   // FusionOptions::active_frames with loop closure, if that option is 0. Old surfels must not
   // constrain a drifted camera before a loop closure. 0: no limit.
   int active_frames = 200;
-  // Duplicate surfels are merged after a loop closure if at least this number of frames is between
+  // Duplicate surfels are merged after a loop closure if more than this number of frames is between
   // their observations. FusionOptions::active_frames is used instead if it is larger.
   int frames_apart = 100;
   // Loop closures do not move the map if each keyframe moves at most this far: translation plus 2 m

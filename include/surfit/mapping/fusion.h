@@ -19,8 +19,8 @@ struct FusionOptions {
   std::string weighting = "confidence";  // "confidence" or "uniform" (weight 1)
   float merge_distance_m = 0.05f;  // maximum distance of point and surfel along the surfel normal
   float merge_angle_rad = 0.6f;    // maximum angle of the normals of point and surfel
-  // Maximum distance of point and surfel across the surface, in addition to the radius of the
-  // point. This is also the surfel spacing on distant surfaces.
+  // Maximum distance of point and surfel across the surface. The radius of the point is a second
+  // limit. This is also the surfel spacing on distant surfaces.
   float max_spacing_m = 0.01f;
   // Removes the less confident of two surfels that are closer across the surface than this ratio.
   // The ratio refers to max_spacing_m and to both radii. 0: off.
@@ -28,9 +28,8 @@ struct FusionOptions {
   float max_slant_scale = 2;          // radius = sqrt(2) z / f * min(1 / |n_z|, max_slant_scale)
   float max_radius_ratio = 1.5f;      // point to surfel; coarser points do not move the surfel
   float min_inactive_confidence = 1;  // less confident surfels are noise
-  int max_inactive_frames =
-      20;                      // fused frames without observation before a noise surfel is removed
-  float max_confidence = 200;  // upper limit, which keeps the map adaptable
+  int max_inactive_frames = 20;       // fused frames until unobserved noise is removed
+  float max_confidence = 200;         // upper limit, which keeps the map adaptable
   // Surfels that were not observed in the last active_frames fused frames are inactive: points do
   // not merge with them. After drift, a revisited surface is mapped again. 0: no limit.
   int active_frames = 0;

@@ -90,7 +90,8 @@ struct FrameReport {
 // and calibration.
 class Slam {
  public:
-  // Starts with an empty map. The pose of the first frame is `world_from_first_camera`. Throws
+  // Starts with an empty map. The pose of the first frame is `world_from_first_camera`. The
+  // camera of the sensor must have fy > 0, which is not checked. Throws
   // InputError for an invalid sensor or invalid options.
   Slam(const DepthSensor& sensor, const SlamOptions& options,
        const Rigid3d& world_from_first_camera);
