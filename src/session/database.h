@@ -22,9 +22,9 @@ using Row = std::vector<std::variant<std::int64_t, double, std::string, Blob>>;
 // CRC-32 of bytes. `before`: CRC of the preceding bytes.
 std::uint32_t Crc(const void* bytes, std::size_t size, std::uint32_t before = 0);
 
-// SQLite database whose rows have checksums. All functions throw InputError with the path if the
-// file is damaged or no database, if the disk is full, or if another program locks the file for
-// more than 3 s.
+// SQLite database whose rows have checksums. All functions throw InputError
+// with the path if the file is damaged or no database, or if the disk is full. They also throw if
+// another program locks the file for more than 3 s.
 class Database {
  public:
   enum class Mode { kRead, kWrite, kCreate };
