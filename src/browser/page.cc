@@ -10,8 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// JSON with '<' escaped, so that no string ends the script element. Replaces invalid UTF-8, for
-// example in folder names.
+// JSON with '<' escaped, so that no string ends the script element.
 std::string ToScriptText(const Json& json) {
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string safe;
@@ -37,7 +36,6 @@ std::string Escaped(const std::string& text) {
   return escaped;
 }
 
-// Converts a file path to a URL: percent-encodes reserved characters.
 std::string AddressOf(const std::string& path) {
   std::ostringstream address;
   for (const char c : path) {

@@ -9,8 +9,7 @@
 
 namespace surfit {
 
-// HTML page before and after its data: styles, scripts and libraries. Assembled by the build
-// (CMakeLists.txt).
+// HTML page before and after its data. Assembled by CMakeLists.txt.
 struct Page {
   const char* before_data;
   const char* after_data;
@@ -26,7 +25,7 @@ void WriteData(const std::string& name, const nlohmann::ordered_json& data, std:
 
 std::string Fixed(double number, int digits);
 
-// Page of text, tables and pictures without scripts. Write() throws as WritePage().
+// Page of text, tables and pictures without scripts. Write() throws like WritePage().
 class PlainPage {
  public:
   struct Cell {
@@ -40,8 +39,7 @@ class PlainPage {
 
   void Section(const std::string& title);
   void Paragraph(const std::string& text);
-  void Picture(const std::string& file);  // path relative to the page
-  // The first row has the column headings.
+  void Picture(const std::string& file);
   void Table(const std::vector<std::vector<Cell>>& rows);
   void Write(const std::string& title, const std::string& path) const;
 

@@ -10,20 +10,16 @@
 namespace surfit {
 namespace {
 
-// Subsampling of keyframe columns and rows: there are far more pixels than surfels.
 constexpr int kFrameStride = 2;
 
-// Size in cells of an image region with fully correlated model error. Few keyframes do not average
-// this error out.
+// Side of an image region with fully correlated model error, in cells.
 constexpr int kSharedCells = 4;
 
-// Number of additional keyframes before the next task. Early results are soon used for tracking,
-// and all tasks together take about five times as long as the last task.
+// Number of additional keyframes before the next task.
 std::size_t MoreKeyframes(std::size_t keyframes) { return std::max<std::size_t>(1, keyframes / 4); }
 
-// Number of frames from the start of a task to the use of its result. Two cores that track 30
-// frames per second need about half of this time: 2 frames for 4 keyframes, 10 for 19, 32 for 42.
-// The number of neighbours per keyframe grows with the number of keyframes.
+// Number of frames from the start of a task to the use of its result. On two cores at 30 Hz, a task
+// needs about half of this time.
 int DelayFrames(int keyframes) { return 1 + keyframes / 2 + keyframes * keyframes / 40; }
 
 DepthSensor Subsampled(DepthSensor sensor) {
@@ -86,10 +82,9 @@ void Calibrator::StartTask(std::vector<Rigid3d> world_from_keyframe, const Traje
   next_count_ += MoreKeyframes(next_count_);
   Frames frames = frames_;
   if (next_count_ > static_cast<std::size_t>(options_.max_keyframes)) {
-    next_count_ = 0;  // no further task: the frames belong to this task
+    next_count_ = 0;  // the last task owns the frames
     frames_.clear();
   }
-  // Computed before the frames are moved into the task.
   const int delay_frames = DelayFrames(static_cast<int>(frames.size()));
   task_.Start(delay_frames,
               [this, frames = std::move(frames), motions = std::move(motions),
@@ -120,7 +115,6 @@ Calibrator::Outcome Calibrator::Run(const Frames& frames, const std::vector<Came
   return outcome;
 }
 
-// Uses the calibration of the subsampled images.
 ColorLatency Calibrator::LatencyOf(const Frames& frames,
                                    const std::vector<RefinementKeyframe>& keyframes,
                                    const DepthCalibration& calibration) const {

@@ -15,7 +15,7 @@
 
 namespace surfit {
 
-// Calibrates the depth camera from all keyframes so far, in background tasks.
+// Calibrates the depth camera in background tasks. Each task uses all keyframes so far.
 class Calibrator {
  public:
   struct Outcome {
@@ -24,14 +24,14 @@ class Calibrator {
     std::vector<Rigid3d> world_from_keyframe_before, world_from_keyframe;
   };
 
-  // `sensor` is the input sensor. If `always_in_background`, tasks run in a BackgroundTask with any
-  // number of threads.
+  // `sensor` is the input sensor. If `always_in_background`, tasks have their own thread even if
+  // one thread may compute.
   Calibrator(const DepthSensor& sensor, const PreprocessOptions& preprocess,
              const CalibrationOptions& options, bool always_in_background);
 
   using Frames = std::vector<std::shared_ptr<const RgbdFrame>>;
-  // Continues from a saved calibration and its keyframes. Without keyframes, the calibration does
-  // not change any more.
+  // Continues from a saved calibration and its keyframes. An empty list of keyframes ends
+  // calibration.
   void ContinueFrom(const std::optional<DepthCalibration>& calibration, double color_latency_s,
                     Frames frames);
 
@@ -40,27 +40,25 @@ class Calibrator {
   // Estimated colour latency in addition to RgbdCamera::color_latency_s, s.
   double color_latency_s() const { return color_latency_s_; }
 
-  // Adds a keyframe with measured images. They are copied.
+  // Adds a keyframe with measured images, which are copied.
   void AddKeyframe(const RgbdFrame& frame);
-  // Last stored keyframe; null if calibration needs no more keyframes.
   std::shared_ptr<const RgbdFrame> last_keyframe() const {
     return frames_.empty() ? nullptr : frames_.back();
   }
-  // Returns whether a task is running or another one can start.
+  // True if a task is running, or if another task will follow.
   bool IsCalibrating() const { return next_count_ > 0 || task_.IsPending(); }
-  // Returns whether there are enough keyframes for the next task, and no task is running.
   bool IsTaskDue() const {
     return !task_.IsPending() && next_count_ > 0 && frames_.size() >= next_count_;
   }
-  // Starts a task with the poses of all keyframes so far. `trajectory` has all frames, for the
-  // motion during their readout.
+  // `world_from_keyframe` has the poses of all keyframes. `trajectory` has all frames, for the
+  // motion during readout.
   void StartTask(std::vector<Rigid3d> world_from_keyframe, const Trajectory& trajectory);
 
   BackgroundTask<Outcome>& task() { return task_; }
-  // Returns the result of the task, and makes it the current calibration.
+  // Returns the task result, and makes its calibration the current one.
   Outcome Take();
 
-  // Drops the task and starts no other task.
+  // Drops the running task.
   void End();
 
  private:
@@ -76,8 +74,8 @@ class Calibrator {
   DepthCalibration given_, calibration_;
   double color_latency_s_ = 0;
   Frames frames_;                 // stored keyframes; empty after the last task has started
-  std::size_t next_count_;        // number of keyframes for the next task; 0: no further task
-  BackgroundTask<Outcome> task_;  // last member: its destructor waits for the task
+  std::size_t next_count_;        // number of keyframes for the next task; 0: no next task
+  BackgroundTask<Outcome> task_;  // last member: the destructor waits for the task
 };
 
 }  // namespace surfit

@@ -25,8 +25,7 @@ void Fill(int file, const std::string& path, bool to_disk,
   if (!buffer.Close(to_disk)) ThrowCannotWrite(path);
 }
 
-// Creates a partial file with a name that is unique among processes and threads. Partial files of
-// killed processes can still exist.
+// Creates a temporary file with a unique name.
 std::string MakePartial(const std::string& path, int* file) {
   static std::atomic<int> count{0};
   std::string partial;
@@ -38,8 +37,7 @@ std::string MakePartial(const std::string& path, int* file) {
   return partial;
 }
 
-// Writes the directory entry to the disk. Errors are ignored, for example if the folder is not
-// readable.
+// Flushes the directory entry to the disk. Errors are ignored: some folders are not readable.
 void FlushFolderOf(const std::string& path) {
   const fs::path folder = fs::path(path).parent_path();
   const int opened =

@@ -20,27 +20,27 @@ struct LowPriorityScope::State {
 namespace {
 
 thread_local bool is_least_thread = false;
-thread_local const bool* is_task_awaited = nullptr;  // of the task on this thread; null: none
+thread_local const bool* is_task_awaited = nullptr;
 
 struct Loop {
   const std::function<void(int)>& run_block;
   const int block_count;
   const bool& is_awaited;
-  int next = 0;     // first block that has not started
-  int running = 0;  // number of running blocks
+  int next = 0;
+  int running = 0;
   std::exception_ptr error;
 
   bool HasMore() const { return next < block_count; }
   bool IsDone() const { return !HasMore() && running == 0; }
 };
 
-// The lowest-priority thread, shared by all tasks until the process ends.
+// Thread of the lowest priority, shared by all tasks, until the process ends.
 class LowPriorityThread {
  public:
   LowPriorityThread() : thread_([this] { Work(); }) { thread_.detach(); }
 
   // Returns false if the task is awaited. If Await() is called during the loop, the calling thread
-  // executes the remaining blocks.
+  // runs the remaining blocks.
   bool Run(Loop* loop) {
     std::unique_lock<std::mutex> lock(mutex_);
     if (loop->is_awaited) return false;
@@ -79,7 +79,6 @@ class LowPriorityThread {
     }
   }
 
-  // Executes one block without the lock. After an exception no further block starts.
   void RunBlock(Loop* loop, std::unique_lock<std::mutex>* lock) {
     const int block = loop->next++;
     ++loop->running;
@@ -99,10 +98,10 @@ class LowPriorityThread {
     if (loop->IsDone()) changed_.notify_all();
   }
 
-  std::mutex mutex_;  // guards the members below and all loops
+  std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Loop*> loops_;
-  std::thread thread_;  // last: its function uses the other members
+  std::thread thread_;  // last member: the thread function uses all other members
 };
 
 LowPriorityThread& SharedLowPriorityThread() {

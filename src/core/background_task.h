@@ -10,19 +10,18 @@
 
 namespace surfit {
 
-// Runs the parallel loops of a task at low priority. The thread of the task keeps its priority. On
-// Linux, one thread of the lowest priority executes the blocks of the loops in sequence. After
-// Await() the loops run in parallel as usual. Priority inversion is limited: a waiting thread waits
-// for at most one block of the low-priority thread.
+// Runs the parallel loops of a task at low priority. On Linux, one thread of the lowest priority
+// runs the blocks of the loops. The thread of the task keeps its priority. So a waiting thread
+// waits for at most one block at low priority.
 class LowPriorityScope {
  public:
   LowPriorityScope();
   ~LowPriorityScope();
   LowPriorityScope& operator=(LowPriorityScope&&) = delete;
 
-  // Runs the task on the calling thread. Exceptions of the task propagate.
+  // Runs the task on the calling thread. Exceptions propagate.
   void Run(const std::function<void()>& task);
-  // Ends the low priority, because a thread waits for the task. Callable from any thread.
+  // Ends the low priority, because a thread waits for the task. Thread-safe.
   void Await();
 
   struct State;
@@ -31,10 +30,10 @@ class LowPriorityScope {
   std::unique_ptr<State> state_;
 };
 
-// An asynchronous task, one at a time, with low-priority loops. With a thread limit of 1 the task
-// runs lazily in Wait() or Take(), unless `always_in_background` is true. The result is due after a
-// fixed number of steps of the caller, so that results do not depend on the machine. The destructor
-// waits for a running task.
+// Asynchronous task with low-priority loops, one at a time. With a thread limit of 1, the task runs
+// in Wait() or Take(), unless `always_in_background` is true. The result is due after a fixed
+// number of steps, so that it does not depend on the machine. The destructor waits for a running
+// task.
 template <typename Result>
 class BackgroundTask {
  public:
@@ -60,19 +59,17 @@ class BackgroundTask {
 
   // True from Start() until Take() or Drop().
   bool IsPending() const { return result_.valid(); }
-  // Counts one step. Returns true if a result is due.
+  // Returns true if a result is due.
   bool IsDueAfterStep() { return IsPending() && --steps_left_ <= 0; }
-  // Counts one step. Returns true if a result is due and available without waiting. Ends the low
-  // priority of an overdue task.
+  // Returns true if a result is due and ready. Ends the low priority of an overdue task.
   bool IsReadyAfterStep() {
     if (!IsDueAfterStep()) return false;
     if (!IsAtWork()) return true;
     spare_time_->Await();
     return false;
   }
-  // True if Take() returns without waiting for another thread.
+  // True if Take() does not wait for another thread.
   bool IsReady() const { return IsPending() && !IsAtWork(); }
-  // True if the task is running.
   bool IsAtWork() const {
     return IsPending() && result_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
   }

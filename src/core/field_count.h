@@ -6,12 +6,12 @@
 
 namespace surfit {
 
-// Converts to any type except the struct itself, so that no copy of the struct is counted as a
+// Converts to any type except the struct itself, so that a copy of the struct is not counted as a
 // field.
 template <typename Struct>
 struct AnyField {
   template <typename T, typename = std::enable_if_t<!std::is_same_v<T, Struct>>>
-  operator T() const;  // declared only: used in unevaluated contexts
+  operator T() const;  // declared only
 };
 
 template <typename Struct, std::size_t>
@@ -23,8 +23,8 @@ auto TakesFields(std::index_sequence<I...>)
 template <typename Struct>
 std::false_type TakesFields(...);
 
-// Number of fields of an aggregate, at most `Count`. Not valid for structs with a field that is
-// constructible from any type, such as std::optional.
+// Number of fields of an aggregate, at most `Count`. Not valid for fields that are constructible
+// from any type, such as std::optional.
 template <typename Struct, std::size_t Count = 64>
 constexpr std::size_t FieldCount() {
   if constexpr (Count == 0 ||

@@ -24,7 +24,7 @@ constexpr int kMaxNested = 100;
 
 class OpenFile {
  public:
-  // Opening a pipe blocks until a process opens it for writing, unless `flags` contain O_NONBLOCK.
+  // Without O_NONBLOCK, opening a pipe blocks until another process opens it for writing.
   OpenFile(const std::string& path, int flags)
       : path_(path), file_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | flags)) {
     if (file_ < 0 || fstat(file_, &status_) != 0) ThrowCannotRead(path);
@@ -38,7 +38,6 @@ class OpenFile {
   std::string Read(std::size_t most) const {
     std::string bytes;
     std::size_t used = 0;
-    // One byte more than the file size: the second read() returns 0 without a larger buffer.
     std::size_t room = is_regular() ? size() + 1 : std::size_t{1} << 16;
     while (used < most) {
       bytes.resize(std::min(room, most));
@@ -64,7 +63,6 @@ void RequireNoMoreThan(std::size_t most, std::size_t bytes, const std::string& p
   throw InputError(path, " is too large, must have ", most, " bytes at most");
 }
 
-// Brackets within JSON strings are not counted.
 void RequireShallow(const std::string& json, const std::string& path) {
   int depth = 0;
   bool in_string = false;

@@ -8,32 +8,31 @@
 
 namespace surfit {
 
-// Part of the name of a partially written file: `<final name>.partial-<process>-<number>`.
+// Part of the name of a temporary file: `<final name>.partial-<process>-<number>`.
 inline constexpr const char* kPartialMark = ".partial-";
 
 // Throws InputError "cannot write '<path>': <reason of errno>".
 [[noreturn]] void ThrowCannotWrite(const std::string& path);
 
-// Creates a file for writing and returns its descriptor. Returns -1 and sets errno on errors, for
-// example if the name exists, also as a symbolic link.
+// Creates a file for writing, and returns its descriptor. Returns -1 and sets errno on errors. A
+// file or symbolic link of this name is an error.
 int CreateFileExclusively(const std::string& path);
 
-// Opens a device or a pipe for writing and returns its descriptor. Returns -1 and sets errno on
+// Opens a device or a pipe for writing, and returns its descriptor. Returns -1 and sets errno on
 // errors.
 int OpenSpecialFile(const std::string& path);
 
-// Returns false and sets errno if not all bytes were written.
 bool WriteAll(int file, const char* bytes, std::size_t count);
 
-// Stream buffer that owns an open file. After the first error all later writes fail.
+// Stream buffer that owns an open file. All writes after an error fail.
 class FileBuffer final : public std::streambuf {
  public:
   explicit FileBuffer(int file);
   ~FileBuffer() override;
   FileBuffer& operator=(FileBuffer&&) = delete;
 
-  // Flushes the buffer, writes the file to the disk if `to_disk`, and closes the file. Returns
-  // false and sets errno if this or an earlier operation failed.
+  // Flushes the buffer, syncs the file if `to_disk`, and closes it. Returns false and sets errno if
+  // any operation has failed.
   bool Close(bool to_disk);
 
  protected:
@@ -53,16 +52,15 @@ class FileBuffer final : public std::streambuf {
 
 inline constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max() - 1;
 
-// Reads a regular file. Throws InputError with the file name if the file cannot be read, is larger
-// than `most` bytes, or is not a regular file. Reading a device or a pipe might never end.
+// Reads a regular file. Throws InputError with the path for other files, unreadable files, and
+// files above `most` bytes.
 std::string ReadFile(const std::string& path, std::size_t most = kAnySize);
 
-// Reads a regular file, a pipe or a device that the user named. Pipes and devices are limited to 1
-// GiB.
+// Reads a regular file, a pipe or a device. Pipes and devices are limited to 1 GiB.
 std::string ReadFileOrPipe(const std::string& path);
 
-// Reads a JSON file. Throws InputError above 256 MiB or above 100 nested brackets, which bounds the
-// recursion of the JSON parser and writer.
+// Reads a JSON file. Throws InputError above 256 MiB or 100 nested brackets, which limits the
+// recursion of the JSON parser.
 std::string ReadJsonText(const std::string& path);
 
 }  // namespace surfit

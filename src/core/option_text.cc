@@ -1,4 +1,3 @@
-// Conversion of options from and to text, for flags, JSON records and help.
 #include <charconv>
 #include <sstream>
 

@@ -18,7 +18,6 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// Returns "a, b or c".
 std::string Alternatives(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -28,7 +27,7 @@ std::string Alternatives(const std::vector<std::string>& names) {
   return text;
 }
 
-// Constraint of a number as text. Bounds are divided by `unit`.
+// Constraint of a number as text, with bounds divided by `unit`.
 std::string NumberRule(const Option& option, double unit) {
   const double min = option.min / unit, max = option.max / unit;
   if (std::isinf(min)) return "finite";
@@ -43,7 +42,6 @@ std::string NumberRule(const Option& option, double unit) {
   return rule;
 }
 
-// Bounds of a number as text. Requires an upper bound.
 std::string Bounds(const Option& option, double unit) {
   const bool two_sided = !option.above_min && !option.below_max && option.zero.empty();
   if (two_sided) return Concat(option.min / unit, " to ", option.max / unit);
@@ -77,7 +75,7 @@ class Validator final : public OptionVisitor {
   }
   void Leave() override { path_.erase(path_.rfind('.', path_.size() - 2) + 1); }
 
-  std::string path_;  // path of the part, with a trailing dot
+  std::string path_;
 };
 
 }  // namespace

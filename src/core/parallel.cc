@@ -21,9 +21,8 @@ namespace surfit {
 
 namespace {
 
-// ThreadSanitizer does not see the synchronisation of oneTBB, because its prebuilt library is not
-// instrumented. This file includes the headers of oneTBB and is compiled without instrumentation,
-// too. A fence reports the synchronisation to ThreadSanitizer. In other builds it is empty.
+// The prebuilt oneTBB is not instrumented, so ThreadSanitizer does not see its synchronisation. A
+// fence reports the synchronisation to ThreadSanitizer. In other builds, it is empty.
 class SanitizerFence {
  public:
 #if defined(SURFIT_THREAD_SANITIZER)
@@ -38,8 +37,8 @@ class SanitizerFence {
   [[maybe_unused]] char address_ = 0;
 };
 
-// Sets the number of threads of a library and returns the previous number. Returns 0 if the library
-// is not loaded.
+// Sets the number of threads of a library, and returns the previous number. Returns 0 if the
+// library is not loaded.
 int SetThreads(const char* getter, const char* setter, int count) {
   const auto get = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, getter));
   const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, setter));
@@ -67,7 +66,7 @@ struct ThreadLimit::State {
 
 ThreadLimit::ThreadLimit(int threads) {
   ThrowIf(threads < 1 || threads > 1024, "threads is ", threads, ", must be from 1 to 1024");
-  // OpenCV only decodes and draws images here. Its own threads would exceed the limit.
+  // Its threads would exceed the limit.
   cv::setNumThreads(1);
   state_ = std::make_unique<State>(threads);
 }
@@ -105,7 +104,6 @@ void ParallelFor(int begin, int end, int grain, const std::function<void(int, in
 
 void RunInBackground(std::function<void()> task) {
   CHECK_GT(ThreadCount(), 1) << "background tasks need a limit of at least 2 threads";
-  // A separate arena, so that a waiting parallel loop never executes the task.
   static tbb::task_arena* const arena = new tbb::task_arena(2, 1);
   static SanitizerFence fork;
   fork.Release();

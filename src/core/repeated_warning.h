@@ -4,10 +4,10 @@
 
 namespace surfit {
 
-// Logs the first three occurrences of a warning. The destructor logs the number of further ones.
+// Logs the first three occurrences of a warning. The destructor logs the number of others.
 class RepeatedWarning {
  public:
-  // `what`: plural noun for the final count, for example "frames skipped".
+  // `what`: plural noun for the final count, e.g. "frames skipped".
   explicit RepeatedWarning(std::string what);
   ~RepeatedWarning();
   RepeatedWarning& operator=(RepeatedWarning&&) = delete;

@@ -21,7 +21,7 @@ class TraceFile {
 
   explicit TraceFile(const std::string& path) : file_(path), start_(Clock::now()) {
     text_ << '[';
-    ThreadNumber();  // gives number 1 to this thread
+    ThreadNumber();
     Write();
   }
 
@@ -54,7 +54,7 @@ class TraceFile {
     text_.str("");
   }
 
-  // Write errors do not stop the measured program. Close() throws them.
+  // Write errors do not stop the program. Close() throws them.
   void WriteUnlessItFailed() {
     try {
       if (!failure_) Write();
@@ -64,7 +64,7 @@ class TraceFile {
     text_.str("");
   }
 
-  // Nanosecond resolution, so that slices nest in the file as in time.
+  // Nanoseconds, so that slices nest in the file.
   static std::string Microseconds(Clock::duration duration) {
     const long long ns = std::chrono::nanoseconds(duration).count();
     char text[40];
@@ -72,8 +72,7 @@ class TraceFile {
     return text;
   }
 
-  // Number of the calling thread, from 1 in the order of first use. Writes the thread name at the
-  // first use.
+  // Number of the calling thread, from 1 in the order of first use.
   int ThreadNumber() {
     const auto [thread, is_new] =
         threads_.emplace(std::this_thread::get_id(), static_cast<int>(threads_.size()) + 1);
@@ -86,7 +85,7 @@ class TraceFile {
     return number;
   }
 
-  std::mutex mutex_;  // guards all other members
+  std::mutex mutex_;
   AppendedFile file_;
   std::ostringstream text_;  // not yet written
   std::exception_ptr failure_;

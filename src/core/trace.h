@@ -8,10 +8,9 @@ namespace surfit {
 
 class TraceFile;
 
-// Records all slices of the process to a file for ui.perfetto.dev and chrome://tracing. The file is
-// an array of complete events ("Trace Event Format"), one per line. Times are in microseconds since
-// the construction of the recorder. Slices of other threads must end before the recorder is
-// destroyed. Without a recorder, a slice costs one atomic load.
+// Records all slices of the process to a file for ui.perfetto.dev and chrome://tracing ("Trace
+// Event Format"). Times are in microseconds since construction. Slices of other threads must end
+// before the destruction. Without a recorder, a slice costs one atomic load.
 class TraceRecorder {
  public:
   // Throws InputError if the file cannot be written. Aborts if another recorder exists.
@@ -19,8 +18,7 @@ class TraceRecorder {
   ~TraceRecorder();
   TraceRecorder& operator=(TraceRecorder&&) = delete;
 
-  // Completes the file. Slices that end later are not recorded. Throws InputError if any write
-  // failed.
+  // Completes the file. Later slices are not recorded. Throws InputError if a write has failed.
   void Close();
 
  private:
@@ -32,7 +30,8 @@ class TraceSlice {
  public:
   static constexpr int kNoFrame = -1;
 
-  // `name` is stored as a pointer and written without escaping: a literal without quotes.
+  // `name`: a string literal without quotes, because the pointer is stored and written without
+  // escaping.
   explicit TraceSlice(const char* name, int frame = kNoFrame);
   ~TraceSlice();
   TraceSlice& operator=(TraceSlice&&) = delete;
@@ -44,7 +43,6 @@ class TraceSlice {
   std::chrono::steady_clock::time_point begin_;
 };
 
-// A slice that also adds its duration to a sum. The sum does not need a recorder.
 class StageTimer {
  public:
   StageTimer(const char* name, int frame, double* sum_ms)

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kKernelWidth = 0.06;      // intensity, from 0 to 1
 constexpr double kPointsPerResidual = 25;  // points with correlated errors
-constexpr double kSigma = 0.01;            // prior of the rendered pose, m and rad
-constexpr double kMinSlope = 0.008;        // minimum intensity gradient of a used point, 1/px
+constexpr double kSigma = 0.01;
+constexpr double kMinSlope = 0.008;
 constexpr int kStride_px = 2;
 constexpr int kMinPoints = 500;
 constexpr int kPixelGrain = 4096;
@@ -47,7 +47,6 @@ Image<float> Smoothed(const Image<float>& grey, double smoothing_px) {
   return smoothed;
 }
 
-// Point of the view with its intensity, in the camera frame of the rendered pose.
 struct Point {
   Eigen::Vector3d at;
   double intensity;
@@ -80,8 +79,8 @@ class ColorRegistration {
                     const DepthSensor& sensor, const CameraMotion& motion)
       : image_(image), points_(points), sensor_(sensor), motion_(motion) {}
 
-  // Updates pose and exposure by one Gauss-Newton step. Returns false if fewer than kMinPoints
-  // points are visible, or if the step is not finite.
+  // Makes one Gauss-Newton step. Returns false if fewer than kMinPoints points are visible, or if
+  // the step is not finite.
   bool Step(Rigid3d* color_from_expected, Eigen::Vector2d* exposure) const {
     System system = ParallelSum(
         0, static_cast<int>(points_.size()), kPixelGrain, System(),
@@ -97,7 +96,7 @@ class ColorRegistration {
   }
 
  private:
-  // Normal equations. `hessian` has the lower triangle only.
+  // `hessian` has the lower triangle only.
   struct System {
     Matrix8d hessian = Matrix8d::Zero();
     Vector8d gradient = Vector8d::Zero();
@@ -113,7 +112,7 @@ class ColorRegistration {
 
   struct Row {
     double residual;
-    Vector8d jacobian;  // with respect to the left perturbation, gain and offset
+    Vector8d jacobian;  // derivatives by left perturbation, gain and offset
   };
 
   System SystemOf(int begin, int end, const Rigid3d& color_from_expected,

@@ -18,10 +18,10 @@
 namespace surfit {
 namespace {
 
-// Ratio of the surfel spacing to the spacing in tracking. Denser surfels would slow down tracking
-// without better poses.
+// Ratio of the surfel spacing to the spacing in tracking, where denser surfels cost time and do not
+// improve poses.
 constexpr float kSpacingRatio = 0.7f;
-// Every kColorStride-th frame is used for colours, because consecutive frames are almost equal.
+// Only every kColorStride-th frame colours the map, because consecutive frames are almost equal.
 constexpr int kColorStride = 2;
 
 FusionOptions Finer(FusionOptions options) {
@@ -29,8 +29,8 @@ FusionOptions Finer(FusionOptions options) {
   return options;
 }
 
-// Removes surfels that were observed about once and only at depth edges. Fusion removes these
-// surfels `max_inactive_frames` after their last observation, so surfels of the last frames remain.
+// Removes surfels that were observed about once and only at depth edges. Fusion has already removed
+// such surfels, except those of the last `max_inactive_frames` frames.
 void RemoveEdgeNoise(const FusionOptions& options, SurfelMap* map) {
   for (const std::int32_t id : map->Ids()) {
     const Surfel surfel = (*map)[id];
@@ -64,7 +64,6 @@ class SequenceFusion {
   DepthSensor sensor_;
 };
 
-// Recolours a map from frames of one sequence, at the registered poses of their colour images.
 class Recoloring {
  public:
   Recoloring(const PosedSequence& known, const SequenceInfo& info, const SurfelMap& map,
@@ -84,16 +83,16 @@ class Recoloring {
     const PosedCamera camera(sensor_.camera,
                              RegisterColors(frame.color, drawn, coarse_, motion, expected));
     const Image<float> measured_m = Coarse(CorrectRollingShutter(frame, sensor_, motion).depth_m);
-    frame.stamp_s = frame.color_stamp_s;  // `camera` is the pose at this time
+    frame.stamp_s = frame.color_stamp_s;  // colours use the pose at this time
     average_->Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), camera,
                   {drawn.depth_m, PosedCamera(coarse_.camera, expected)},
                   {measured_m, PosedCamera(coarse_.camera, world_from_camera)});
   }
 
  private:
-  static constexpr int kColumns = 320;  // approximate width of the rendered views, px
+  static constexpr int kColumns = 320;
 
-  // Minimum depth of each block of pixels. 0: a pixel of the block has no depth.
+  // Minimum depth of each pixel block. 0: a pixel of the block has no depth.
   Image<float> Coarse(const Image<float>& depth_m) const {
     Image<float> coarse_m(coarse_.camera.width, coarse_.camera.height);
     const int step = depth_m.width() / coarse_m.width();
@@ -135,7 +134,7 @@ Image<float> Within(const MapPart& part, const PinholeCamera& camera,
   return depth_m;
 }
 
-// Removes surfels outside of the half-open box. Adjacent boxes share no surfel.
+// Removes surfels outside of the half-open box, so that adjacent boxes share no surfel.
 void Crop(const Eigen::AlignedBox3f& box, SurfelMap* map) {
   for (const std::int32_t id : map->Ids()) {
     const Eigen::Vector3f at = (*map)[id].position_in_world;
@@ -172,7 +171,7 @@ class FinalMap {
   }
 
  private:
-  // Opens and closes the sequence, because the frame list of a long recording is large.
+  // Opens the sequence only for this call, because the frame list of a long recording is large.
   bool FuseSource(const MapSource& of_sequence, Fusion* fusion,
                   std::optional<DepthSensor>* sensor) {
     const auto frames = ReopenSequence(of_sequence.known.sequence, of_sequence.frames);
@@ -213,7 +212,6 @@ class FinalMap {
   const std::atomic<bool>& interrupted_;
   const FinalMapProgress& progress_;
   SurfelMap map_;
-  // Number of fused frames, and progress in thirds of a frame: fusion is 2/3, colours are 1/3.
   int fused_ = 0, done_ = 0;
 };
 

@@ -12,14 +12,13 @@
 
 namespace surfit {
 
-// Called with the number of completed frames and the number of surfels.
+// Called with the numbers of completed frames and of surfels.
 using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>;
 
-// Fuses a new map of a sequence with the final poses and the estimated calibration:
-//   1. fuses all frames, without moving objects and without `left_out` frames. Rolling shutter is
-//      corrected by the motion between the neighbouring poses. Surfels are denser than in tracking.
-//   2. removes surfels that were observed about once and only at depth edges, and smooths the
-//      others (SmoothMap)
+// Builds the final map of a sequence from the final poses and the estimated calibration:
+//   1. fuses all frames except `left_out`, without moving objects and with rolling-shutter
+//      correction. Surfels are denser than in tracking.
+//   2. removes noise at depth edges, and smooths the map (SmoothMap)
 //   3. recolours the surfels from every second frame, at the registered poses of the colour images
 //      (RegisterColors, ColorAverage)
 // Returns std::nullopt if interrupted. Throws InputError if the sequence cannot be read.
@@ -30,7 +29,7 @@ std::optional<SurfelMap> IntegrateFinalMap(const PosedSequence& known,
 struct MapSource {
   const PosedSequence& known;
   std::vector<FrameRange> frames;  // empty: all frames
-  int first_frame = 0;             // offset of the frame indices; keeps those of the map ascending
+  int first_frame = 0;  // offset added to frame indices, so that sources do not share indices
 };
 
 // Part of a map: the surfels in a half-open box of the world frame.
@@ -41,8 +40,9 @@ struct MapPart {
 };
 
 // Fuses a part of a map from all its sequences, like IntegrateFinalMap(). The memory depends on the
-// size of the part, the time on the number of frames. `part.sources` must not be empty. Uses the
-// fusion options of the first source.
+// size of the part, the time on the number of frames. `part.sources` must not be empty; its first
+// source has the fusion options. Returns std::nullopt if interrupted. Throws InputError if a
+// sequence cannot be read.
 std::optional<SurfelMap> FusePart(const MapPart& part, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress);
 

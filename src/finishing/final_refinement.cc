@@ -13,12 +13,10 @@
 namespace surfit {
 namespace {
 
-constexpr int kColumns = 320;  // approximate image width, px
+constexpr int kColumns = 320;
 constexpr int kCellsAcross = 60;
-// A frame becomes a keyframe if its translation or its rotation from the last keyframe exceeds this
-// threshold.
 constexpr double kTranslation_m = 0.1, kRotation_rad = 0.15;
-constexpr std::size_t kMaxKeyframes = 120;  // the thresholds grow until this is satisfied
+constexpr std::size_t kMaxKeyframes = 120;  // both thresholds grow until this holds
 
 struct Interrupted {};
 
@@ -35,7 +33,6 @@ int StrideOf(const PinholeCamera& camera, int downsample) {
   return std::clamp(camera.width / kColumns, 1, std::max(1, kMaxDownsample / downsample));
 }
 
-// Keyframes with their indices in the trajectory.
 struct Keyframes {
   std::vector<std::size_t> poses;
   std::vector<RefinementKeyframe> keyframes;

@@ -12,17 +12,17 @@ namespace surfit {
 
 struct RefinedSequence {
   std::size_t keyframes = 0;
-  RefinementSummary summary;  // calibration of the prepared frames
+  RefinementSummary summary;
   // Unchanged if the refinement failed.
   Trajectory trajectory;
   EstimatedSensor found;
 };
 
 // Refines keyframe poses and calibration with Refine(), and moves the other poses with their
-// keyframes. The initial values are the final poses and the estimated calibration of the run. Uses
-// images of about 320 columns and few surfels, so that it takes no longer than tracking. `camera`
-// is the camera of the prepared frames. `progress` is called after each round. Returns std::nullopt
-// if interrupted. Throws InputError if the sequence cannot be read.
+// keyframes. Starts from the poses and calibration of the run. Uses images of about 320 columns and
+// few surfels, to take no longer than tracking. `camera` is the camera of the prepared frames.
+// `progress` is called after each round. Returns std::nullopt if interrupted. Throws InputError if
+// the sequence cannot be read.
 std::optional<RefinedSequence> RefinePosedSequence(
     const PosedSequence& known, const PinholeCamera& camera, const std::atomic<bool>& interrupted,
     const std::function<void(const RefinementRound&)>& progress);

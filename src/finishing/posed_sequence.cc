@@ -34,7 +34,7 @@ class RangesOfSequence final : public FrameSource {
   }
 
  private:
-  // Opens the current range, from its first frame that the stride of the sequence selects.
+  // Opens the current range at its first frame that is selected by the stride of the sequence.
   void Open() {
     SequenceOptions part = sequence_;
     const int past = ranges_[at_].first - sequence_.first;
@@ -89,7 +89,7 @@ void EstimatedSensor::Correct(RgbdFrame* frame) const {
 }
 
 std::string CalibrationWarning(const DepthSensor& given, const DepthCalibration& found) {
-  constexpr double kLimit = 23.2;  // 99 % quantile of chi-square with 10 degrees of freedom
+  constexpr double kLimit = 23.2;
   const PinholeCamera &a = given.camera, &b = found.camera;
   const CalibrationPrior& prior = given.prior;
   double squared_distance = 0;

@@ -20,31 +20,29 @@
 
 namespace surfit {
 
-// Estimated calibration of a sensor, for prepared frames: undistorted and downsampled, with the
-// input depth field applied.
+// Estimated calibration for prepared frames: undistorted and downsampled, with the input depth
+// field applied.
 struct EstimatedSensor {
-  std::optional<DepthCalibration> calibration;  // std::nullopt: input calibration
-  double color_latency_s = 0;                   // beyond the input latency
+  std::optional<DepthCalibration> calibration;
+  double color_latency_s = 0;  // in addition to the input latency
 
   // Returns the input sensor with the estimated camera and readout.
   DepthSensor Of(DepthSensor given) const;
-  // Corrects the depth and the colour timestamp of a prepared frame.
   void Correct(RgbdFrame* frame) const;
 };
 
-// Returns a warning if the estimated calibration contradicts the prior of the input sensor, or ""
-// otherwise. The input camera may then belong to another sensor or image size. Uses a chi-square
-// test with 10 degrees of freedom and 1 % false alarms. Both cameras are for prepared frames.
+// Returns a warning if the estimated calibration contradicts the prior of the input sensor, else
+// "". The input camera may then belong to another sensor or image size. Uses a chi-square test with
+// 10 degrees of freedom and 1 % false alarms. Both calibrations are for prepared frames.
 std::string CalibrationWarning(const DepthSensor& given, const DepthCalibration& found);
 
 // Sequence with the final results of a run. The references must outlive the object.
 struct PosedSequence {
   const SequenceOptions& sequence;  // options of the run
-  const SlamOptions& slam;          // options of preprocessing and fusion
+  const SlamOptions& slam;
   const Trajectory& trajectory;
-  const std::vector<int>& frames;  // frame index of each pose, ascending
-  const std::set<int>& left_out;   // indices of frames that are not fused
-  // FrameReport::moving by frame index.
+  const std::vector<int>& frames;
+  const std::set<int>& left_out;  // indices of frames that are not fused
   const std::map<int, Image<std::uint8_t>>& moving;
   EstimatedSensor found;
 };
@@ -54,15 +52,14 @@ struct FrameRange {
   int first = 0, last = 0;
 };
 
-// Opens a sequence and reads a few frames ahead. Without `ranges`, reads all frames of the options.
-// Otherwise, reads the frames in the ranges, which must be ascending and disjoint. Throws
-// InputError like OpenSequence().
+// Opens a sequence and reads a few frames ahead. `ranges` selects frames, and must be ascending and
+// disjoint. Empty `ranges`: all frames of the options. Throws InputError like OpenSequence().
 std::unique_ptr<FrameSource> ReopenSequence(const SequenceOptions& sequence,
                                             const std::vector<FrameRange>& ranges = {});
 
-// Calls `call` for each frame of `source` that has a pose, with the index of the pose in the
-// trajectory. The frame is uncalibrated and without moving objects. The image size of the source
-// may differ from that of the run. Skips unreadable frames. Returns false if interrupted.
+// Calls `call` for each readable frame with a pose. `pose` is the index in the trajectory. The
+// frame is uncalibrated and without moving objects. The source may have another image size than the
+// run. Returns false if interrupted.
 bool ReadPosedFrames(const PosedSequence& known, FrameSource* source,
                      const std::atomic<bool>& interrupted,
                      const std::function<void(std::size_t pose, RgbdFrame frame)>& call);

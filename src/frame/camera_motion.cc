@@ -7,7 +7,6 @@ namespace surfit {
 CameraMotion MotionOver(const Rigid3d& first_from_second, double seconds) {
   if (!(seconds > 0)) return {};
   const Eigen::Vector3d turn = QuaternionLog(first_from_second.rotation);
-  // Velocity in the camera frame halfway: rotated by half the rotation.
   const Eigen::Vector3d way = QuaternionExp<double>(-0.5 * turn) * first_from_second.translation;
   return {turn / seconds, way / seconds};
 }

@@ -9,7 +9,6 @@
 namespace surfit {
 namespace {
 
-// Distance weights of the filter window, row by row.
 std::vector<float> TriangleWeights(int radius) {
   std::vector<float> weights;
   for (int dv = -radius; dv <= radius; ++dv) {
@@ -21,8 +20,8 @@ std::vector<float> TriangleWeights(int radius) {
   return weights;
 }
 
-// Filtered inverse depth in units of the cut-off. Sums differences to the central pixel, because
-// sums of values would lose precision.
+// Filtered inverse depth in units of the cut-off. Sums differences to the centre, because sums of
+// values lose precision.
 template <typename V>
 V FilteredInverse(const float* at, std::ptrdiff_t stride, int radius, const float* weights) {
   const V center = V::Load(at);
@@ -40,7 +39,6 @@ V FilteredInverse(const float* at, std::ptrdiff_t stride, int radius, const floa
   return center + sum / weight_sum;
 }
 
-// Filters one row of a band with inverse depths in units of 1/scale, 1/m.
 template <typename V>
 void FilterRow(const InverseDepthBand& band, int v, int width, int radius, const float* weights,
                float scale, float* depth_m) {

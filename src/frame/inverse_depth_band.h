@@ -9,15 +9,13 @@
 
 namespace surfit {
 
-// Scaled inverse depth of some rows of a depth image, with a margin on all sides. The margin holds
-// the windows and SIMD lanes at the image border. Missing pixels and pixels outside the image are
-// kMissing. This value differs from every inverse depth by more than any threshold, so windows need
-// no branch for it.
+// Scaled inverse depth of some rows of a depth image, with a margin for filter windows and SIMD
+// lanes. Missing pixels and the margin are kMissing. kMissing exceeds every threshold, so windows
+// need no branch.
 class InverseDepthBand {
  public:
   static constexpr float kMissing = -1e30f;
 
-  // Allocates `rows` rows of an image with this width, and the margin in px.
   InverseDepthBand(int width, int rows, int margin)
       : width_(width),
         margin_(margin),
@@ -54,7 +52,7 @@ class InverseDepthBand {
   int width_;
   int margin_;
   std::ptrdiff_t stride_;
-  int first_ = 0;  // image row of the uppermost row
+  int first_ = 0;
   std::unique_ptr<float[]> values_;
 };
 

@@ -6,20 +6,19 @@
 
 namespace surfit {
 
-// Scalar: float, double, or Lanes of float or double.
 template <typename Scalar>
 struct LensPixel {
   using Truth = decltype(Scalar() > Scalar());
   Scalar u = 0, v = 0;  // px
-  Truth is_seen{};      // false: u and v are invalid
+  Truth is_seen{};
 };
 
 // Camera with lens distortion (Brown's model, coefficients as in OpenCV). With x = X/Z, y = Y/Z, r2
 // = x^2 + y^2 and k = 1 + k1 r2 + k2 r2^2 + k3 r2^3, the pixel of a point is
 //   u = fx (x k + 2 p1 x y + p2 (r2 + 2 x^2)) + cx,
 //   v = fy (y k + p1 (r2 + 2 y^2) + 2 p2 x y) + cy.
-// A point is invisible if Z <= 0, or if r k decreases with r: the polynomial would fold the point
-// back into the image. The image border is not tested.
+// A point is invisible if Z <= 0, or if r k decreases with r (invalid range of the polynomial). The
+// image border is not tested.
 template <typename Scalar>
 class Lens {
  public:
@@ -39,7 +38,7 @@ class Lens {
     const Scalar x = point_x / point_z, y = point_y / point_z;
     const Scalar r2 = x * x + y * y, xy = x * y;
     const Scalar k = 1 + r2 * (k1_ + r2 * (k2_ + r2 * k3_));
-    const Scalar slope = 1 + r2 * (3 * k1_ + r2 * (5 * k2_ + r2 * 7 * k3_));  // d(r k) / dr
+    const Scalar slope = 1 + r2 * (3 * k1_ + r2 * (5 * k2_ + r2 * 7 * k3_));
     LensPixel<Scalar> pixel;
     pixel.u = fx_ * (x * k + 2 * p1_ * xy + p2_ * (r2 + 2 * x * x)) + cx_;
     pixel.v = fy_ * (y * k + p1_ * (r2 + 2 * y * y) + 2 * p2_ * xy) + cy_;
@@ -54,7 +53,6 @@ class Lens {
   Scalar fx_, fy_, cx_, cy_, k1_, k2_, p1_, p2_, k3_;
 };
 
-// Returns true if the pixel is visible and inside the image.
 template <typename Scalar>
 typename LensPixel<Scalar>::Truth IsInImage(const PinholeCamera& camera,
                                             const LensPixel<Scalar>& pixel) {

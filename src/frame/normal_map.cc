@@ -33,7 +33,7 @@ class NormalRows {
       const auto along_u = SlopeAlong<V>(row + u, 1, radius_, bounds_.noise + bounds_.slant_u * r);
       const auto along_v =
           SlopeAlong<V>(row + u, band.stride(), radius_, bounds_.noise + bounds_.slant_v * r);
-      // Negative of the formula in the header: a normal towards the camera has n . X = d < 0.
+      // negative of the formula in the header: n points towards the camera
       const V nx = -fx_ * along_u.value, ny = -fy_ * along_v.value;
       const V nz = V::Load(du_.data() + u) * along_u.value + dv * along_v.value - r;
       const V scale = 1. / sqrt(nx * nx + ny * ny + nz * nz);
@@ -49,10 +49,9 @@ class NormalRows {
   int radius_;
   float fx_, fy_;
   double cy_;
-  std::vector<float> du_;  // u - cx per column, padded to complete lanes
+  std::vector<float> du_;
 };
 
-// Removes the normals of a row at depth edges.
 template <typename V>
 void DropRow(const InverseDepthBand& band, const EdgeBounds& bounds, int v, VectorImage* normal) {
   const int width = normal->width();

@@ -11,13 +11,12 @@ namespace {
 constexpr int kMinWidth = 40;
 constexpr int kMinHeight = 30;
 
-// Blocks of 2 x 2 pixels, one per lane.
 template <typename V>
 struct Block {
   V pixel[4];
 };
 
-// Loads the blocks from block (u, v) to the right: `count` blocks, limited by the number of lanes.
+// Loads at most `count` blocks, from block (u, v) to the right.
 template <typename V>
 Block<V> LoadBlocks(const Image<float>& image, int u, int v, int count) {
   Block<V> block;
@@ -32,7 +31,7 @@ Block<V> LoadBlocks(const Image<float>& image, int u, int v, int count) {
   return block;
 }
 
-// Averages the pixels of the nearest surface in each block, for a row of blocks.
+// Averages the pixels of the nearest surface of each block.
 template <typename V>
 void HalveRow(const FrameLevel& fine, const EdgeBounds& bounds, int v, Image<float>* depth_m,
               VectorImage* normal) {

@@ -32,7 +32,7 @@ float Metres(std::uint16_t raw, float units_per_metre, float max_m) {
   return raw != kMissing && metres <= max_m ? metres : 0;
 }
 
-// Comparisons with NaN are false, so NaN is missing.
+// false for NaN
 float Metres(float raw, float /*units_per_metre*/, float max_m) {
   return raw > 0 && raw <= max_m ? raw : 0;
 }
@@ -48,8 +48,7 @@ float MetresOf(const Disparity& disparity, T raw, float max_m) {
   return metres <= max_m ? metres : 0;
 }
 
-// Index of the nearest raw pixel for each pixel of the undistorted, downsampled image; -1: not
-// visible.
+// Index of the nearest raw pixel per undistorted, downsampled pixel; -1: not visible.
 Image<std::int32_t> NearestPixels(const PinholeCamera& camera, int downsample) {
   const PinholeCamera out = camera.Subsampled(downsample);
   const Lens<double> lens(camera);
@@ -65,7 +64,7 @@ Image<std::int32_t> NearestPixels(const PinholeCamera& camera, int downsample) {
   return pixels;
 }
 
-// Depth in m at the given raw pixels; 0: missing or beyond max_depth_m.
+// Depth in m at these raw pixels; 0: missing or beyond max_depth_m.
 Image<float> DepthAt(const Image<std::int32_t>& pixels, const RawDepth& raw,
                      const RgbdCamera& camera, double max_depth_m) {
   const float units = static_cast<float>(camera.depth_units_per_metre);

@@ -11,15 +11,14 @@ namespace {
 constexpr float kColumns[] = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr double kOutside = -1;
 
-// Colour pixels of a row of depth pixels, in 1/256 px. u is kOutside if the colour camera does not
-// see the point.
+// Colour pixels of a row of depth pixels, in 1/256 px. u is kOutside if the point is not visible.
 struct TapPositions {
   explicit TapPositions(int width)
       : u(width + Lanes<float>::kCount), v(width + Lanes<float>::kCount) {}
   std::vector<std::int32_t> u, v;
 };
 
-// Row of points d (first + column step) + t in the frame of the colour camera, with depths d.
+// Row of points d (first + column step) + t of depth d, in the frame of the colour camera.
 struct PointRow {
   Eigen::Vector3f first, step, t;
 };
@@ -58,7 +57,6 @@ ColorRegistration::ColorRegistration(const RgbdCamera& camera, int downsample)
 }
 
 void ColorRegistration::FindTaps(int v, const float* depth_m, BilinearTap* taps) const {
-  // R ray(u, v) is linear in u.
   const PointRow points = {(rotation_ * pinhole_.Ray(0, v)).cast<float>(),
                            (rotation_.col(0) / pinhole_.fx).cast<float>(),
                            translation_.cast<float>()};

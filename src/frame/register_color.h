@@ -8,29 +8,28 @@
 
 namespace surfit {
 
-// Position in an image for bilinear interpolation.
 struct BilinearTap {
-  std::int32_t index = -1;     // of the upper left pixel; -1: outside the image
-  std::uint16_t weight_u = 0;  // weight of the right pixels, 1/256
-  std::uint16_t weight_v = 0;  // weight of the lower pixels, 1/256
+  std::int32_t index = -1;
+  std::uint16_t weight_u = 0;
+  std::uint16_t weight_v = 0;
 };
 
-// Pixel coordinate in units of 1/256 px, plus 0.5 for rounding by truncation. Clamped to the
-// outermost pixel centres of an image with `size` pixels.
+// Pixel coordinate in 1/256 px, plus 0.5 for rounding by truncation. Clamped to the pixel centres
+// of an image with `size` pixels.
 template <typename V>
 V TapSteps(const V& pixel, int size) {
   return Min(Max(pixel, 0.), size - 1.) * 256. + 0.5;
 }
 
-// Interpolation position for coordinates of TapSteps(). The image has at least 2 x 2 pixels.
+// Interpolation position from coordinates of TapSteps(). Requires at least 2 x 2 pixels.
 inline BilinearTap TapAt(std::int32_t steps_u, std::int32_t steps_v, int width, int height) {
   const int left = std::min(steps_u >> 8, width - 2), top = std::min(steps_v >> 8, height - 2);
   return {top * width + left, static_cast<std::uint16_t>(steps_u - 256 * left),
           static_cast<std::uint16_t>(steps_v - 256 * top)};
 }
 
-// Interpolated colour; (0, 0, 0) outside the image. Red and blue are summed in two halves of one
-// integer. The weights sum to 2^16, so no sum exceeds 24 bits.
+// Interpolated colour; (0, 0, 0) outside the image. Red and blue share an integer: the weights sum
+// to 2^16, so a sum has at most 24 bits.
 inline Rgb8 SampleBilinear(const Image<Rgb8>& image, const BilinearTap& tap) {
   if (tap.index < 0) return {};
   const Rgb8* const upper = image.data() + tap.index;
@@ -51,11 +50,9 @@ inline Rgb8 SampleBilinear(const Image<Rgb8>& image, const BilinearTap& tap) {
           static_cast<std::uint8_t>(red_blue >> 48)};
 }
 
-// Registers colour to the undistorted, downsampled depth image. A depth pixel sees the point x = d
-// ray, which the colour camera sees at color_from_depth * x = d R ray + t. If the colour pixel does
-// not depend on d (t = 0, or registered colour), it is read from a table. Otherwise pixels without
-// depth get no colour. Occlusion is ignored: next to depth edges, background pixels can get the
-// colour of the foreground. The affected strip is as wide as the parallax.
+// Registers colour to the undistorted, downsampled depth image. A depth pixel with the point x = d
+// ray has the colour at color_from_depth * x = d R ray + t. Occlusion is ignored: background pixels
+// near depth edges can get the colour of the foreground.
 class ColorRegistration {
  public:
   ColorRegistration(const RgbdCamera& camera, int downsample);
@@ -64,15 +61,15 @@ class ColorRegistration {
   Image<Rgb8> Apply(Image<Rgb8> color, const Image<float>& depth_m) const;
 
  private:
-  // Colour pixels of output row v for points at these depths (m; 0: missing).
+  // Colour pixels of output row v for these depths (m; 0: missing).
   void FindTaps(int v, const float* depth_m, BilinearTap* taps) const;
 
   PinholeCamera pinhole_;  // of the output
   PinholeCamera color_;
-  Eigen::Matrix3d rotation_;     // of color_from_depth
+  Eigen::Matrix3d rotation_;
   Eigen::Vector3d translation_;  // m
-  bool is_copy_;                 // output pixels equal the colour pixels at the same position
-  Image<BilinearTap> taps_;      // empty if the colour pixel depends on the depth
+  bool is_copy_;
+  Image<BilinearTap> taps_;  // empty if colour pixels depend on the depth
 };
 
 }  // namespace surfit

@@ -11,15 +11,14 @@
 namespace surfit {
 namespace {
 
-// Bound on second differences of inverse depth at edges, in sigmas of inverse depth. Second
-// differences of noise have a standard deviation of 2.4 sigmas.
+// Maximum second difference of inverse depth on a surface, in sigmas of inverse depth. Noise has a
+// standard deviation of 2.4 sigmas.
 constexpr double kMaxBendSigmas = 6;
 
-// Lower bound of the depth ratio, which keeps the values finite. Real motion is never so fast.
 constexpr double kMinScale = 0.1;
 
-// Displacement of each pixel to the middle of the readout in px, ratio of new to old depth, and old
-// inverse depth in 1/m (0: missing). Missing pixels move as points at infinity.
+// Displacement to the middle of the readout in px, ratio of new to old depth, and old inverse depth
+// (1/m; 0: missing). Missing pixels move like points at infinity.
 struct MovedPixels {
   Image<float> du, dv, scale, inverse_depth;
 };
@@ -30,8 +29,7 @@ std::vector<float> ColumnsOf(int width) {
   return columns;
 }
 
-// Moves the points X of row v to X + tau (turn x X + velocity). All terms are divided by the depth
-// of X.
+// Moves the points X of row v to X + tau (turn x X + velocity).
 template <typename V>
 void MoveRow(const Image<float>& depth_m, const DepthSensor& sensor, const CameraMotion& motion,
              const std::vector<float>& columns, int v, MovedPixels* moved) {
@@ -72,15 +70,14 @@ MovedPixels MovePixels(const Image<float>& depth_m, const DepthSensor& sensor,
   return moved;
 }
 
-// Finds the source pixel of each output pixel of a row, and the depth of the output pixel.
 template <typename V>
 class OriginFinder {
  public:
   OriginFinder(const MovedPixels& moved, const std::vector<float>& columns, double max_bend)
       : moved_(moved), columns_(columns), max_bend_(max_bend) {}
 
-  // Writes depth in m (0: missing) and the indices of the source pixels (-1: outside the image).
-  // `origin` may be null.
+  // Writes depth in m (0: missing) and indices of source pixels (-1: outside the image). `origin`
+  // may be null.
   void FindRow(int v, float* depth_m, std::int32_t* origin) const {
     for (int u = 0; u < width_; u += V::kCount) {
       const int count = std::min(width_ - u, V::kCount);
@@ -93,12 +90,11 @@ class OriginFinder {
  private:
   using Mask = typename V::Mask;
 
-  // Pixels with their four neighbours.
   struct Neighbours {
     V u, v, du, dv, scale, inverse, left, right, above, below;
   };
 
-  // The displacement grows linearly with the distance of the row from the middle. The source row v0
+  // The displacement is proportional to the distance of the row from the middle. The source row v0
   // satisfies v0 + dv(v) rows(v0) / rows(v) = v.
   V FindLanes(int u, int v, int count, std::int32_t* pixels) const {
     const float rows = static_cast<float>(v) + 0.5f - 0.5f * static_cast<float>(height_);
@@ -140,7 +136,6 @@ class OriginFinder {
     return near;
   }
 
-  // Slope of inverse depth per pixel from both neighbours; 0 at depth edges.
   V Slope(const V& before, const V& here, const V& after) const {
     const Mask continues =
         (before > V(0.)) & (after > V(0.)) & (abs(before + after - here * 2.) <= max_bend_);

@@ -8,9 +8,9 @@
 
 namespace surfit {
 
-// Maximum change of inverse depth r (1/m) between neighbouring pixels of one surface. Larger
-// changes are depth edges. The bound is the sum of 3 sigma and the slope r tan(slant) / f of a
-// surface with the angle max_slant_rad.
+// Maximum change of inverse depth r (1/m) between neighbouring pixels of a surface; larger changes
+// are depth edges. It is 3 sigma plus the slope r tan(slant) / f of a surface with the angle
+// max_slant_rad.
 struct EdgeBounds {
   EdgeBounds(const DepthSensor& sensor, const PreprocessOptions& options)
       : noise(static_cast<float>(3 * sensor.noise.inverse_depth_sigma)) {
@@ -23,8 +23,8 @@ struct EdgeBounds {
   float slant_u, slant_v;
 };
 
-// Returns true, per lane, if the step from offset k - 1 to offset k is within `bound` on both sides
-// of the pixel. Offset k is k * stride values away in an InverseDepthBand.
+// True, per lane, if the step from offset k - 1 to offset k is within `bound` on both sides. Offset
+// k is k * stride values away.
 template <typename V>
 typename V::Mask Continues(const float* at, std::ptrdiff_t stride, int k, const V& bound) {
   const V ahead = V::Load(at + k * stride) - V::Load(at + (k - 1) * stride);
@@ -35,7 +35,7 @@ typename V::Mask Continues(const float* at, std::ptrdiff_t stride, int k, const 
 template <typename V>
 struct SurfaceSlope {
   V value;
-  typename V::Mask valid;  // false: a depth edge at the nearest offset
+  typename V::Mask valid;  // false: depth edge at the nearest offset
 };
 
 // Least-squares slope of inverse depth in one direction: sum of k (r(+k) - r(-k)) / sum of 2 k^2

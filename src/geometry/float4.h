@@ -24,7 +24,6 @@ inline void Store4(Float4 values, float* to) { std::memcpy(to, &values, sizeof(v
 
 inline Float4 Max(Float4 a, Float4 b) { return a < b ? b : a; }
 
-// Bit k is set if lane k of the mask is set.
 inline unsigned Bits(Int4 mask) {
 #ifdef __SSE2__
   return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(mask)));

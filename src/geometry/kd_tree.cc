@@ -26,7 +26,6 @@ struct KdTree::Box {
   }
 };
 
-// Sorts points by leaf: recursive median splits along the longest side of the bounding box.
 class KdTree::Sorter {
  public:
   struct Item {
@@ -37,7 +36,7 @@ class KdTree::Sorter {
   Sorter(const KdTree& tree, std::vector<Item>* items) : tree_(tree), items_(items->data()) {}
 
   void Run() const {
-    // One task per node near the root, then one task per subtree.
+    // Nodes near the root have one task each, all other tasks have one subtree.
     const int levels = std::min(tree_.depth_, 6);
     int subtree_leaves = 1 << tree_.depth_;
     for (int level = 0; level < levels; ++level, subtree_leaves /= 2) {

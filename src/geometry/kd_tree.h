@@ -11,13 +11,11 @@ namespace surfit {
 // stores the tight boxes of eight children, which is three binary splits. Boxes and points are
 // tested four at a time.
 //
-// Results are exact in the arithmetic of SquaredDistance() and do not depend on hints. The distance
-// to a box uses the same operations, which round monotonically, so it never exceeds the distance to
-// a point in the box.
+// Results are exact in the arithmetic of SquaredDistance() and do not depend on hints. Rounding is
+// monotonic, so the distance to a box never exceeds the distance to a point in it.
 //
-// The tree stores a copy of the points, sorted so that neighbours in memory are close in space. The
-// rank of a point is its position in this order. Queries in the order of another tree use the cache
-// well. Queries are thread-safe.
+// The tree stores a copy of the points in spatial order. The rank of a point is its position in
+// this order. Queries in spatial order use the cache well. Queries are thread-safe.
 class KdTree {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -28,12 +26,11 @@ class KdTree {
     float squared_distance = kAnyDistance;
   };
 
-  // Requires fewer than 2^31 finite points. Built in parallel, with the same result for any number
-  // of threads.
+  // Requires fewer than 2^31 finite points. Built in parallel. The result does not depend on the
+  // number of threads.
   explicit KdTree(const std::vector<Eigen::Vector3f>& points);
 
   std::size_t size() const { return order_.size(); }
-  // Input index of each rank.
   const std::vector<std::uint32_t>& order() const { return order_; }
   Eigen::Vector3f Point(std::uint32_t rank) const { return {x_[rank], y_[rank], z_[rank]}; }
 
@@ -44,12 +41,12 @@ class KdTree {
     return dx * dx + dy * dy + dz * dz;
   }
 
-  // Nearest point within the maximum distance; rank kNone: none. Ties are resolved by input order.
-  // `hint`: rank of a point that is probably near, which shortens the search.
+  // Nearest point within the maximum distance; rank kNone: no point. For equal distances, the first
+  // input point. `hint`: rank of a point that is probably near.
   Neighbor Nearest(const Eigen::Vector3f& query, float max_squared_distance = kAnyDistance,
                    std::uint32_t hint = kNone) const;
 
-  // Replaces `ranks` by the ranks of all points within the maximum distance, in ascending order.
+  // Replaces `ranks` by the ranks of all points within the maximum distance, ascending.
   void FindWithin(const Eigen::Vector3f& query, float max_squared_distance,
                   std::vector<std::uint32_t>* ranks) const;
 
@@ -58,8 +55,8 @@ class KdTree {
   static constexpr int kChildren = 8;  // per node
 
   struct Box;
-  // Bounds of the boxes of the children by axis. The bounds of missing children of the root are
-  // NaN, which is within no distance.
+  // Bounds of the boxes of the children by axis. NaN (within no distance) for missing children of
+  // the root.
   struct Node {
     Node();
     float low[3][kChildren], high[3][kChildren];
@@ -74,9 +71,9 @@ class KdTree {
     return static_cast<std::uint32_t>(leaf * order_.size() >> depth_);
   }
 
-  int depth_ = 0;                     // number of binary splits; the tree has 2^depth leaves
+  int depth_ = 0;
   std::vector<std::uint32_t> order_;  // by rank
-  std::vector<float> x_, y_, z_;      // by rank; padded with kWidth NaN
+  std::vector<float> x_, y_, z_;
   // Root first. Child c of node i is node 8 i + c of the next level.
   std::vector<std::vector<Node>> levels_;
 };

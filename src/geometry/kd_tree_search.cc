@@ -11,8 +11,7 @@ class KdTree::Search {
 
   bool IsLeaf(std::size_t level) const { return level == tree_.levels_.size(); }
 
-  // Squared distances to the children of a node. Bit c of the result is set if child c is within
-  // `bound`.
+  // Squared distances to the children of a node. Returns the mask of the children within `bound`.
   unsigned ChildrenWithin(std::size_t level, std::uint32_t index, float bound,
                           float* distances) const {
     const Node& node = tree_.levels_[level][index];
@@ -27,8 +26,7 @@ class KdTree::Search {
     return bits;
   }
 
-  // Squared distances to the four points that start at `rank`. Bit k is set if point k is within
-  // `bound`.
+  // Squared distances to four points from `rank`. Returns the mask of the points within `bound`.
   unsigned PointsWithin(std::uint32_t rank, float bound, float* distances) const {
     const Float4 distance = Square(x_ - Load4(&tree_.x_[rank])) +
                             Square(y_ - Load4(&tree_.y_[rank])) +
@@ -41,7 +39,6 @@ class KdTree::Search {
 
  private:
   static Float4 Square(Float4 a) { return a * a; }
-  // Distance of a coordinate to the intervals; 0 inside, NaN for intervals of NaN.
   static Float4 Outside(const float* low, const float* high, Float4 coordinate) {
     return Max(Max(Load4(low) - coordinate, coordinate - Load4(high)), Float4{});
   }
@@ -60,7 +57,7 @@ class KdTree::NearestSearch : private Search {
   }
 
  private:
-  // Visits the nearest children first, so that the remaining ones can be skipped.
+  // Visits the nearest children first, so that far children can be skipped.
   void Visit(std::size_t level, std::uint32_t index) {
     if (IsLeaf(level)) return VisitLeaf(index);
     alignas(16) float distances[kChildren];
@@ -77,7 +74,7 @@ class KdTree::NearestSearch : private Search {
     }
   }
 
-  // Lanes after the end of the leaf contain points of the next leaf. They are valid candidates.
+  // After the end of the leaf, lanes have points of the next leaf. These are valid candidates.
   void VisitLeaf(std::uint32_t leaf) {
     alignas(16) float distances[kWidth];
     const std::uint32_t end = tree_.LeafBegin(std::uint64_t{leaf} + 1);

@@ -40,7 +40,6 @@ struct Candidate {
   StampMatch match;
 };
 
-// All pairs within `max_s`, sorted by first, then second index.
 std::vector<Candidate> FindCandidates(const std::vector<double>& first_s,
                                       const std::vector<double>& second_s, double max_s) {
   std::vector<Candidate> candidates;

@@ -3,7 +3,6 @@
 namespace surfit {
 namespace {
 
-// Interpolates the rotation of two transforms, and the displacement of a point by them.
 Rigid3d Between(const Rigid3d& from, const Rigid3d& to, double share,
                 const Eigen::Vector3d& point) {
   const Eigen::Quaterniond rotation = from.rotation.slerp(share, to.rotation);
@@ -38,8 +37,8 @@ class KeyframeCorrections {
   const std::vector<Rigid3d>& of_keyframe_;
 };
 
-// Values for all indices from the first to the last frame. An index without a frame has the value
-// of the frame before.
+// Values of all indices from the first to the last frame. Indices without a frame have the value of
+// the previous frame.
 template <typename ValueOf>
 std::vector<Rigid3d> OfIndices(const std::vector<PosedFrame>& frames, const ValueOf& value_of) {
   std::vector<Rigid3d> of_index;

@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-// Prior standard deviations of directions without information.
+// prior standard deviations, for unobservable directions
 constexpr double kLooseM = 0.1, kLooseRad = 0.1;
 
 Matrix6d InverseOf(const Matrix6d& symmetric) {
@@ -25,8 +25,8 @@ Matrix6d InformationOf(const IcpResult& icp) {
 
 }  // namespace
 
-// The map was rendered near pose b, so the perturbation of the registration is in the frame of b.
-// Only the last registration is known. It represents all registrations between the keyframes.
+// The map was rendered near pose b, so the registration covariance is in the frame of b. The last
+// registration represents all registrations between the keyframes.
 Matrix6d OdometryInformation(const IcpResult& icp, int frames, const Rigid3d& a_from_b,
                              const EdgeNoise& noise) {
   const Matrix6d transform = IncrementTransform(a_from_b);

@@ -5,13 +5,14 @@
 
 namespace surfit {
 
-// Information of the odometry edge from keyframe a to keyframe b, in the frame of a. It is the
-// inverse of the accumulated registration covariance plus the noise. `frames` is the number of
-// frames from a to b. Unobservable directions have a large variance.
+// Information matrix of the odometry edge from keyframe a to keyframe b, in the frame of a.
+// `frames` is the number of frames from a to b. The covariance is the accumulated registration
+// covariance plus the noise.
 Matrix6d OdometryInformation(const IcpResult& icp, int frames, const Rigid3d& a_from_b,
                              const EdgeNoise& noise);
 
-// Information of a loop closure: the inverse of its registration covariance plus the noise.
+// Information matrix of a loop closure. The covariance is the registration covariance plus the
+// noise.
 Matrix6d LoopInformation(const Matrix6d& registration_information, const EdgeNoise& noise);
 
 }  // namespace surfit

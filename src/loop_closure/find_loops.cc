@@ -8,7 +8,6 @@ namespace surfit {
 
 namespace {
 
-// Earlier keyframe with a near pose.
 struct Neighbour {
   int keyframe;
   double relative_distance;  // relative to the bounds of the options

@@ -30,7 +30,7 @@ Image<float> DepthOf(const PlaceView& view) {
   return depth_m;
 }
 
-// NaN for unknown pixels. The mean of pixels is NaN if one of them is unknown.
+// NaN: unknown. HalfResolution() makes blocks with an unknown pixel unknown.
 Image<float> GreyImage(const Image<Rgb8>& color) {
   Image<float> grey(color.width(), color.height());
   for (std::size_t i = 0; i < color.size(); ++i) {

@@ -5,11 +5,11 @@
 namespace surfit {
 namespace {
 
-constexpr int kStridePx = 8;  // stride of the pixels for the overlap
-// A point is occluded if it is behind a surface by more than this ratio of the depth.
+constexpr int kStridePx = 8;
+// Minimum depth behind a surface of an occluded point, relative to its depth.
 constexpr double kHiddenRatio = 0.1;
-// Minimum motion since the last keyframe, relative to `max_distance_m` and `max_angle_rad`. After a
-// smaller motion, neither overlap nor frame count creates a keyframe.
+// Minimum motion of a keyframe by overlap or number of frames. Relative to `max_distance_m` and
+// `max_angle_rad`.
 constexpr double kLittleMotion = 0.1;
 
 bool IsSeen(const Eigen::Vector3d& point, const FrameLevel& surface) {

@@ -28,8 +28,8 @@ std::vector<bool> LoopsInGraph(const PoseGraph& graph, const PoseGraphSummary& s
   return in_graph;
 }
 
-// Computes a view at the first call and then releases its source. Threads do not wait for each
-// other, because the other thread may have a lower priority: both may compute the view.
+// Computes a view at the first call, then releases its source. Two threads may both compute the
+// view: waiting for a thread of lower priority would take longer.
 class LazyView {
  public:
   LazyView(ColoredView source, const PlaceViewOptions& options)

@@ -13,7 +13,6 @@
 
 namespace surfit {
 
-// Returns a callback that computes the view of a keyframe at its first call.
 ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options);
 
 PoseGraphEdge LoopEdge(const LoopVerification& attempt, const EdgeNoise& noise);
@@ -26,37 +25,36 @@ struct KeyframeForLoops {
 
 struct LoopTask {
   std::vector<KeyframeForLoops> added;  // new keyframes
-  PoseGraph graph;                      // snapshot with all keyframes
+  PoseGraph graph;
 };
 
-// Outcome of a task, to be applied to the pose store.
+// Result of a task, applied to the pose store by the caller.
 struct LoopOutcome {
   std::vector<LoopRecord> attempts;
-  bool optimised = false;                    // there are new loops, and the solver succeeded
-  std::vector<Rigid3d> world_from_keyframe;  // of all keyframes, if optimised
-  std::vector<bool> loops_in_graph;          // of all verified loops so far, if optimised
-  std::size_t removed_views = 0;             // by LimitKeyframes()
+  bool optimised = false;
+  std::vector<Rigid3d> world_from_keyframe;
+  std::vector<bool> loops_in_graph;
+  std::size_t removed_views = 0;  // by LimitKeyframes()
 };
 
-// Finds loops and optimises the pose graph in background tasks. Owns the views of the keyframes and
-// their place index. Poses and edges are snapshots of the pose store.
+// Finds loops and optimises the pose graph in background tasks. Owns the keyframe views and their
+// place index. Works on snapshots of the pose store.
 class LoopCloser {
  public:
-  // If `always_in_background`, tasks run in a BackgroundTask with any number of threads.
+  // If `always_in_background`, tasks have their own thread even if one thread may compute.
   LoopCloser(const LoopOptions& options, LoopFinder finder, bool always_in_background);
 
-  // Adds keyframes of a saved state, before any task.
+  // Adds the keyframes of a saved state. Call before the first task.
   void AddSettled(std::vector<Keyframe> keyframes);
 
-  // Starts a task. task().Take() returns its outcome.
   void Start(LoopTask task);
   BackgroundTask<LoopOutcome>& task() { return task_; }
 
-  // Searches all keyframes of the tasks so far for a view. Waits for the current task, whose
-  // outcome can still be taken.
+  // Relocalises a view by the keyframes of all tasks. Waits for the current task, and keeps its
+  // outcome for Take().
   Relocalization Find(const ColoredView& view, const std::vector<Rigid3d>& world_from_keyframe);
 
-  // Keyframes of the tasks so far, with the poses of the last snapshot. No task may be running.
+  // Keyframes of all tasks, with the poses of the last snapshot. Requires that no task is running.
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
 
  private:
@@ -68,7 +66,7 @@ class LoopCloser {
   LoopFinder finder_;
   std::vector<Keyframe> keyframes_;
   PlaceIndex index_;
-  BackgroundTask<LoopOutcome> task_;  // last member: its destructor waits for the task
+  BackgroundTask<LoopOutcome> task_;  // last member: the destructor waits for the task
 };
 
 }  // namespace surfit

@@ -17,7 +17,6 @@ namespace {
 
 constexpr int kDescriptorBits = 256;
 
-// Selects `count` random bits.
 std::vector<int> ChooseBits(int count, std::mt19937_64* generator) {
   std::vector<int> bits(kDescriptorBits);
   std::iota(bits.begin(), bits.end(), 0);
@@ -75,7 +74,7 @@ std::vector<PlaceCandidate> PlaceIndex::Query(
     const std::function<bool(int keyframe)>& is_wanted) const {
   std::map<int, double> votes;
   double all_votes = 0;
-  std::vector<int> found;  // keyframes with a matching feature
+  std::vector<int> found;
   for (const PlaceFeature& feature : view.features) {
     found.clear();
     for (int table = 0; table < options_.tables; ++table) {
@@ -111,7 +110,7 @@ std::size_t PlaceIndex::Bytes() const {
 
 namespace {
 
-// Distance of two poses: the translation, plus the rotation times a typical depth of 2 m.
+// Difference of two poses, m: the translation, plus the rotation times 2 m.
 double Difference(const Keyframe& a, const Keyframe& b) {
   constexpr double kDistanceM = 2;
   const Rigid3d motion = a.world_from_camera.Inverse() * b.world_from_camera;
@@ -126,7 +125,7 @@ std::vector<int> WithViews(const std::vector<Keyframe>& keyframes) {
   return positions;
 }
 
-// Returns the older keyframe of the pair with the most similar poses, or the only keyframe.
+// Returns the older keyframe of the most similar pair, or the only keyframe.
 int MostRedundant(const std::vector<Keyframe>& keyframes, const std::vector<int>& positions) {
   int least = positions.front();
   double least_difference = -1;

@@ -10,7 +10,6 @@
 namespace surfit {
 namespace {
 
-// View of a keyframe, prepared for registration.
 class ExpandedView {
  public:
   // The view must not be empty.
@@ -35,9 +34,9 @@ class ExpandedView {
   }
 
  private:
-  FramePyramid finest_;         // finest level only
-  FramePyramid coarser_;        // coarser levels; the finest level if there are none
-  BrightnessLevel brightness_;  // brightness of the first coarse level; 0: unknown
+  FramePyramid finest_;   // finest level only
+  FramePyramid coarser_;  // coarser levels, or the finest level if it is the only one
+  BrightnessLevel brightness_;
   bool has_color_;
 };
 
@@ -52,7 +51,7 @@ FeaturePoints PointsOf(const PlaceView& view, const ErrorModel& error_model) {
   return features;
 }
 
-// Returns initial poses with enough inlier features, by descending number of inliers.
+// Initial poses with enough inlier features, by descending number of inliers.
 std::vector<Rigid3d> StartsFromFeatures(const PlaceView& source, const PlaceView& target,
                                         const VerifyLoopOptions& options,
                                         GlobalRegistrationResult* verdict) {

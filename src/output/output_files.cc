@@ -27,7 +27,7 @@ void WriteJson(const Json& json, const std::string& path, int indent) {
 
 namespace {
 
-// Formats a value. Texts with commas, quotes or line breaks are quoted (RFC 4180).
+// Quotes texts with commas, quotes or line breaks (RFC 4180).
 std::string CsvCell(const Json& value) {
   if (value.is_null()) return "";
   if (!value.is_string()) return value.dump();
@@ -139,7 +139,7 @@ class Reader final : public OptionVisitor {
   }
   void Leave() override { path_.pop_back(); }
 
-  // Files of version 0.1 have old names.
+  // Files of version 0.1 use old option names.
   const Json& Member(const std::string& name) const {
     const Json& json = *path_.back();
     return json.contains(name) ? json.at(name) : json.at(OldName(name));
@@ -164,7 +164,7 @@ void ReadTable(const Json& json, const OptionTable& table) {
 
 namespace {
 
-// Sum of the given field, converted to the rays of the estimated camera, and the estimated field.
+// Sum of the given and the estimated field, as a function of the rays of the estimated camera.
 InverseDepthField Combined(const DepthCalibration& given, const DepthCalibration& found) {
   const PinholeCamera &a = given.camera, &b = found.camera;
   InverseDepthField sum =
@@ -175,8 +175,7 @@ InverseDepthField Combined(const DepthCalibration& given, const DepthCalibration
   return sum;
 }
 
-// Camera of the full-size images with the calibration `found`, which was estimated from undistorted
-// and downsampled images.
+// Camera of the full-size images.
 RgbdCamera Calibrated(RgbdCamera camera, const DepthCalibration& given,
                       const DepthCalibration& found) {
   const bool mirrored = camera.depth.fy < 0;

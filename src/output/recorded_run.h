@@ -10,24 +10,23 @@
 
 namespace surfit {
 
-// Results of a run of surfit_slam without the map.
 struct RecordedRun {
   Trajectory trajectory;
   std::map<int, Rigid3d> world_from_camera;  // by frame index
-  EstimatedSensor found;                     // estimated calibration of the prepared frames
-  std::set<int> held_out;                    // indices of held-out frames
+  EstimatedSensor found;
+  std::set<int> held_out;
 };
 
-// Reads poses.json and summary.json in the folder of a run. Throws InputError with the path at
-// fault.
+// Reads poses.json and summary.json from the folder of a run. Throws InputError with the path of a
+// missing or invalid file.
 RecordedRun ReadRecordedRun(const std::string& folder);
 
-// Throws InputError if the run has a calibration for another image size than `frames`.
+// Throws InputError if the calibration of the run has another image size than `frames`.
 void RequireCameraOfFrames(const RecordedRun& run, const std::string& folder,
                            const PinholeCamera& frames);
 
-// Names of the files that EvaluateViews() writes into the folder of a run by default: tables and up
-// to kMaxViewPictures pictures. `rank`: 0 for the worst view.
+// Default file names of EvaluateViews(), in the folder of a run: tables and up to kMaxViewPictures
+// pictures. `rank` 0: worst view.
 inline constexpr int kMaxViewPictures = 100;
 std::string ViewPictureName(int rank);
 std::vector<std::string> ViewFileNames();

@@ -6,7 +6,6 @@
 namespace surfit {
 namespace {
 
-// Record of a saved loop edge.
 LoopRecord RecordOf(const PoseGraphEdge& edge, const std::vector<KeyframeLink>& keyframes) {
   LoopRecord record;
   record.source_frame = keyframes[edge.b].frame;
@@ -88,7 +87,7 @@ int PoseStore::submap_count() const {
   return count;
 }
 
-// Each pass connects the submaps of each loop. One pass per submap is sufficient.
+// Each pass propagates connections over the loops. One pass per submap is sufficient.
 std::size_t PoseStore::CountDisconnectedSubmaps() const {
   const auto submap_at = [&](int frame_index) {
     return keyframes_[FrameAt(frame_index).keyframe].submap;

@@ -5,13 +5,12 @@
 namespace surfit {
 
 int MapPeriod::For(double queued_ms) {
-  // Two frames and one frame at 30 Hz. The frame after a fused frame often waits a little.
+  // At 30 Hz, the time of two frames and of one frame.
   constexpr double kLate_ms = 67, kInTime_ms = 33;
-  constexpr int kMaxTimes = 8;  // limit of period / given_; longer periods save little time
-  // Number of frames until a change has an effect, and until the queue should be empty again.
+  constexpr int kMaxTimes = 8;  // maximum period / given_; longer periods save little time
+  // Number of frames until a change has an effect.
   constexpr int kUntilSeen = 4, kUntilDone = 30;
-  // One slow frame, for example with a map correction, delays two or three frames. A late frame
-  // cancels kOneLate frames in time.
+  // A late frame cancels kOneLate frames in time.
   constexpr int kLateInARow = 3, kOneLate = 5;
   constexpr int kMaxPatience = 16 * kInTime;
   ++since_change_;
@@ -19,7 +18,7 @@ int MapPeriod::For(double queued_ms) {
   in_time_ = queued_ms < kInTime_ms ? in_time_ + 1 : std::max(0, in_time_ - kOneLate);
   const bool helps_not = since_change_ > (queued_ms > queued_ms_ ? kUntilSeen : kUntilDone);
   if (late_ >= kLateInARow && helps_not && period_ < kMaxTimes * given_) {
-    // Halving the period was too early: wait twice as long before the next attempt.
+    // the period was halved too early: doubles the wait until the next attempt
     if (was_shorter_ && since_change_ < patience_) {
       patience_ = std::min(2 * patience_, kMaxPatience);
     }

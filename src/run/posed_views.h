@@ -14,48 +14,48 @@
 
 namespace surfit {
 
-// Parses "tx,ty,tz,qx,qy,qz,qw" (translation in metres, non-zero quaternion). Throws InputError
-// naming the option and the text.
+// Parses "tx,ty,tz,qx,qy,qz,qw" (translation in m, non-zero quaternion). Throws InputError with the
+// option and the text.
 Rigid3d ParsePose(const std::string& option, const std::string& text);
 
-// World-from-camera pose of the first frame: "identity", "groundtruth" (ground-truth pose at the
-// timestamp) or the format of ParsePose(), in the convention of the sequence. Throws InputError for
-// other texts, or without a ground-truth pose at the timestamp.
+// world_from_camera of the first frame: "identity", "groundtruth" (pose at the timestamp) or a pose
+// as in ParsePose(), in the convention of the sequence. Throws InputError for other texts, or
+// without ground truth at the timestamp.
 Rigid3d InitialPose(const std::string& initial_pose, const SequenceInfo& info,
                     double first_stamp_s);
 
-// Reads an estimated trajectory (TUM format) in the convention of the sequence, and mirrors it if
-// the sequence is mirrored. Throws InputError naming the file.
+// Reads a trajectory (TUM format) in the convention of the sequence. Mirrors it if the sequence is
+// mirrored. Throws InputError with the path.
 Trajectory ReadEstimate(const std::string& path, const SequenceInfo& info);
 
 struct PosedView {
   ColoredView view;
-  std::optional<Rigid3d> world_from_camera;  // ground-truth pose, if known
+  std::optional<Rigid3d> world_from_camera;
 };
 
-// Reads the frame `index` without intensities. Ignores `first`, `last` and `stride` of the options.
-// Throws InputError if the frame does not exist or cannot be read.
+// Reads frame `index` without intensities, regardless of `first`, `last` and `stride`. Throws
+// InputError if the frame does not exist or is unreadable.
 PosedView ReadPosedView(const SequenceOptions& options, int index,
                         const PreprocessOptions& preprocess);
 
 struct PosedPair {
   PosedView source, target;
 
-  // Ground-truth relative pose, or std::nullopt if one of the poses is unknown.
+  // Ground-truth relative pose; std::nullopt if a pose is unknown.
   std::optional<Rigid3d> TargetFromSource() const;
 };
 
-// Reads two frames, with intensities if the error model uses them. Throws like ReadPosedView().
+// Reads two frames, with intensities if the error model needs them. Throws like ReadPosedView().
 PosedPair ReadPosedPair(const SequenceOptions& options, int source, int target,
                         const PreprocessOptions& preprocess, const ErrorModel& error_model);
 
-// Median point-to-plane distance |n . (p' - q)| of projective correspondences, in metres. Returns
-// std::nullopt without correspondences within the default gates.
+// Median point-to-plane distance |n . (p' - q)| of projective correspondences, m. std::nullopt
+// without correspondences within the default gates.
 std::optional<double> MedianSurfaceDistance(const FrameLevel& source, const FrameLevel& target,
                                             const Rigid3d& target_from_source);
 
-// Returns the ground truth from the first to the last timestamp, with a margin for interpolation.
-// `stamps_s` must not be empty.
+// Ground truth from the first to the last timestamp, with a margin for interpolation. `stamps_s`
+// must not be empty.
 Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth);
 
 }  // namespace surfit

@@ -37,8 +37,7 @@ void WriteThumbnails(const RunOutcome& run, const DepthSensor& sensor,
   Thumbnails::Write(*thumbnails, run.options.output);
 }
 
-// Keyframes of this run, without keyframes of earlier runs of the session. Parents in earlier runs
-// become KeyframeLink::kNone.
+// Keyframes of this run. Parents in earlier runs of the session become KeyframeLink::kNone.
 std::vector<KeyframeLink> OwnKeyframes(const RunOutcome& run) {
   std::vector<KeyframeLink> keyframes;
   if (!run.backend || run.trajectory.frames().empty()) return keyframes;

@@ -12,22 +12,22 @@
 
 namespace surfit {
 
-// Results of a run. The references must outlive the call of WriteRunResults().
+// Results of a run. References must be valid during WriteRunResults().
 struct RunOutcome {
   const SequenceInfo& info;
   const RunTrajectory& trajectory;
   const EstimatedSensor& found;
-  const Backend* backend;  // null without loops and calibration
+  const Backend* backend;
   const SurfelMap& map;
   const KeptViews& views;
   const Thumbnails& thumbnails;
-  const std::vector<double>& stamps_s;  // timestamps of all frames, including unreadable frames
+  const std::vector<double>& stamps_s;
   const std::optional<TrajectoryEvaluation>& evaluation;
   const SlamRunOptions& options;
 };
 
-// Writes map, views, poses and pictures into the output folder. Errors are added to `failures` and
-// do not stop the remaining files.
+// Writes map, views, poses and pictures into the output folder. Adds errors to `failures` and
+// continues.
 void WriteRunResults(const RunOutcome& run, Failures* failures);
 
 }  // namespace surfit

@@ -13,8 +13,7 @@
 namespace surfit {
 namespace {
 
-// Default of LoopOptions::new_map_after for a continued session: lost frames in a row before a new
-// submap starts.
+// Default of LoopOptions::new_map_after for a continued session.
 constexpr int kNewMapAfter = 10;
 
 std::string FullPath(const std::string& path) {
@@ -23,8 +22,8 @@ std::string FullPath(const std::string& path) {
   return full.empty() ? path : full.string();
 }
 
-// Last frame of a run, as an index of its recording; -1: the run has no frame. `end_index` is the
-// session index of the first frame of the next run.
+// Last frame of a run as index of its recording; -1: no frame. `end_index`: first session index of
+// the next run.
 int LastFrameOf(const SessionRun& run, int end_index, const SlamState& state) {
   int last = -1;
   for (const auto& frame : state.frames) {
@@ -45,8 +44,7 @@ std::vector<Rigid3d> PosesOfKeyframes(const std::vector<PosedFrame>& frames,
   return poses;
 }
 
-// Sets the poses of the frames in `world_from_camera`. The other frames move rigidly with the frame
-// before.
+// Sets the poses in `world_from_camera`. Other frames move rigidly with the previous frame.
 void MoveFrames(const std::map<int, Rigid3d>& world_from_camera, std::vector<PosedFrame>* frames) {
   Rigid3d new_from_old;
   for (PosedFrame& frame : *frames) {
@@ -58,7 +56,7 @@ void MoveFrames(const std::map<int, Rigid3d>& world_from_camera, std::vector<Pos
   }
 }
 
-// Adapts the relative pose measurements to the new keyframe poses. The residuals do not change.
+// Adapts edge measurements to the new keyframe poses, so that the residuals do not change.
 void MoveEdges(const std::vector<Rigid3d>& world_from_keyframe_before,
                const std::vector<Rigid3d>& world_from_keyframe_after,
                std::vector<StoredEdge>* edges) {
@@ -101,11 +99,10 @@ RunSession::RunSession(SlamRunOptions* options) : options_(*options) {
   shift_ = first_index_ - options->sequence.first;
 }
 
-// Skips the frames of the sequence that the session already has.
 void RunSession::ContinueAfter(const std::vector<SessionRun>& runs, SequenceOptions* sequence) {
   const std::string path = FullPath(sequence->path);
   const int newest = state_->frames.back().index;
-  int newest_here = -1;  // `newest` as an index of this recording; -1: other recording
+  int newest_here = -1;  // index of the newest frame in this recording; -1: other recording
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const SessionRun& run = runs[i];
     if (run.sequence != path) continue;

@@ -10,7 +10,7 @@
 namespace surfit {
 namespace {
 
-constexpr double kMuchMotion = 0.1;  // ratio of moving points
+constexpr double kMuchMotion = 0.1;
 
 double Sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.);

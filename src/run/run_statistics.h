@@ -10,29 +10,23 @@
 
 namespace surfit {
 
-// Counts and times of the frames of a run, for the summary. elapsed_s() is measured from the
-// construction. The frame time is the time between the completions of consecutive frames, minus
-// excluded times.
+// Counts and times of the frames of a run, for the summary. elapsed_s() begins with construction.
 class RunStatistics {
  public:
-  // Keeps a reference to the options.
   explicit RunStatistics(const SlamOptions& options);
 
-  // Starts the time of the first frame. Opening the sequence is not part of a frame time.
   void BeginFrames() { last_completion_ = Clock::now(); }
-  // Counts a frame that was read or could not be read. Excludes ReadResult::waited_ms.
+  // Counts a read or unreadable frame. Excludes ReadResult::waited_ms.
   void CountRead(const ReadResult& result);
   void CountSkipped() { ++summary_.frames_skipped; }
   void CountProcessed(const RgbdFrame& frame, const FrameReport& report);
-  // Records when the pose of the current frame became known.
+  // Call when the pose of the current frame is known.
   void RecordPoseTime() { pose_known_ = Clock::now(); }
-  // Completes the current frame and returns its frame time, ms.
+  // Completes the current frame. Returns its frame time, ms.
   double CompleteFrame();
-  // Adds the stage times of a processed frame, and the latencies of an offered frame.
   void AddTimes(const ReadResult& result, const StageTimes& times, double write_ms, bool offered);
-  // Age of an offered frame, ms: time in the queue plus time since CountRead().
+  // Time of an offered frame since its arrival, ms.
   double AgeMs(const ReadResult& result) const { return AgeMs(result, Clock::now()); }
-  // Calls `call` and excludes its duration.
   template <typename Call>
   void LeaveOut(const Call& call) {
     const Clock::time_point before = Clock::now();
@@ -42,10 +36,9 @@ class RunStatistics {
 
   int frames_done() const { return summary_.frames_total + summary_.frames_dropped; }
   double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  // Timestamps of all frames, including unreadable frames.
   const std::vector<double>& stamps_s() const { return stamps_s_; }
 
-  // Returns a summary with the counts and times of frames. Other fields have their defaults.
+  // Summary with counts and times only. Other fields have their defaults.
   SlamRunSummary Summary(std::size_t map_points) const;
 
  private:
@@ -60,7 +53,7 @@ class RunStatistics {
   const Clock::time_point start_ = Clock::now();
   Clock::time_point last_completion_ = start_, taken_ = start_, pose_known_ = start_;
   SlamRunSummary summary_;
-  bool has_much_motion_ = false;  // more than 10 % of the last tracked frame's points moved
+  bool has_much_motion_ = false;  // the last tracked frame had more than 10 % moving points
   std::vector<double> stamps_s_, frame_ms_, latency_ms_, pose_latency_ms_, match_shares_;
   std::array<std::vector<double>, kStages.size()> stages_ms_;
 };

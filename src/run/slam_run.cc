@@ -39,7 +39,7 @@ namespace {
 
 using ProgressCall = std::function<void(const SlamRunProgress&)>;
 
-// Live sequences are not read ahead, because waiting for a frame would block a worker thread.
+// Live sequences are not read ahead: waiting for a frame would block a worker thread.
 std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
                                         const std::atomic<bool>& interrupted) {
   if (IsLive(options.sequence)) {
@@ -50,7 +50,7 @@ std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
   return OfferFrames(std::move(source), options.offered_fps, options.queue_capacity);
 }
 
-// Replaces the ground truth by the file of the options. Throws InputError if the options require
+// Replaces the ground truth by the file of the options. Throws InputError if the options need
 // ground truth and there is none.
 SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options) {
   if (!options.groundtruth.empty()) info.ground_truth = ReadEstimate(options.groundtruth, info);
@@ -93,8 +93,7 @@ class SlamRun {
     }
   }
 
-  // Processes all frames and writes the results. After an error, writes the results of all complete
-  // frames, and then throws InputError.
+  // Processes all frames and writes the results.
   SlamRunSummary Run(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     failures_.Try([&] { ProcessFrames(interrupted, progress); });
     if (!slam_) {
@@ -111,7 +110,7 @@ class SlamRun {
  private:
   void ProcessFrames(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     statistics_.BeginFrames();
-    while (!interrupted || !slam_) {  // an interrupted run has at least one frame
+    while (!interrupted || !slam_) {  // at least one frame, even if interrupted
       std::optional<ReadResult> result = source_->Next();
       if (!result) break;
       if (session_) session_->Shift(&*result);
@@ -130,7 +129,7 @@ class SlamRun {
     }
   }
 
-  // The callback may block, for example to pause the run.
+  // the callback may block, for example to pause the run
   void Tell(const SlamRunFrame* frame, const ProgressCall& progress) {
     statistics_.LeaveOut([&] {
       SlamRunProgress now = Progress();
@@ -166,7 +165,7 @@ class SlamRun {
     const RgbdFrame& frame = *result.frame;
     if (options_.OffersFrames()) {
       const int period = map_period_.For(result.queued_ms);
-      if (slam_) slam_->SetMapPeriod(period);  // the first frame is fused in any case
+      if (slam_) slam_->SetMapPeriod(period);
     }
     if (!slam_) {
       slam_ = StartSlam(options_, info_, session_, frame.stamp_s);
@@ -201,7 +200,7 @@ class SlamRun {
 
   SlamRunSummary Finish(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     source_.reset();  // frees the frame list, which is large for long recordings
-    // The pose store may contain a failed frame. RunTrajectory::Replace() drops this frame.
+    // The pose store may contain a failed frame, which Replace() drops.
     if (!is_frame_complete_ || !failures_.Try([&] { FinishSlam(); })) {
       failures_.Try([&] { TakeCorrections(); });
     }
@@ -237,8 +236,7 @@ class SlamRun {
     if (session_ && slam_->backend()) session_->Finish(*slam_);
   }
 
-  // Takes the corrected poses of this run and the estimated calibration. Poses are not corrected in
-  // localisation.
+  // Takes the corrected poses and the estimated calibration. Localisation does not correct poses.
   void TakeCorrections() {
     const Backend* const backend = slam_->backend();
     if (!backend) return;
@@ -254,8 +252,8 @@ class SlamRun {
     found_.color_latency_s = backend->color_latency_s();
   }
 
-  // Refines the run and fuses the final map. Does nothing for live sequences, after an early end of
-  // the run, for continued sessions and for localisation.
+  // Refines the run and fuses the final map. Does nothing for live sources, continued sessions,
+  // localisation, and after an early end.
   void Improve(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     if (!options_.final_map || IsLive(options_.sequence) || !is_frame_complete_ || interrupted ||
         failures_.any() || options_.continue_session || options_.localize) {
@@ -263,8 +261,8 @@ class SlamRun {
     }
     std::optional<RefinedSequence> refined;
     const PosedSequence known = Known(trajectory_->poses(), found_);
-    // If the calibration did not change, tracking with all frames is more accurate than a
-    // refinement of keyframes.
+    // Without a new calibration, the poses of tracking are more accurate: refinement uses keyframes
+    // only.
     if (options_.refine && known.found.calibration) refined = Refine(known, interrupted, progress);
     if (interrupted) return;
     FuseFinalMap(refined ? Known(refined->trajectory, refined->found) : known, interrupted,
@@ -373,26 +371,26 @@ class SlamRun {
   RunSession* const session_;
   RunStatistics statistics_;
   MapPeriod map_period_;
-  std::unique_ptr<TraceRecorder> trace_;  // outlives the source, which decodes on another thread
-  std::unique_ptr<FrameSource> source_;   // closed once its frames have been processed
+  std::unique_ptr<TraceRecorder> trace_;  // outlives the source, which uses it on another thread
+  std::unique_ptr<FrameSource> source_;   // closed after its last frame
   const SequenceInfo info_;
-  InverseDepthField given_field_;  // input depth correction, already applied to the frames
+  InverseDepthField given_field_;  // depth correction that is already applied to the frames
   OutputFolder folder_;
   std::unique_ptr<RunTrajectory> trajectory_;
   std::unique_ptr<FrameTable> frame_table_;
-  std::unique_ptr<Slam> slam_;                      // null before the first frame
-  EstimatedSensor found_;                           // estimated calibration of the prepared frames
+  std::unique_ptr<Slam> slam_;
+  EstimatedSensor found_;
   std::unique_ptr<LocalizationFile> localization_;  // null without localisation
   KeptViews views_;
   Thumbnails thumbnails_;
   RepeatedWarning skipped_{"frames skipped"}, without_truth_{"frames without a ground-truth pose"};
   Failures failures_;
-  std::set<int> left_out_;  // held-out and duplicate frames, not in the final map
-  std::map<int, Image<std::uint8_t>> moving_;  // FrameReport::moving by frame index
+  std::set<int> left_out_;  // held-out and duplicate frames: not in the final map
+  std::map<int, Image<std::uint8_t>> moving_;
   std::optional<FinalRefinement> refinement_;
   std::optional<SurfelMap> final_map_;
   std::optional<double> final_map_s_;
-  bool is_frame_complete_ = true;  // false: an exception has interrupted a frame
+  bool is_frame_complete_ = true;  // false after an exception within a frame
 };
 
 }  // namespace
@@ -403,8 +401,7 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
   Validate(options);
   const ThreadLimit limit(options.threads);
   SlamRunOptions run = options;
-  // During a global registration of an uncertain frame, the camera moves on, and the next frame
-  // would be uncertain as well. So only lost frames are registered globally.
+  // Only lost frames are registered globally.
   if (options.OffersFrames()) {
     run.slam.confident_inlier_ratio = 0;
     run.slam.real_time = true;

@@ -12,9 +12,9 @@
 namespace surfit {
 namespace {
 
-constexpr int kLockTimeout_ms = 3000;  // maximum wait for a lock of another program
+constexpr int kLockTimeout_ms = 3000;
 
-// Checksum of the table name and of the type and value of each column.
+// Checksum of the table name, and of type and value of each column.
 std::int64_t ChecksumOf(const std::string& table, const Row& row) {
   std::uint32_t sum = Crc(table.data(), table.size());
   for (const auto& value : row) {
@@ -79,7 +79,7 @@ std::uint32_t Crc(const void* bytes, std::size_t size, std::uint32_t before) {
 
 void Database::Finalizer::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
-// Uses the settings for untrusted files (sqlite.org/security.html).
+// settings for untrusted files (sqlite.org/security.html)
 Database::Database(const std::string& path, Mode mode) : path_(path) {
   const int flags = mode == Mode::kRead    ? SQLITE_OPEN_READONLY
                     : mode == Mode::kWrite ? SQLITE_OPEN_READWRITE

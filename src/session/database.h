@@ -16,14 +16,14 @@ struct Blob {
   std::string bytes;
 };
 
-// Values of a row without its checksum, key first.
+// Values of a row without checksum, key first.
 using Row = std::vector<std::variant<std::int64_t, double, std::string, Blob>>;
 
 // CRC-32 of bytes. `before`: CRC of the preceding bytes.
 std::uint32_t Crc(const void* bytes, std::size_t size, std::uint32_t before = 0);
 
-// SQLite database whose rows have checksums. All functions throw InputError with the path if the
-// file is damaged, if it is not a database, or if the disk is full. They also throw InputError if
+// SQLite database whose rows have checksums. All functions throw InputError
+// with the path if the file is damaged or no database, or if the disk is full. They also throw if
 // another program locks the file for more than 3 s.
 class Database {
  public:
@@ -35,18 +35,18 @@ class Database {
   const std::string& path() const { return path_; }
 
   void Run(const std::string& sql);
-  std::int64_t Number(const std::string& sql);             // first column of the first row, or 0
-  std::vector<std::string> Texts(const std::string& sql);  // first column of each row
+  std::int64_t Number(const std::string& sql);
+  std::vector<std::string> Texts(const std::string& sql);
 
-  // Inserts rows with checksums, and replaces rows with equal keys.
+  // Inserts rows with checksums. Replaces rows with equal keys.
   void Put(const std::string& table, const std::vector<Row>& rows);
   void Delete(const std::string& table, std::int64_t key);
-  // Calls `take` for each row by ascending key. `columns`: expected number of columns without the
-  // checksum. is_intact: the checksum is correct. Exceptions of `take` end the iteration.
+  // Calls `take` for each row by ascending key. `columns`: number of columns without the checksum.
+  // `is_intact`: the checksum is correct. Exceptions of `take` propagate.
   void ForEach(const std::string& table, std::size_t columns,
                const std::function<void(const Row&, bool is_intact)>& take);
 
-  // Runs `change` in a transaction, with a rollback if it throws.
+  // Runs `change` in a transaction. Rolls back if it throws.
   void Transact(const std::function<void()>& change);
 
  private:

@@ -7,7 +7,7 @@
 
 namespace surfit {
 
-// Callback for damaged or missing data, with a description. May throw.
+// Callback with a description of damaged or missing data. May throw.
 using DamageCallback = std::function<void(const std::string& damage)>;
 
 // Reads all intact data of a session. Throws InputError if the folder has no session.

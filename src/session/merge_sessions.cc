@@ -32,7 +32,7 @@ void Shift(int shift, int keyframes, int stretches, int submaps, SlamState* stat
   }
 }
 
-// Transforms all poses. Returns the correction for the surfels.
+// Transforms all poses. Returns the correction of the surfels.
 FrameCorrections MoveTo(const Rigid3d& new_from_old, SlamState* state) {
   for (PosedFrame& frame : state->frames) {
     frame.world_from_camera = new_from_old * frame.world_from_camera;
@@ -40,8 +40,8 @@ FrameCorrections MoveTo(const Rigid3d& new_from_old, SlamState* state) {
   return {state->frames.front().index, {new_from_old}};
 }
 
-// Moves loop closures behind the odometry edges and sorts them by their later keyframe. The backend
-// adds loop closures in this order.
+// Sorts loop closures by their later keyframe, after all odometry edges. The back end adds edges in
+// this order.
 void SortLoops(SlamState* state) {
   std::vector<std::pair<PoseGraphEdge, bool>> loops;
   std::vector<PoseGraphEdge> odometry;
@@ -85,7 +85,6 @@ void Append(std::vector<T> from, std::vector<T>* to) {
 
 class Merger {
  public:
-  // `gap`: difference of frame indices between sessions.
   Merger(Session first, int gap) : gap_(gap), all_(std::move(first)) {
     all_.state.settled_keyframes = all_.state.keyframes.size();
     first_keyframe_.push_back(0);
@@ -136,11 +135,11 @@ class Merger {
 
   const int gap_;
   Session all_;
-  std::vector<std::size_t> first_keyframe_;  // first keyframe of each session
+  std::vector<std::size_t> first_keyframe_;
   std::vector<int> first_frame_;
 };
 
-// Gap of frame indices that is larger than the frame range of each session.
+// Gap that exceeds the frame range of each session.
 int GapBetween(const std::vector<Session>& sessions, const LoopOptions& options) {
   int gap = SessionGap(options);
   for (const Session& session : sessions) {
@@ -177,8 +176,7 @@ MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOp
   const std::vector<PlaceView> views = merger.all().state.views;
   SlamOptions slam_options = options;
   slam_options.loops.enabled = true;
-  // Restricts the loop search to other sessions. Loops within a session were searched when it was
-  // recorded, and its keyframes would displace the candidates of other sessions.
+  // Finds loops between sessions only.
   slam_options.loops.find.min_gap = gap;
   Slam slam(sensor, slam_options, std::move(merger.all().state), StateUse::kContinue);
   writer.Begin(runs, sensor, &slam);
@@ -218,7 +216,7 @@ MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOp
 }
 
 void CompactSession(const std::string& folder) {
-  ReadSession(folder);  // throws for a damaged session, which is not changed
+  ReadSession(folder);  // throws for a damaged session
   const OutputFolder lock(folder, {});
   Database database(DatabaseOf(folder), Database::Mode::kWrite);
   RemoveStrayTiles(folder, ReadTileRows(&database));

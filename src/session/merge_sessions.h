@@ -10,23 +10,22 @@ namespace surfit {
 
 struct MergeSummary {
   std::size_t sessions = 0;
-  std::size_t loops_between = 0;   // accepted loop closures between sessions
+  std::size_t loops_between = 0;
   std::vector<std::string> apart;  // sessions that are not connected to the first session
   std::size_t frames = 0, keyframes = 0, surfels = 0;
-  std::size_t merged_duplicates = 0;  // surfels that were merged as duplicates
+  std::size_t merged_duplicates = 0;  // merged duplicate surfels
 };
 
-// Merges sessions of the same sensor into a new session. Each keyframe is compared with the
-// keyframes of the sessions before it, and a joint pose graph is optimised with outlier rejection.
-// Then the maps are corrected and duplicate surfels are merged. The calibration is the one of the
-// first session with a calibration. Frames get new indices. The input sessions are not changed;
-// sessions without a loop closure stay disconnected submaps. Throws InputError in the cases of
+// Merges sessions of the same sensor into a new session. Loops are found between each keyframe and
+// all earlier sessions. The joint pose graph is optimised with outlier rejection, and duplicate
+// surfels are merged. The first calibration of the sessions is used. The input sessions do not
+// change. Sessions without a loop closure become disconnected submaps. Throws InputError like
 // ReadSession() and SessionWriter, and for different sensors.
 MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOptions& options,
                            const std::string& output);
 
 // Removes unused tile files and unused space in the database. Throws InputError with the path if
-// the session is missing or damaged, or another program writes to it.
+// the session is missing or damaged, or if another program writes to it.
 void CompactSession(const std::string& folder);
 
 }  // namespace surfit

@@ -20,7 +20,7 @@ class Loader {
   }
 
   Session Load() {
-    database_.Run("BEGIN");  // all tables are read from the same save
+    database_.Run("BEGIN");  // all tables are from the same save
     ReadFacts();
     session_.runs = ReadRuns();
     ReadFrames();
@@ -58,7 +58,7 @@ class Loader {
  private:
   SlamState& state() { return session_.state; }
 
-  // Calls `take` for each intact row. Reports and skips damaged rows.
+  // Calls `take` for each intact row. Reports damaged rows.
   void ForEach(const char* table, const std::function<void(RowReader*)>& take) {
     try {
       database_.ForEach(table, LayoutOf(table).count, [&](const Row& row, bool is_intact) {
@@ -195,7 +195,7 @@ class Loader {
   Database database_;
   SessionRow facts_;
   Session session_;
-  std::int64_t key_ = 0;  // key of the current row
+  std::int64_t key_ = 0;
 };
 
 bool IsSameSensor(const DepthSensor& a, const DepthSensor& b) {

@@ -40,8 +40,8 @@ class RowWriter {
   Row row_;
 };
 
-// PassColumns() lists the columns of a table for RowWriter and RowReader. Keys that are no fields
-// of the struct are written and read separately.
+// PassColumns() lists the columns of a table for RowWriter and RowReader. Keys that are no members
+// are passed separately.
 template <typename Io>
 void PassColumns(SessionRow& session, Io* io) {
   PinholeCamera& camera = session.sensor.camera;
@@ -75,7 +75,6 @@ void PassColumns(KeyframeLink& keyframe, Io* io) {
   io->Pass(keyframe.frame, keyframe.parent_frame, keyframe.submap);
 }
 
-// `information`: packed information matrix of the edge.
 template <typename Io>
 void PassColumns(StoredEdge& kept, Blob& information, Io* io) {
   io->Pass(kept.edge.a, kept.edge.b, kept.edge.a_from_b, information, kept.edge.loop,

@@ -10,15 +10,13 @@
 
 namespace surfit {
 
-// Tables of session.db and conversion of their rows.
-
 inline std::string DatabaseOf(const std::string& folder) { return folder + "/session.db"; }
 inline std::string TilesOf(const std::string& folder) { return folder + "/tiles"; }
 
 struct TableLayout {
   const char* name;
-  const char* columns;  // columns with types, key first, without checksum
-  std::size_t count;    // number of columns
+  const char* columns;
+  std::size_t count;  // number of columns
 };
 
 inline constexpr TableLayout kTables[] = {
@@ -51,7 +49,7 @@ inline constexpr TableLayout kTables[] = {
 
 const TableLayout& LayoutOf(const std::string& table);
 
-// Row of table `session`, with the number of rows of every other table.
+// Row of table `session`, with the row counts of all other tables.
 struct SessionRow {
   DepthSensor sensor;
   std::optional<DepthCalibration> calibration;
@@ -75,9 +73,9 @@ struct TileRow {
   std::int64_t surfels = 0;
 };
 
-// Creates a database atomically with the row of an empty session.
+// Creates a database with an empty session, atomically.
 void MakeDatabase(const std::string& path, const Row& session);
-// Throws InputError if the database is not a session or has another version.
+// Throws InputError for other databases and versions.
 void RequireSchema(Database* database);
 
 Row RowOf(const SessionRow& session);
@@ -89,8 +87,8 @@ Row RowOf(std::int64_t key, const RgbdFrame& calibration_frame);
 Row RowOf(std::int64_t key, const StoredEdge& edge);
 Row RowOf(const TileRow& tile);
 
-// Reads the values of a row in order. Throws InputError with `from` for a wrong type or an invalid
-// value. `row` must outlive the reader.
+// Reads the values of a row in order. Throws InputError with `from` for a wrong type or value.
+// `row` must outlive the reader.
 class RowReader {
  public:
   RowReader(const Row& row, std::string from) : row_(row), from_(std::move(from)) {}
@@ -102,7 +100,7 @@ class RowReader {
     ++at_;
     return *value;
   }
-  int TakeInt();  // fails for values outside the range of int
+  int TakeInt();
   template <typename... Ts>
   void Pass(Ts&... values) {
     (TakeInto(&values), ...);

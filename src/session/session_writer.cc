@@ -23,15 +23,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPeriod_s = 0.5;  // recording time between saves
-constexpr int kPeriodFrames = 15;  // maximum number of frames between saves
+constexpr double kPeriod_s = 0.5;
+constexpr int kPeriodFrames = 15;
 
 bool AreSame(const PosedFrame& a, const PosedFrame& b) {
   return a.index == b.index && a.keyframe == b.keyframe && a.segment == b.segment &&
          a.stamp_s == b.stamp_s && a.world_from_camera == b.world_from_camera;
 }
 
-// An edge changes only with the calibration, which changes a_from_b.
+// An edge changes only with a calibration, which changes a_from_b.
 bool AreSame(const StoredEdge& a, const StoredEdge& b) {
   return a.in_graph == b.in_graph && a.edge.a_from_b == b.edge.a_from_b;
 }
@@ -46,7 +46,6 @@ std::vector<StoredEdge> EdgesOf(const Backend& backend) {
   return edges;
 }
 
-// Rows of new and changed items.
 template <typename Kept, typename RowOfOne>
 std::vector<Row> Changed(const std::vector<Kept>& now, const std::vector<Kept>& saved,
                          const RowOfOne& row_of) {
@@ -85,12 +84,12 @@ SessionContent ContentOf(const Slam& slam) {
 }
 
 struct SessionWriter::Update {
-  SessionRow facts;  // without the counts of views and tiles, which Write() sets
+  SessionRow facts;  // without the counts of views and tiles
   std::vector<Row> runs, frames, keyframes, edges;
   std::vector<std::pair<std::int64_t, UnsavedView>> views;  // by keyframe
   bool keeps_calibration = true;
   std::vector<ChangedTile> tiles;
-  bool is_all = false;  // `tiles` has all tiles of the map
+  bool is_all = false;  // `tiles` has all tiles
 };
 
 SessionWriter::SessionWriter(const std::string& folder, Mode mode)
@@ -257,8 +256,7 @@ void SessionWriter::Write(Update update) {
     update.facts.saves = saves_;
     database_->Put("session", {RowOf(update.facts)});
   });
-  // Readers of the previous save may still open its tiles, so their files are removed one save
-  // later.
+  // Tile files of the previous save may still be in use, so they are removed one save later.
   std::error_code none;
   for (const std::string& file : removable_) fs::remove(file, none);
   removable_ = std::exchange(superseded_, {});

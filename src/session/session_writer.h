@@ -16,8 +16,8 @@
 
 namespace surfit {
 
-// Content of a session except views and calibration frames. The references must outlive the call
-// that takes it.
+// Content of a session except views and calibration frames. References must be valid during the
+// call.
 struct SessionContent {
   const std::vector<PosedFrame>& frames;
   const std::vector<KeyframeLink>& keyframes;
@@ -27,48 +27,46 @@ struct SessionContent {
   std::optional<DepthCalibration> calibration;  // none: as given
   double color_latency_s = 0;
   const SurfelMap& map;
-  int map_corrections = 0;  // Slam::corrections_of_map()
+  int map_corrections = 0;
 };
 
-// The content of a Slam with loops enabled.
+// Content of a Slam with loop closure.
 SessionContent ContentOf(const Slam& slam);
 
-// Saves a session while SLAM runs. A background thread writes the saves. Their content does not
-// depend on the writing speed. Not thread-safe: call all functions from one thread.
+// Saves a session during SLAM, in a background thread. The content does not depend on the writing
+// speed. Not thread-safe: call all functions from one thread.
 class SessionWriter {
  public:
-  // Creates the folder if it is missing, and locks it during the lifetime of the object. Throws
-  // InputError with the path if another program has locked it, or if mode is kNew and the folder
-  // contains a session.
+  // Creates the folder if missing, and locks it until destruction. Throws InputError with the path
+  // if another program has locked it, or if mode is kNew and the folder has a session.
   enum class Mode { kNew, kContinue };
   SessionWriter(const std::string& folder, Mode mode);
   ~SessionWriter();
   SessionWriter& operator=(SessionWriter&&) = delete;
 
-  // Opens or creates the session. Call once, before the first frame of the last of `new_runs`.
-  // Registers a callback in `slam`, so this object must outlive its use of keyframes. Throws
+  // Opens or creates the session. Call before the first frame of the last of `new_runs`. Sets a
+  // keyframe callback of `slam`, so this object must outlive `slam` or its last frame. Throws
   // InputError if the session is damaged or has another sensor.
   void Begin(const std::vector<SessionRun>& new_runs, const DepthSensor& sensor, Slam* slam);
-  // Adds views that `slam` got from another session and that this session does not contain.
+  // Adds views from another session that this session does not have.
   void KeepViews(const std::vector<KeyframeLink>& keyframes, const std::vector<PlaceView>& views);
 
-  // Call after each frame. Saves after 0.5 s of recording time or 15 frames since the last save.
-  // Waits if the last save is still being written, so at most 1 s of the recording is not on disk.
-  // Throws InputError if the last save failed.
+  // Call after each frame. Saves after 0.5 s of recording time or 15 frames. Waits for the previous
+  // save, so at most 1 s of the recording is unsaved. Throws InputError if the previous save
+  // failed.
   void Offer(const Slam& slam, double stamp_s);
 
-  // Saves the final state and flushes it to the disk.
+  // Saves the final state, and syncs it to the disk.
   void Finish(const Slam& slam) { Finish(ContentOf(slam)); }
 
-  // Replaces map, poses and edges after Finish(), and flushes them to the disk. Frames and
-  // keyframes must be those of the last save.
+  // Replaces map, poses and edges after Finish(), and syncs them to the disk. Requires the frames
+  // and keyframes of the last save.
   void Replace(const SessionContent& content);
 
   // Number of saves that waited for the previous save.
   std::int64_t waits() const { return waits_; }
 
  private:
-  // Keyframe whose view is not saved yet.
   struct UnsavedView {
     int frame = 0;
     ViewOfKeyframe view;
@@ -97,7 +95,7 @@ class SessionWriter {
   bool has_saved_ = false;
   std::vector<UnsavedView> new_views_;
   std::vector<SessionRun> runs_;  // new runs
-  std::int64_t first_run_ = 0;    // key of the first new run
+  std::int64_t first_run_ = 0;
   bool are_runs_saved_ = false;
 
   int frames_since_save_ = 0;

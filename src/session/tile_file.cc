@@ -10,13 +10,12 @@ namespace {
 
 constexpr char kMagic[] = "surfit tile 2\n";
 constexpr std::size_t kHeadBytes = sizeof(kMagic) - 1 + sizeof(std::uint32_t);
-constexpr int kTileCellsAcross = 4;  // cells per tile and axis
+constexpr int kTileCellsAcross = 4;
 constexpr int kAxisBits = 20;
 constexpr int kFarthest = 1 << (kAxisBits - 1);
 
 int FloorDiv(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
-// Calls `column` in file order.
 template <typename Block, typename Call>
 void ForEachColumn(Block& block, const Call& column) {
   for (auto* floats : {block.x, block.y, block.z, block.confidence}) column(floats);
@@ -48,7 +47,7 @@ std::string TileName(std::int64_t key, std::int64_t save) {
   return Concat(axis(0), "_", axis(1), "_", axis(2), ".", save, ".tile");
 }
 
-// Format: file signature, number of blocks, then per block: count, edge bits, columns.
+// Format: signature, number of blocks, then per block: count, edge bits, columns.
 std::string PackTile(const SurfelMap& map, const std::vector<std::int32_t>& cells) {
   std::string bytes(kMagic);
   std::uint32_t blocks = 0;

@@ -1,5 +1,5 @@
-// Half space, box, sphere, capsule and rounded box. The last three are the points within a radius
-// of a point, a segment or a box.
+// Half space, box, and three solids of points within a radius of a core: sphere (point), capsule
+// (segment), rounded box (box).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,8 +26,8 @@ class Box : public Shape {
  public:
   explicit Box(const Vector3d& size) : half_(size / 2) {}
 
-  // Slab method: the ray is between each pair of parallel faces for an interval of t. It enters the
-  // box at the last entry if this is before the first exit.
+  // Slab method: between each pair of parallel faces, the ray has an interval of t. It hits the box
+  // if the last entry is before the first exit.
   std::optional<ShapeHit> Intersect(const Vector3d& origin,
                                     const Vector3d& direction) const override {
     double enter = 0, exit = std::numeric_limits<double>::infinity();
@@ -68,11 +68,11 @@ class Box : public Shape {
 
 class RoundShape : public Shape {
  public:
-  // The core is the box |x_i| <= core_half_i. Half sizes may be 0.
+  // The core is the box |x_i| <= core_half_i, where half sizes may be 0.
   RoundShape(const Vector3d& core_half, double radius) : core_half_(core_half), radius_(radius) {}
 
-  // Newton's method on the distance along the ray. The distance from a convex body is a convex
-  // function, so no step passes the root. The ray has missed once the distance grows.
+  // Newton's method on the distance along the ray. The distance is convex, so no step passes the
+  // root. The ray misses if the distance grows.
   std::optional<ShapeHit> Intersect(const Vector3d& origin,
                                     const Vector3d& direction) const override {
     constexpr double kOnSurface_m = 1e-10;

@@ -32,23 +32,22 @@ struct BuildingPlan {
     int floor, column;
     Row row;
     Rigid3d world_from_room;
-    Eigen::Vector3d doorway;  // on the floor, in the middle of the wall
+    Eigen::Vector3d doorway;
   };
 
   // Throws InputError unless all floors have the same number of rooms.
   explicit BuildingPlan(const BuildingOptions& options);
 
-  // Length of the rows, and depth of the ring, m.
   double Length() const { return columns * (kRoomWidth_m + kGap_m) - kGap_m; }
   static double Depth() { return 2 * kCorridor_m + 2 * kRoomDepth_m + 3 * kGap_m; }
-  // Centre lines of the corridors, m: y of the south and north corridors, x of all others.
+  // Centre lines of the corridors, m: y of south and north corridors, x of west and east corridors.
   static double SouthAisle() { return kCorridor_m / 2; }
   static double NorthAisle() { return Depth() - kCorridor_m / 2; }
   static double WestAisle() { return -kGap_m - kCorridor_m / 2; }
   double EastAisle() const { return Length() - WestAisle(); }
   double StaircaseAisle(bool east) const;
 
-  static constexpr double kGap_m = 0.4;  // thickness of two walls
+  static constexpr double kGap_m = 0.4;
 
   int floors, columns;
   std::vector<Place> rooms;
@@ -58,7 +57,7 @@ struct BuildingPlan {
 std::vector<Eigen::Vector3d> BuildingRoute(const BuildingPlan& plan);
 
 struct RoomPlan;
-// Adds steps, landings, handrails and pictures of the flight from `floor` to the next floor.
+// Adds the flight from `floor` to the next floor: steps, landings, handrails and pictures.
 void AddFlight(const RoomPlan& staircase, int floor);
 
 Scene MakeBuilding(std::uint64_t seed, const BuildingOptions& options);

@@ -33,8 +33,7 @@ class RouteMaker {
     Along(0, false, false, false);
   }
 
-  // Splits the closed route into pieces of about 1 m, so that the curve through the corners does
-  // not overshoot.
+  // Splits the route into pieces of about 1 m, so that the curve does not overshoot at corners.
   std::vector<Vector3d> Corners() const {
     constexpr double kPiece_m = 1.0;
     std::vector<Vector3d> corners;
@@ -56,7 +55,7 @@ class RouteMaker {
     route_.emplace_back(x, y, floor * BuildingPlan::kStorey_m + kEye_m);
   }
 
-  // Walks from the south landing of a staircase to the north landing one floor above, or back.
+  // Walks from the south landing to the north landing one floor above, or back.
   void Climb(int floor, bool east, bool upwards) {
     const double x = plan_.StaircaseAisle(east), edge = BuildingPlan::kCorridor_m;
     std::vector<Vector3d> way = {
@@ -69,7 +68,7 @@ class RouteMaker {
     if (upwards) GoTo(plan_.WestAisle(), plan_.NorthAisle(), floor + 1);
   }
 
-  // Enters through the doorway, circles the middle of the room once, and leaves.
+  // Enters through the doorway, circles the middle once, and leaves.
   void Visit(const BuildingPlan::Place& room) {
     constexpr double kMiddle_m = BuildingPlan::kRoomWidth_m / 2, kAside_m = 0.8;
     for (const Vector3d& corner :

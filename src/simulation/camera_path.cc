@@ -15,8 +15,7 @@
 namespace surfit {
 namespace {
 
-// Number of random candidates, or length of a piece. Paths of buildings are long, so they have
-// fewer candidates as a whole and shorter pieces.
+// Numbers of random candidates and lengths of pieces.
 int Attempts(const Scene& scene, int in_a_room, int in_a_building) {
   return scene.cells.empty() ? in_a_room : in_a_building;
 }
@@ -31,8 +30,8 @@ double LeastDistance(const Scene& scene, Walk walk, int frames, double step_m) {
   return least;
 }
 
-// Returns the first random walk with a distance of 0.5 m from all objects, or else the walk with
-// the largest distance.
+// Returns the first random walk that keeps 0.5 m from all objects, or the walk with the largest
+// distance.
 Walk ChooseWalk(const Scene& scene, int frames, double step_m, Random* random) {
   const int candidates = Attempts(scene, 24, 2);
   constexpr double kFarEnough_m = 0.5;
@@ -51,7 +50,7 @@ Walk ChooseWalk(const Scene& scene, int frames, double step_m, Random* random) {
 struct Operator {
   Walk walk;
   Gaze gaze;
-  Hand moving, turning;  // m and rad per frame
+  Hand moving, turning;
 
   void Film(int begin, int end, double frames_per_second, Trajectory* path) {
     for (int i = begin; i < end; ++i) {
@@ -64,8 +63,7 @@ struct Operator {
   }
 };
 
-// Cost of a path; 0 if it meets all requirements. In buildings, a minimum ratio of planar views is
-// not required.
+// Cost of a path; 0 if it meets all requirements.
 double PathCost(const Scene& scene, const PathQuality& quality) {
   constexpr double kMaxPlanar = 0.45;
   const double least_planar = scene.cells.empty() ? 0.28 : 0;
@@ -73,7 +71,7 @@ double PathCost(const Scene& scene, const PathQuality& quality) {
          std::max(0.0, quality.planar_ratio - kMaxPlanar) + 2 * quality.degenerate_ratio;
 }
 
-// Tries random gazes and takes the first without cost, or else the best.
+// Returns the first random gaze without cost, or the best gaze.
 void FilmPiece(const Scene& scene, int begin, int end, double frames_per_second, Random* random,
                Operator* person, Trajectory* path) {
   const int candidates = Attempts(scene, 16, 12);
@@ -138,13 +136,13 @@ SmoothPath::SmoothPath(Trajectory poses) : poses_(std::move(poses)) {
     const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
     Knot knot;
     knot << pose.world_from_camera.translation, q.coeffs();
-    // Uses the sign of the quaternion that is closer to the previous quaternion.
+    // Uses the quaternion sign that is closer to the previous quaternion.
     if (!values_.empty() && knot.tail<4>().dot(values_.back().tail<4>()) < 0) knot.tail<4>() *= -1;
     values_.push_back(knot);
   }
   // Natural cubic spline. The second derivatives m with steps h satisfy
   //   h0 m0 + 2 (h0 + h1) m1 + h1 m2 = 6 ((y2 - y1) / h1 - (y1 - y0) / h0),
-  // with m = 0 at both ends. The tridiagonal system is solved by the Thomas algorithm.
+  // with m = 0 at both ends.
   second_derivatives_.assign(count, Knot::Zero());
   std::vector<double> above(count, 0);
   const auto step = [&](std::size_t i) { return poses_[i + 1].stamp_s - poses_[i].stamp_s; };
@@ -169,7 +167,7 @@ Rigid3d SmoothPath::At(double stamp_s) const {
   const auto i = std::clamp<std::ptrdiff_t>(next - poses_.begin() - 1, 0, last - 1);
   const double h = poses_[i + 1].stamp_s - poses_[i].stamp_s;
   const double a = (poses_[i + 1].stamp_s - stamp_s) / h, b = 1 - a;
-  // Linear extrapolation beyond the ends.
+  // linear extrapolation
   const auto cubic = [](double x) { return x < 0 ? -x : x * x * x - x; };
   const Knot bend = cubic(a) * second_derivatives_[i] + cubic(b) * second_derivatives_[i + 1];
   const Knot value = a * values_[i] + b * values_[i + 1] + h * h / 6 * bend;

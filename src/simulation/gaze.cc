@@ -62,7 +62,7 @@ double Angle(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// True for targets that are not too near, and at elevations that permit a level horizon.
+// True if the target is not too near, and at an elevation with a level horizon.
 bool InSight(const Vector3d& to_target) {
   const double elevation = std::asin(to_target.z() / to_target.norm());
   return to_target.norm() > 0.6 && elevation > -52 * kRadPerDeg && elevation < 25 * kRadPerDeg;
@@ -89,8 +89,7 @@ void Gaze::Advance(const Vector3d& position, double turn_rad) {
     ChooseTarget(position);
   }
   Steer((scene_->targets[target_] - position).normalized());
-  // At high or low elevations, the camera rotates by more than the arc of the gaze direction. A
-  // fixed-point iteration finds the arc for a rotation by turn_rad.
+  // At high or low elevations, the camera rotates more than the gaze direction.
   constexpr int kIterations = 10;
   const Eigen::Quaterniond before = Orientation();
   const Vector3d direction = direction_, heading = heading_;
@@ -122,7 +121,7 @@ std::vector<int> Gaze::TargetsFrom(const Vector3d& position) const {
   return targets;
 }
 
-// Prefers targets in front of the camera, and views of the wanted kind (planar or not planar).
+// Prefers targets in front of the camera, and views of the wanted kind (planar or not).
 void Gaze::ChooseTarget(const Vector3d& position) {
   const double planar_choices = scene_->cells.empty() ? 0.8 : 0;
   constexpr int kAttempts = 40, kMaxViews = 12;

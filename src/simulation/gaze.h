@@ -11,33 +11,32 @@
 
 namespace surfit {
 
-// Geometric content of a view of a depth camera with 640 x 480 pixels and a focal length of 525 px.
-// Pixels at depths of 0.4 to 4.5 m are visible.
+// Geometric content of a view of 640 x 480 px with a focal length of 525 px. Visible pixels have
+// depths of 0.4 to 4.5 m.
 struct ViewQuality {
-  double visible_ratio = 0;     // ratio of visible pixels to all pixels
-  double two_planes_ratio = 0;  // ratio of visible pixels on the two largest flat faces
+  double visible_ratio = 0;
+  double two_planes_ratio = 0;
 
   bool IsPlanar() const { return two_planes_ratio >= 0.8; }
-  // True if registration would be degenerate.
+  // True if registration would be degenerate
   bool IsDegenerate() const { return two_planes_ratio > 0.95 || visible_ratio < 0.5; }
 };
 
 ViewQuality EvaluateView(const Scene& scene, const Rigid3d& world_from_camera);
 
-// View quality of a camera path, from every 10th frame.
 struct PathQuality {
-  double planar_ratio = 0;      // ratio of planar views
-  double degenerate_ratio = 0;  // ratio of degenerate views
+  double planar_ratio = 0;
+  double degenerate_ratio = 0;
 };
 
 PathQuality EvaluatePath(const Scene& scene, const Trajectory& path);
 
-// Viewing direction that moves from target to target without stopping. It moves on the unit sphere
-// at a given speed and gradually steers its heading towards the target. In scenes without cells, 80
-// % of the targets are chosen for a view of one or two planes.
+// Viewing direction that moves continuously from target to target on the unit sphere. It has a
+// given speed and turns gradually. In scenes without cells, 80 % of the targets give views of one
+// or two planes.
 class Gaze {
  public:
-  // Keeps a pointer to the scene, which must outlive this object and have at least two targets.
+  // Keeps a pointer to the scene, which must have at least two targets.
   Gaze(const Scene& scene, const Eigen::Vector3d& position, std::uint64_t seed);
 
   void Reseed(std::uint64_t seed) { random_ = Random(seed); }
@@ -45,7 +44,7 @@ class Gaze {
   // world_from_camera: z along the gaze, x right, y down, level horizon.
   Eigen::Quaterniond Orientation() const;
 
-  // Moves the gaze so that the orientation rotates by `turn_rad`. `position`: camera in world, m.
+  // Moves the gaze by a camera rotation of `turn_rad`. `position`: camera in world, m.
   void Advance(const Eigen::Vector3d& position, double turn_rad);
 
  private:
@@ -58,8 +57,7 @@ class Gaze {
   Random random_;
   int target_ = -1;
   int frames_on_target_ = 0;
-  // Orthogonal unit vectors in the world frame (z up): gaze, and direction of its motion on the
-  // sphere.
+  // Orthogonal unit vectors in the world frame (z up): gaze, and direction of its motion.
   Eigen::Vector3d direction_ = Eigen::Vector3d::UnitY(), heading_ = Eigen::Vector3d::UnitX();
 };
 

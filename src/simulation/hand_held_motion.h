@@ -14,8 +14,7 @@
 
 namespace surfit {
 
-// Smooth random function with values in [-1, 1]: a sum of three sines with random frequency and
-// phase.
+// Smooth random function in [-1, 1]: three sines with random frequency and phase.
 class SmoothNoise {
  public:
   SmoothNoise(double lowest_frequency, double highest_frequency, Random* random) {
@@ -54,9 +53,9 @@ class SmoothNoise3 {
   SmoothNoise x_, y_, z_;
 };
 
-// Slow variation of speed, and tremor of a hand, per frame. The total speed is within [low, high]:
-// 70 % of the half range is for the variation of speed, 30 % for the tremor. A tremor of frequency
-// f and amplitude a has a speed of at most 2 pi f a on each of three axes.
+// Speed variation and hand tremor, per frame. The total speed is within [low, high]: 70 % of the
+// half range is speed variation, 30 % is tremor. A tremor of frequency f and amplitude a has a
+// speed of at most 2 pi f a per axis.
 class Hand {
  public:
   Hand(double low, double high, double frames_per_second, Random* random)
@@ -85,7 +84,7 @@ class Loop {
  public:
   explicit Loop(std::vector<Eigen::Vector3d> corners) : corners_(std::move(corners)) {}
 
-  // Point at corner i for place = i. Periodic with the number of corners.
+  // Point at corner i for place = i. Periodic.
   Eigen::Vector3d At(double place) const {
     const double whole = std::floor(place), s = place - whole;
     const Eigen::Vector3d a = Corner(whole - 1), b = Corner(whole), c = Corner(whole + 1),
@@ -103,8 +102,7 @@ class Loop {
   std::vector<Eigen::Vector3d> corners_;
 };
 
-// Walk along a random curve in the camera space of a scene, or along its route with small
-// deviations.
+// Random walk in the camera space of a scene, or along its route with small deviations.
 class Walk {
  public:
   Walk(const Scene& scene, Random* random)
@@ -137,7 +135,6 @@ class Walk {
   }
 
   std::optional<Loop> loop_;
-  // Centre and half size of the camera space. With a route, half_ scales the deviations from it.
   Eigen::Vector3d center_, half_;
   SmoothNoise3 curve_;
   double place_ = 0;

@@ -24,25 +24,21 @@ Texture Wood(const Color& light, const Color& dark, int grain_axis, std::uint64_
 // Floor boards along x with random shades and narrow joints.
 Texture Boards(const Color& light, const Color& dark, double width_m, double length_m,
                std::uint64_t seed);
-// Framed abstract picture in the x-z plane.
 Texture Poster(double width_m, double height_m, std::uint64_t seed);
-// Rug in the x-y plane with border and pattern.
 Texture Rug(double width_m, double depth_m, std::uint64_t seed);
 
-// Shortest rotation from the z axis to `direction`, which must not be zero. Replaces
-// Quaterniond::FromTwoVectors(), whose SVD takes 30 s to compile with sanitizers.
+// Shortest rotation from the z axis to `direction`, which must not be zero.
+// Quaterniond::FromTwoVectors() would take 30 s to compile with sanitizers.
 Eigen::Quaterniond TurnZInto(const Eigen::Vector3d& direction);
 
-// Piece of furniture. Adds parts to the scene in the item frame: z up, m. The scene must outlive
-// it.
+// Furniture. Adds parts to the scene in the item frame: z up, m. The scene must outlive it.
 class Item {
  public:
   Item(Scene* scene, const Rigid3d& world_from_item) : scene_(scene), frame_(world_from_item) {}
 
-  // Item in this frame, rotated about z.
   Item At(const Eigen::Vector3d& position, double turn_rad = 0) const;
   Eigen::Vector3d InWorld(const Eigen::Vector3d& point) const { return frame_ * point; }
-  // Adds a point for camera paths to look at.
+  // Adds a target of camera paths.
   void Target(const Eigen::Vector3d& point) const { scene_->targets.push_back(frame_ * point); }
 
   void Add(ShapePtr shape, const Rigid3d& item_from_part, const Texture& texture,
@@ -64,37 +60,38 @@ class Item {
   Rigid3d frame_;
 };
 
-// Items on the floor, with the origin in the middle of the back edge; y points away from the wall.
+// Items on the floor; the origin is in the middle of the back edge, and y points away from the
+// wall.
 void AddBookshelf(const Item& item, double width_m, Random* random);
 void AddSofa(const Item& item, double width_m, Random* random);
 void AddCabinet(const Item& item, double width_m, Random* random);
 void AddCrates(const Item& item, Random* random);
-// Items on the floor, with the origin below the centre.
+// Items on the floor; the origin is below the centre.
 void AddTable(const Item& item, double width_m, double depth_m, Random* random);
 void AddChair(const Item& item, Random* random);  // back at -y
 void AddFloorLamp(const Item& item, Random* random);
 void AddPlant(const Item& item, Random* random);
 
-// Items on other items, with the origin below the centre.
+// Items on other items; the origin is below the centre.
 void AddCup(const Item& item, Random* random);
 void AddPileOfBooks(const Item& item, Random* random);
 void AddBowlOfFruit(const Item& item, Random* random);
 void AddVase(const Item& item, Random* random);
 void AddRing(const Item& item, Random* random);
 void AddMonitor(const Item& item, Random* random);
-// Row of upright books from x = 0 to at most x = width_m, with spines at y <= depth_m.
+// Row of upright books from x = 0 to x = width_m, with spines at y <= depth_m.
 void AddRowOfBooks(const Item& item, double width_m, double depth_m, double height_m,
                    Random* random);
 void AddClutter(const Item& item, double width_m, double depth_m, Random* random);
 
-// Items on a wall, with the origin in the middle of the lower edge.
+// Items on a wall; the origin is in the middle of the lower edge.
 void AddPoster(const Item& item, double width_m, double height_m, Random* random);
 void AddDoor(const Item& item, Random* random);
 void AddCurtain(const Item& item, double width_m, double height_m, Random* random);
 void AddWallShelf(const Item& item, double width_m, Random* random);
 void AddClock(const Item& item, Random* random);
 
-// Random colour of paint or fabric, not too dark for a depth camera.
+// Random colour of paint or fabric that a depth camera can see.
 Color RandomPaint(Random* random);
 Texture RandomWood(int grain_axis, Random* random);
 

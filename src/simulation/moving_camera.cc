@@ -10,15 +10,15 @@ namespace surfit {
 namespace {
 
 constexpr double kMeanGrey = 0.18;
-constexpr double kMinLight = 1e-3;  // lower bound of the mean light
+constexpr double kMinLight = 1e-3;
 
-// First-order low-pass filter, updated once per frame. Always returns 0 if the lag is 0.
+// First-order low-pass filter, updated once per frame. Always 0 if the lag is 0.
 class Lagged {
  public:
   Lagged(double lag_s, double frame_s) : is_on_(lag_s > 0), share_(-std::expm1(-frame_s / lag_s)) {}
 
-  // Returns the value for the current frame. `wish` takes effect in the next frame; in the first
-  // frame it takes effect at once.
+  // Returns the value for the current frame. `wish` takes effect in the next frame, or at once in
+  // the first frame.
   double Next(double wish) {
     if (!is_on_) return 0;
     if (!has_begun_) next_ = wish;

@@ -6,12 +6,10 @@
 
 namespace surfit {
 
-// Random numbers that are identical on all platforms. The C++ standard specifies the engines, but
-// not the distributions. At most one argument of a call may draw a number, because the evaluation
-// order of arguments depends on the compiler.
+// Random numbers that are identical on all platforms, unlike the distributions of the C++ library.
+// At most one argument of a call may draw a number: the evaluation order is unspecified.
 class Random {
  public:
-  // Streams of the same seed are independent.
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0)
       : engine_(Mix(Mix(seed) + stream)) {}
 

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// Converts linear light in [0, 1] to 8-bit sRGB by a table (IEC 61966-2-1).
+// Table from linear light in [0, 1] to 8-bit sRGB (IEC 61966-2-1).
 std::uint8_t ToSrgb(float linear) {
   static const auto table = [] {
     std::array<std::uint8_t, 4096> bytes;
@@ -31,7 +31,7 @@ Rgb8 ToSrgb(const Vector3f& light) {
   return {ToSrgb(light.x()), ToSrgb(light.y()), ToSrgb(light.z())};
 }
 
-// Trade-off: small tiles have few candidate objects, large tiles need fewer candidate searches.
+// trade-off: small tiles have few candidate objects, large tiles need fewer searches
 int TileSize(const PinholeCamera& camera) { return std::clamp(camera.width / 8, 4, 16); }
 
 struct View {
@@ -62,8 +62,8 @@ std::vector<Tile> Tiles(const PinholeCamera& camera) {
   return tiles;
 }
 
-// Objects that rays of the tile can hit. The cone about the middle ray contains the four corner
-// rays. It is convex, so it contains all rays of the tile.
+// Objects that rays of the tile can hit. The cone about the middle ray is convex and contains the
+// four corner rays, so it contains all rays.
 std::vector<RayCandidate> ObjectsInTile(const View& view, const Tile& tile) {
   const int u_last = tile.u_end - 1, v_last = tile.v_end - 1;
   const Vector3d axis =
@@ -84,8 +84,7 @@ struct PixelHit {
   SceneHit hit;
 };
 
-// Hits of the camera rays of the tile. Ray directions have z = 1 in the camera frame, so the ray
-// parameter is the depth.
+// Hits of the rays of the tile. Ray directions have z = 1, so the ray parameter is the depth.
 std::vector<PixelHit> TraceTile(const View& view, const Tile& tile) {
   const std::vector<RayCandidate> candidates = ObjectsInTile(view, tile);
   std::vector<PixelHit> hits;
@@ -99,7 +98,7 @@ std::vector<PixelHit> TraceTile(const View& view, const Tile& tile) {
   return hits;
 }
 
-// Output images. Only images that are not empty are rendered.
+// Output images; empty images are not rendered.
 struct SceneImages {
   Rendering rendering;
   LightImage light;
@@ -148,7 +147,7 @@ void Draw(const Scene& scene, const PinholeCamera& camera, const Rigid3d& world_
   });
 }
 
-// Tiles are 32 x 1 pixels, because each row has a separate pose.
+// Tiles of 32 x 1 pixels, because each row has its own pose.
 void DrawRows(const Scene& scene, const PinholeCamera& camera, const PoseOfRow& world_from_camera,
               SceneImages* images) {
   constexpr int kTile = 32;

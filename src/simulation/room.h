@@ -15,7 +15,7 @@ Scene MakeRoom(std::uint64_t seed);
 
 struct Doorway {
   static constexpr double kWidth_m = 1.2, kHeight_m = 2.1;
-  int wall;             // index for RoomPlan::WallFrame()
+  int wall;
   double at_m;          // x of the middle in the wall frame
   double bottom_m = 0;  // z of the lower edge in the wall frame
 };
@@ -34,9 +34,9 @@ struct RoomPlan {
   double width_m, depth_m;  // x in [0, width_m], y in [0, depth_m], floor at z = 0
   Eigen::Vector3d corner_in_world = Eigen::Vector3d::Zero();
   std::vector<Doorway> doorways = {};
-  double turn_rad = 0;  // rotation of the room about its corner
+  double turn_rad = 0;
   double height_m = kHeight_m;
-  // Random numbers of pictures and rugs; null: `random`. Rooms with equal `random` have the same
+  // Random numbers of pictures and rugs; null: `random`. Rooms with equal `random` have equal
   // furniture.
   Random* pictures = nullptr;
   bool lights_only_itself = false;  // lamps do not light other rooms
@@ -47,33 +47,32 @@ struct RoomPlan {
     return {Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())),
             corner_in_world};
   }
-  // Space that the lamps light, for PointLight::lit. Includes half of each doorway.
+  // Region of PointLight::lit: the room with half of each doorway.
   Eigen::AlignedBox3d Lit() const;
-  // Space between the walls.
   Eigen::AlignedBox3d SpaceInWorld() const;
   // Frame of wall i: x from 0 to WallLength(i) along its lower edge, y into the room, z up.
   Item WallFrame(int i) const;
   double WallLength(int i) const { return i % 2 == 0 ? width_m : depth_m; }
-  // Doorways sorted from left to right, then from bottom to top.
+  // Doorways from left to right, then from bottom to top.
   std::vector<Doorway> DoorwaysIn(int wall) const;
   // Adds a doorway in the nearest wall. `point_in_world`: middle of its lower edge.
   void OpenAt(const Eigen::Vector3d& point_in_world);
 };
 
-// Adds floor, ceiling and walls with skirting boards and doorways.
+// Adds floor, ceiling, and walls with skirting boards and doorways.
 void AddShell(const RoomPlan& room);
 
-// Adds shell, lamp and furniture; walls with a doorway have only posters.
+// Adds shell, lamp and furniture. Walls with a doorway have only posters.
 void AddFurnishedRoom(const RoomPlan& room);
 
-// Adds the stretches along a wall from `from_m` to `to_m`, in random order with random gaps. Wide
-// gaps become targets of the camera.
+// Adds items along a wall from `from_m` to `to_m`, in random order with random gaps. Wide gaps
+// become camera targets.
 void Line(const RoomPlan& room, int wall, double from_m, double to_m,
           std::vector<WallItem> stretches);
 
 WallItem PosterItem(const RoomPlan& room);
 
-// Adds shell, lamps, and items along the walls; the middle stays free.
+// Adds shell, lamps, and items along the walls.
 void AddFurnishedCorridor(const RoomPlan& corridor);
 
 }  // namespace surfit

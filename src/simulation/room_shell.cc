@@ -23,8 +23,8 @@ void AddWall(const RoomPlan& room, int i, const Texture& paint) {
     wall.Box({from, 0, 0}, {to, 0.015, 0.08}, board);
   };
   const std::vector<Doorway> doorways = room.DoorwaysIn(i);
-  double end = -kThick_m;   // end of the wall so far
-  double skirting_end = 0;  // end of the skirting board so far
+  double end = -kThick_m;
+  double skirting_end = 0;
   for (std::size_t k = 0; k < doorways.size();) {
     const double at = doorways[k].at_m;
     const double from = at - Doorway::kWidth_m / 2, to = from + Doorway::kWidth_m;
@@ -79,7 +79,7 @@ void RoomPlan::OpenAt(const Vector3d& point_in_world) {
   const double to_wall[] = {point.y(), width_m - point.x(), depth_m - point.y(), point.x()};
   const double along[] = {point.x(), point.y(), width_m - point.x(), depth_m - point.y()};
   const auto wall = std::min_element(std::begin(to_wall), std::end(to_wall)) - to_wall;
-  constexpr double kGrid_m = 1e-6;  // doorways on top of each other must have equal at_m
+  constexpr double kGrid_m = 1e-6;  // doorways above each other must have equal at_m
   doorways.push_back({static_cast<int>(wall), kGrid_m * std::round(along[wall] / kGrid_m),
                       kGrid_m * std::round(point.z() / kGrid_m)});
 }

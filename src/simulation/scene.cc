@@ -22,7 +22,7 @@ Sphere BoundingSphere(const std::vector<ScenePoint>& points) {
   return {box.center(), box.diagonal().norm() / 2};
 }
 
-// Start of a shadow ray, with a small offset that avoids a hit of the surface itself.
+// Start of a shadow ray, offset from the surface against self-intersection.
 Vector3d OffSurface(const ScenePoint& point) {
   constexpr double kOffSurface_m = 1e-4;
   return point.point_in_world + kOffSurface_m * point.hit.normal_in_world;
@@ -40,7 +40,7 @@ float Daylight(const Vector3d& normal_in_world) {
   return 0.26f + 0.1f * static_cast<float>(normal_in_world.z());
 }
 
-// Light per unit reflectance. It decreases slower than 1/r^2, as in a room with bright walls.
+// Light per unit reflectance. Decreases slower than 1/r^2, as in a room with bright walls.
 float LightFrom(const PointLight& light, const Vector3d& normal, const Vector3d& to_light) {
   constexpr double kReach_m = 2.5;
   const double distance = to_light.norm();
@@ -65,7 +65,6 @@ Eigen::AlignedBox3d BoxInWorld(const Shape& shape, const Rigid3d& world_from_obj
   return {world_from_object.translation - reach, world_from_object.translation + reach};
 }
 
-// Cone about a unit axis, limited to a distance of reach_m from the apex.
 struct Cone {
   Cone(Vector3d cone_apex, Vector3d unit_axis, double half_angle_rad, double cone_reach_m)
       : apex(std::move(cone_apex)),
@@ -113,7 +112,7 @@ std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d&
   return Intersect(origin, direction, all);
 }
 
-// If the ray hits several objects at the same t, the object that was added first is the hit.
+// For equal t, the object that was added first is hit.
 std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d& direction,
                                          const std::vector<RayCandidate>& candidates) const {
   constexpr double kRounding = 1 + 1e-9;
@@ -168,8 +167,8 @@ std::vector<RayCandidate> Scene::ObjectsInCone(const Vector3d& apex, const Vecto
   return inside;
 }
 
-// Objects that can occlude the light: inside the cone from the light to the points, and inside the
-// bounding box of light and points.
+// Objects that can occlude the light: in the cone from the light to the points, and in their
+// bounding box.
 std::vector<RayCandidate> Scene::Occluders(const PointLight& light,
                                            const std::vector<ScenePoint>& points) const {
   const Sphere sphere = BoundingSphere(points);

@@ -13,12 +13,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDoorwayY_m = 2.4;  // world y, about half the depth of a room
+constexpr double kDoorwayY_m = 2.4;
 constexpr double kCameraZ_m = 1.4;
 
-// Closed route through the doorways at x = first and x = second. It passes each room on one side
-// and returns on the other side. The length is 21 m along x and about 22.5 m in total: 1500 frames
-// at 15 mm.
+// Closed route through the doorways at x = first and x = second. It passes each room on one side,
+// and returns on the other side. The length is about 22.5 m: 1500 frames at 15 mm.
 std::vector<Vector3d> Route(double first, double second) {
   constexpr double kLength_m = 21, kSide_m = 0.8, kBesideDoorway_m = 0.7;
   const double reach = (kLength_m - 2 * (second - first)) / 4 - 0.15;
@@ -43,14 +42,13 @@ std::vector<Vector3d> Route(double first, double second) {
   return route;
 }
 
-// Three furnished rooms in a row along x with doorways, and a closed route through all rooms
-// (Scene::route).
+// Three furnished rooms along x with doorways, and a closed route (Scene::route).
 Scene MakeThreeRooms(std::uint64_t seed) {
   constexpr int kRooms = 3, kEastWall = 1, kWestWall = 3;
   constexpr double kBetween_m = 2 * RoomPlan::kThick_m;
   Scene scene;
   Random random(seed);
-  std::array<double, kRooms - 1> doorways;  // x of the middle of each doorway
+  std::array<double, kRooms - 1> doorways;
   double x = 0;
   for (int i = 0; i < kRooms; ++i) {
     RoomPlan room{&scene, &random, random.Uniform(5, 6.5), random.Uniform(4.8, 5.6), {x, 0, 0}};

@@ -11,8 +11,8 @@
 namespace surfit {
 namespace {
 
-// Depth at (u, v) by bilinear interpolation of the inverse depth, which is exact on planes. Returns
-// `here`, the depth of the pixel itself, if one of the four neighbours is on another surface.
+// Depth at (u, v) by bilinear interpolation of inverse depth, which is exact on planes. Returns
+// `here` if one of the four neighbours is on another surface.
 double ShiftedDepth(const Image<float>& depth_m, double u, double v, double here,
                     double max_edge_ratio) {
   const int u0 = static_cast<int>(std::floor(u)), v0 = static_cast<int>(std::floor(v));
@@ -30,9 +30,8 @@ double ShiftedDepth(const Image<float>& depth_m, double u, double v, double here
               b * ((1 - a) * disparity[1][0] + a * disparity[1][1]));
 }
 
-// Cosine of the angle between the ray of a pixel and the surface normal from the depth image.
 double CosineOfIncidence(const Image<float>& depth_m, const PinholeCamera& camera, int u, int v) {
-  // Point of another pixel, or of this pixel if the other pixel is outside or without depth.
+  // Point of another pixel, or of this pixel if the other one has no depth.
   const auto point = [&](int other_u, int other_v) -> Eigen::Vector3d {
     const bool inside = other_u >= 0 && other_v >= 0 && other_u < depth_m.width() &&
                         other_v < depth_m.height() && depth_m(other_u, other_v) > 0;

@@ -15,7 +15,7 @@ double DistanceToSegment(const Vector2d& point, const Vector2d& a, const Vector2
   return (point - a - share * along).norm();
 }
 
-// The solid x^2 + y^2 <= r(z)^2, |z| <= h / 2, with r(z) = r_middle + slope * z.
+// Solid x^2 + y^2 <= r(z)^2, |z| <= h / 2, with r(z) = r_middle + slope * z.
 class Frustum : public Shape {
  public:
   Frustum(double bottom_radius, double top_radius, double height)
@@ -25,7 +25,7 @@ class Frustum : public Shape {
 
   std::optional<ShapeHit> Intersect(const Vector3d& origin,
                                     const Vector3d& direction) const override {
-    // A ray enters a convex body only once, at a cap or at the side.
+    // A ray enters a convex body once: at a cap or at the side.
     if (auto hit = IntersectCap(origin, direction)) return hit;
     return IntersectSide(origin, direction);
   }
@@ -85,11 +85,11 @@ class Torus : public Shape {
  public:
   Torus(double ring_radius, double tube_radius) : ring_radius_(ring_radius), tube_(tube_radius) {}
 
-  // Sphere tracing (Hart 1996): a step of the length of the distance never passes the surface.
+  // Sphere tracing (Hart 1996): a step of the signed distance never passes the surface.
   std::optional<ShapeHit> Intersect(const Vector3d& origin,
                                     const Vector3d& direction) const override {
     constexpr double kOnSurface_m = 1e-10;
-    constexpr int kMostSteps = 2000;  // typically below 100; beyond the limit, the ray is a miss
+    constexpr int kMostSteps = 2000;  // limit of a miss; typically below 100 steps
     const double speed = direction.norm(), bound = BoundingRadius();
     const double middle = -origin.dot(direction) / (speed * speed);
     const double chord2 = bound * bound - (origin + middle * direction).squaredNorm();

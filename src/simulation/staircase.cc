@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 constexpr int kSteps = 20;
 constexpr double kRise_m = BuildingPlan::kStorey_m / kSteps;
-constexpr double kThick_m = 0.25;  // thickness of steps and landings above the ground floor
+constexpr double kThick_m = 0.25;
 
 double Tread(const RoomPlan& staircase) {
   return (staircase.depth_m - 2 * BuildingPlan::kCorridor_m) / kSteps;

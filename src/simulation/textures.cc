@@ -14,7 +14,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Random value in [0, 1) of a lattice point.
 float LatticeValue(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t seed) {
   const std::uint64_t key = static_cast<std::uint64_t>(x) * 0x8da6b343u +
                             static_cast<std::uint64_t>(y) * 0xd8163841u +
@@ -22,7 +21,7 @@ float LatticeValue(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t
   return static_cast<float>(Random::Mix(key) >> 40) * 0x1p-24f;
 }
 
-// Smooth value noise in [0, 1) with a lattice spacing of 1.
+// Smooth value noise in [0, 1) on a lattice of spacing 1.
 float ValueNoise(const Vector3d& point, std::uint64_t seed) {
   const Eigen::Array3d base = point.array().floor();
   const Eigen::Array3f f = (point.array() - base).cast<float>();
@@ -93,7 +92,7 @@ Texture Mottled(const Color& color, double scale_m, float contrast, std::uint64_
 
 Texture Checks(const Color& a, const Color& b, double size_m) {
   return [=](const Vector3d& p) {
-    // The offset prevents faces of centred solids from coinciding with borders between cubes.
+    // Offset against faces of centred solids on the borders of cubes.
     const int sum =
         Cell(p.x() + 1e-3, size_m) + Cell(p.y() + 1e-3, size_m) + Cell(p.z() + 1e-3, size_m);
     return (sum & 1) != 0 ? a : b;

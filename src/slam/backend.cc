@@ -17,7 +17,7 @@ const LoopOptions& Validated(const LoopOptions& options) {
   return options;
 }
 
-// Displacement of a camera and of a point 2 m in front of it by a correction, m.
+// Displacement of the camera, plus that of a point 2 m away by the rotation, m.
 double Displacement(const Rigid3d& new_from_old, const Eigen::Vector3d& camera) {
   constexpr double kDistanceM = 2;
   return (new_from_old * camera - camera).norm() +
@@ -55,7 +55,7 @@ void Backend::ContinueFrom(SlamState* state, StateUse use) {
   }
 }
 
-// Keyframes that are not settled wait for a task.
+// Keyframes without a completed loop search wait for a task.
 void Backend::TakeViews(std::vector<PlaceView> views, std::size_t settled) {
   std::vector<Keyframe> keyframes;
   for (std::size_t k = 0; k < views.size(); ++k) {
@@ -71,7 +71,8 @@ void Backend::TakeViews(std::vector<PlaceView> views, std::size_t settled) {
   closer_->AddSettled(std::move(keyframes));
 }
 
-// Each kind of task counts its own frames. A calibration is applied without a running loop task.
+// Loop and calibration tasks count frames separately. No loop task may run while a calibration is
+// applied.
 std::vector<WorldCorrection> Backend::BeginFrame() {
   const auto is_due = [&](auto* task) {
     return real_time_ ? task->IsReadyAfterStep() : task->IsDueAfterStep();
@@ -93,7 +94,7 @@ std::vector<WorldCorrection> Backend::BeginFrame() {
   return corrections;
 }
 
-// In real time no loop task starts before a finished calibration is applied.
+// In real time, a finished calibration is applied before another loop task starts.
 void Backend::StartLoopTaskIfFree() {
   if (!closer_ || waiting_.empty() || closer_->task().IsPending()) return;
   if (real_time_ && calibrator_ && calibrator_->task().IsReady()) return;
@@ -124,7 +125,6 @@ bool Backend::BecomesKeyframe(int frame_index, const Rigid3d& world_from_camera,
                     options_.keyframes);
 }
 
-// Makes the last frame a keyframe.
 void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
                           const FramePyramid& pyramid) {
   const int last = static_cast<int>(poses_.keyframes().size()) - 1;
@@ -134,7 +134,7 @@ void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
   const std::optional<PoseGraphEdge> edge = EdgeTo(posed, parent, icp);
   if (edge) poses_.AddEdge(*edge);
   last_keyframe_ = {posed.index, posed.stamp_s, posed.world_from_camera,
-                    MakePlaceView(pyramid, {}, options_.views)};  // without colours
+                    MakePlaceView(pyramid, {}, options_.views)};
   begins_submap_ = false;
   anchor_.reset();
   if (calibrator_) calibrator_->AddKeyframe(frame);
@@ -150,7 +150,6 @@ void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
   if (calibrator_ && calibrator_->IsTaskDue()) StartCalibration();
 }
 
-// Returns the edge from the parent, std::nullopt without a parent.
 std::optional<PoseGraphEdge> Backend::EdgeTo(const PosedFrame& keyframe, int parent,
                                              const IcpResult& icp) const {
   if (parent == KeyframeLink::kNone) return std::nullopt;
@@ -214,8 +213,8 @@ void Backend::FinishLoops(std::vector<WorldCorrection>* corrections) {
   }
 }
 
-// Applies the result of the calibration task in addition to corrections since its start. Requires
-// that no loop task is running.
+// Adds the calibration result to all corrections since the task started. Requires that no loop task
+// is running.
 void Backend::TakeCalibration(std::vector<WorldCorrection>* corrections) {
   const DepthCalibration from = calibrator_->calibration();
   Calibrator::Outcome outcome = calibrator_->Take();
@@ -275,7 +274,7 @@ WorldCorrection Backend::Move(const std::vector<Rigid3d>& new_from_old_of_keyfra
   return correction;
 }
 
-// Keyframes after the start of the task move with their parents.
+// Keyframes that are newer than the task move with their parents.
 std::vector<Rigid3d> Backend::CorrectionsOfKeyframes(
     const std::vector<Rigid3d>& world_from_keyframe) const {
   std::vector<Rigid3d> corrections;

@@ -10,26 +10,23 @@
 
 namespace surfit {
 
-// Owns the map: fuses frames, renders the views that frames are registered to, and applies
-// corrections by loop closures and calibrations.
+// Owns the map: fuses frames, renders model views, and applies corrections by loop closures and
+// calibrations.
 class Mapper : public ModelViews {
  public:
-  // Keeps a reference to the options. If loops are enabled, fusion.active_frames is the bound of
-  // LoopOptions.
+  // Keeps a reference to the options. With loops, `fusion.active_frames` must be
+  // LoopOptions::active_frames.
   Mapper(const DepthSensor& sensor, const SlamOptions& options, StateUse use);
 
-  // Continues with a map. `fused_frames` are the indices of its fused frames.
+  // Continues with a map. `fused_frames`: indices of its fused frames.
   void ContinueFrom(SurfelMap map, const std::vector<int>& fused_frames);
-  // Keeps the pointer to the estimated calibration. Null: the input sensor.
+  // Keeps the pointer. Null: the calibration of the input sensor.
   void UseCalibration(const DepthCalibration* calibration) { calibration_ = calibration; }
 
   const SurfelMap& map() const { return map_; }
-  // Number of duplicate surfels that corrections have merged.
   std::size_t merged_duplicates() const { return merged_duplicates_; }
-  // Number of map changes other than fusion.
   int corrections() const { return corrections_; }
 
-  // Sensor with the estimated calibration.
   DepthSensor sensor() const;
 
   const ReferenceView& View() const override { return view_; }
@@ -40,13 +37,13 @@ class Mapper : public ModelViews {
   ReferenceView NewestViewAt(const Rigid3d& world_from_view, bool with_intensities) override {
     return Render(&newest_renderer_, world_from_view, with_intensities);
   }
-  // Does nothing if the map is only used for localisation.
+  // Does nothing in localisation.
   void ActivateAround(int frame_index, int now) override;
 
-  // Fuses every `frames`-th frame with a pose, instead of every SlamOptions::map_period-th.
+  // Replaces SlamOptions::map_period.
   void SetPeriod(int frames) { period_ = frames; }
   bool has_longer_period() const { return period_ > options_.map_period; }
-  // True after the period, or after a large shift of the image since the last fused frame.
+  // True after the period, or after a large image shift since the last fused frame.
   bool IsTurnToFuse(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) const;
   FusionReport Fuse(const PreprocessedFrame& frame, const Rigid3d& world_from_camera,
                     const CameraMotion& motion);
@@ -67,14 +64,14 @@ class Mapper : public ModelViews {
   Fusion fusion_;
   SurfelMap map_;
   ReferenceView view_;
-  bool has_view_ = false;     // `view_` uses the current calibration
-  bool is_view_new_ = false;  // the map has not changed since `view_` was rendered
+  bool has_view_ = false;  // `view_` uses the current calibration
+  bool is_view_new_ = false;
   int period_;
-  int unfused_count_ = 0;     // frames with a pose since the last fused frame
-  Rigid3d world_from_fused_;  // pose of the last fused frame
+  int unfused_count_ = 0;
+  Rigid3d world_from_fused_;
   std::size_t merged_duplicates_ = 0;
   int corrections_ = 0;
-  int merged_until_ = 0;  // frame before which all duplicate surfels are merged
+  int merged_until_ = 0;  // all older frames have no duplicate surfels
 };
 
 }  // namespace surfit

@@ -15,7 +15,7 @@
 namespace surfit {
 namespace {
 
-// Sets the bound of active surfels, because fusion does not depend on the options of loops.
+// Copies LoopOptions::active_frames to the fusion options, which have their own field.
 SlamOptions Validated(SlamOptions options) {
   Validate(options);
   int& active_frames = options.fusion.active_frames;
@@ -23,13 +23,13 @@ SlamOptions Validated(SlamOptions options) {
   return options;
 }
 
-// The calibration of a state takes precedence over the options.
+// A saved calibration enables calibration.
 SlamOptions WithCalibrationOf(const SlamState& state, SlamOptions options) {
   options.calibration.enabled |= state.calibration.has_value();
   return options;
 }
 
-// Indices of the fused frames, approximately: every `period`-th frame, the last frame included.
+// Approximate indices of fused frames: every `period`-th frame up to the last frame.
 std::vector<int> FusedFrames(const std::vector<PosedFrame>& frames, int period) {
   std::vector<int> fused;
   for (std::size_t i = (frames.size() - 1) % period; i < frames.size(); i += period) {
@@ -38,7 +38,6 @@ std::vector<int> FusedFrames(const std::vector<PosedFrame>& frames, int period) 
   return fused;
 }
 
-// Report without fusion and times.
 FrameReport ReportOf(const RgbdFrame& frame, const Tracked& tracked) {
   FrameReport report;
   report.index = frame.index;
@@ -54,10 +53,8 @@ FrameReport ReportOf(const RgbdFrame& frame, const Tracked& tracked) {
   return report;
 }
 
-// Relocalisation by the keyframes of the back end.
 class BackendRelocalizer : public Relocalizer {
  public:
-  // `new_map_after` is LoopOptions::new_map_after, 0 for localisation.
   BackendRelocalizer(Backend* backend, int new_map_after)
       : backend_(backend), new_map_after_(new_map_after) {}
 
@@ -126,7 +123,7 @@ void Slam::MakeBackend(LoopFinder finder) {
   tracker_->UseRelocalizer(relocalizer_.get());
 }
 
-// Stages of a frame, with the classes that do the work:
+// Stages of a frame and their classes:
 //   correct    apply finished loop closures and calibrations   Backend, Mapper
 //   prepare    depth image to surfaces                         FramePreprocessor
 //   predict    predicted pose, model view at this pose         Tracker, Mapper
@@ -171,7 +168,7 @@ void Slam::Correct(const RgbdFrame& frame, StageTimes* times) {
   for (const WorldCorrection& correction : backend_->BeginFrame()) Apply(correction, frame.index);
 }
 
-// Moves map and camera alike, so that tracking continues without a jump.
+// Map and camera move equally, so tracking continues without a jump.
 void Slam::Apply(const WorldCorrection& correction, int frame_index) {
   if (correction.moves) tracker_->Move(correction.new_from_old_now);
   mapper_->Correct(correction, frame_index);
@@ -192,7 +189,6 @@ Prediction Slam::Predict(const PreprocessedFrame& frame, StageTimes* times) {
   return tracker_->Predict(frame);
 }
 
-// Renders the view of the next frame before it arrives.
 void Slam::PredictAhead(const RgbdFrame& frame, StageTimes* times) {
   const StageTimer timer("draw_ahead", frame.index, &times->predict_ms);
   tracker_->PredictAhead(!frame.color.empty());
@@ -215,7 +211,6 @@ FrameReport Slam::ReportDuplicate(const RgbdFrame& frame, const StageTimes& time
   return report;
 }
 
-// Adds a tracked frame to the trajectory and to the map.
 FrameReport Slam::Integrate(PreprocessedFrame frame, Tracked tracked, StageTimes* times) {
   FrameReport report = ReportOf(frame.measured, tracked);
   if (on_pose_) on_pose_(report);
@@ -234,7 +229,7 @@ FrameReport Slam::Integrate(PreprocessedFrame frame, Tracked tracked, StageTimes
   return report;
 }
 
-// Adds the tentative frame that this frame has confirmed. Only this frame is fused.
+// Adds the tentative frame whose pose is now confirmed. It is not fused.
 std::optional<PosedFrame> Slam::AddConfirmed(const Tracked& tracked) {
   if (!tracked.confirmed) return std::nullopt;
   const TentativePose& confirmed = *tracked.confirmed;
@@ -250,13 +245,11 @@ std::optional<PosedFrame> Slam::AddConfirmed(const Tracked& tracked) {
   return posed;
 }
 
-// The first frame of a map is always fused.
 bool Slam::IsHeldOut(const Tracked& tracked) const {
   const bool begins_map = !tracker_->state().HasStarted() || tracked.state == FrameState::kNewMap;
   return options_.hold_out > 0 && !begins_map && frame_count_ % options_.hold_out == 0;
 }
 
-// Fuses every map_period-th frame, and frames that may show an unmapped place.
 void Slam::Fuse(const PreprocessedFrame& frame, const Tracked& tracked, FrameReport* report,
                 StageTimes* times) {
   const bool must = tracked.state == FrameState::kFirst || tracked.state == FrameState::kGiven ||

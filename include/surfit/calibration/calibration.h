@@ -9,10 +9,10 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Calibration of the depth camera during tracking: options and results. Depends on refinement. Read
+// Calibration of the depth camera during tracking: options and results. Read
 // src/calibration/calibrator.h next.
 
-// Options of a fast refinement: few surfels and few rounds, because it is repeated during tracking.
+// Refinement options with few surfels and rounds, because calibration repeats during tracking.
 inline RefinementOptions CoarseRefinementOptions() {
   RefinementOptions options;
   options.cells_across = 40;
@@ -21,25 +21,25 @@ inline RefinementOptions CoarseRefinementOptions() {
   return options;
 }
 
-// Options of calibration during tracking. Refine() runs on all keyframes so far: first with
-// `first_keyframes` keyframes, then each time their number has grown by a quarter. An estimate from
-// n keyframes is applied 1 + n/2 + n^2/40 frames after the task starts, so that the result does not
-// depend on the machine. An estimate that does not differ significantly from the input calibration
-// is discarded.
+// Options of calibration during tracking. Refine() runs on all keyframes so far. The first run
+// needs `first_keyframes` keyframes. Each further run needs 25 % more keyframes. The result of n
+// keyframes is applied 1 + n/2 + n^2/40 frames after the run starts, on every machine. In
+// real time, it may be applied later. The input calibration is kept unless the estimate differs
+// significantly.
 struct CalibrationOptions {
   bool enabled = true;
   int first_keyframes = 4;
-  int max_keyframes = 45;  // keyframes; with more, the calibration does not change
+  int max_keyframes = 45;  // number of keyframes after which calibration ends
   RefinementOptions refinement = CoarseRefinementOptions();
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Record of one calibration during tracking.
+// Record of one calibration run during tracking.
 struct CalibrationRecord {
   std::size_t keyframes = 0;
   int begun_frame = 0;  // index of the last of these keyframes
-  int frame = 0;        // index of the last frame before the result was applied
+  int frame = 0;        // index of the last frame with a pose before the result was applied
   RefinementSummary summary;
   ColorLatency color_latency;  // in addition to RgbdCamera::color_latency_s
 };

@@ -6,7 +6,7 @@
 
 namespace surfit {
 
-// Concatenates streamable values to one string.
+// Concatenates streamable values to a string.
 template <typename... Parts>
 std::string Concat(const Parts&... parts) {
   std::ostringstream stream;
@@ -15,8 +15,8 @@ std::string Concat(const Parts&... parts) {
 }
 
 // Invalid input: a file, a flag or an option. The message is the concatenation of the arguments. It
-// is one sentence with the name of the input, its value and the violated constraint. The tools
-// print "error: ..." and exit with status 1.
+// names the input, its value and the violated constraint. The tools print "error: ..." and exit
+// with status 1.
 class InputError : public std::runtime_error {
  public:
   template <typename... Parts>
@@ -29,7 +29,7 @@ void ThrowIf(bool condition, const Parts&... parts) {
   if (condition) throw InputError(parts...);
 }
 
-// Returns the result of `work()`. Prepends `place` and a colon to the message of an InputError.
+// Returns the result of `work()`. Prepends "`place`: " to the message of an InputError.
 template <typename Work>
 auto WithContext(const std::string& place, const Work& work) {
   try {

@@ -8,12 +8,11 @@
 
 namespace surfit {
 
-// Allocator that default-initialises elements: new elements of a plain type have unspecified
-// values.
+// Allocator without initialisation: new elements of a plain type have unspecified values.
 template <typename T>
 struct RawAllocator : std::allocator<T> {
   using std::allocator<T>::allocator;
-  // Allocator for another type. The standard requires this member.
+  // required by the standard
   template <typename U>
   struct rebind {
     using other = RawAllocator<U>;
@@ -28,8 +27,7 @@ struct RawAllocator : std::allocator<T> {
   }
 };
 
-// Vector for large arrays that are overwritten at once: new elements after resize() have
-// unspecified values.
+// Vector for large arrays. resize() leaves new elements unspecified.
 template <typename T>
 using RawVector = std::vector<T, RawAllocator<T>>;
 
@@ -42,8 +40,8 @@ struct Rgb8 {
   friend bool operator!=(Rgb8 x, Rgb8 y) { return !(x == y); }
 };
 
-// Image as a contiguous row-major array of pixels. u is the column in [0, width), v is the row in
-// [0, height). Indices are not checked.
+// Contiguous row-major image. u is the column in [0, width), v is the row in [0, height). Indices
+// are not checked.
 template <typename T>
 class Image {
  public:

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <type_traits>
 
-// GCC warns about vectors that are wider than the registers of the base architecture. The warning
-// does not apply: all functions with such vectors are inlined.
+// GCC warns about vectors that are wider than the registers of the base architecture. This does not
+// apply: all functions with such vectors are inlined.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -14,14 +14,13 @@
 
 namespace surfit {
 
-// Instruction sets for code with Lanes: the base architecture of the build, or AVX2 if the
-// processor supports it at run time. AVX2 code does not use fused multiply-add, so the results of
-// both sets are bitwise identical.
+// Instruction sets for Lanes: the base architecture, or AVX2 if the processor supports it. AVX2
+// code does not use fused multiply-add, so both sets give bitwise identical results.
 struct BaseInstructions {};
 struct Avx2Instructions {};
 
-// Code with Lanes<S, Avx2Instructions> must be inlined completely into a function that is compiled
-// for AVX2 (see WithInstructions()). Inlining requires an optimised build.
+// Code with Lanes<S, Avx2Instructions> must be inlined into a function that is compiled for AVX2
+// (see WithInstructions()). Inlining requires an optimised build.
 #if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define SURFIT_INLINE_ALL __attribute__((flatten))
 #else
@@ -42,7 +41,7 @@ struct Lanes;
 template <typename>
 inline constexpr bool kNever = false;
 
-// Result of a comparison, one per lane. There is no conversion to bool, because lanes can differ.
+// Result of a comparison of Lanes. Not convertible to bool, because lanes can differ.
 template <typename S, typename Instructions>
 struct LaneMask {
   using Vector __attribute__((vector_size(32))) = S;
@@ -212,12 +211,12 @@ SURFIT_AVX2 SURFIT_INLINE_ALL auto WithAvx2Instructions(const F& f) {
 }
 #endif
 
-// Returns true if WithInstructions() uses AVX2: the processor supports it, and the environment does
-// not set SURFIT_INSTRUCTIONS=base. The environment is read at the first call only.
+// True if WithInstructions() uses AVX2: the processor supports it, and the environment does not
+// have SURFIT_INSTRUCTIONS=base. The first call reads the environment.
 bool UsesAvx2();
 
-// Calls f(instructions) with the best available instruction set and returns the result. All
-// functions that f calls are inlined. The captures and the result of f must not contain Lanes.
+// Calls f(instructions) with the best instruction set, and returns the result. All functions called
+// by f are inlined. Captures and result of f must not contain Lanes.
 template <typename F>
 auto WithInstructions(const F& f) {
 #if SURFIT_HAS_AVX2

@@ -16,12 +16,11 @@
 
 namespace surfit {
 
-// Options are plain structs with default member values. Each struct has one table,
-//   void Visit(OptionVisitor& visitor);
-// with the name, the help text and the constraints of each field. Validation, JSON, flags, help
-// texts and the Python classes are derived from the table.
+// Options are structs with default member values. Each struct has one table of its fields, void
+// Visit(OptionVisitor& visitor); with names, help texts and constraints. The table is the source of
+// validation, JSON, flags, help texts and Python classes.
 
-// Table entry of a field: name, help text and the rules below.
+// Table entry of a field. The rules are declared below.
 struct Option {
   template <typename... Rules>
   Option(std::string field, std::string what, const Rules&... rules)
@@ -29,13 +28,13 @@ struct Option {
     (rules(*this), ...);
   }
 
-  double FlagUnit() const;   // value in the unit of the field for a flag value of 1: angles in deg
+  double FlagUnit() const;   // field value for a flag value of 1; degrees for angles
   std::string Help() const;  // help text with choices, unit and the meaning of zero
 
   std::string name, help;
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  bool above_min = false, below_max = false;  // the bound itself is excluded
+  bool above_min = false, below_max = false;  // the bound is excluded
   std::string zero, unit;
   std::vector<std::string> choices;
   bool required = false, everyday = false, repeatable = false, optional_part = false;
@@ -60,23 +59,22 @@ OptionRule Required();  // must not be empty
 
 OptionRule InUnit(const std::string& of_value);  // unit, if the field name does not end in it
 
-// Adds a flag with this name, or with the field name if `as` is empty. A field in radians (`_rad`)
-// becomes a flag in degrees (`_deg`).
+// Adds a flag with this name, or with the field name if `as` is empty. An angle in radians (`_rad`)
+// gets a flag in degrees (`_deg`).
 OptionRule AsFlag(const std::string& as = "");
-OptionRule Everyday();    // flag is shown by --help
+OptionRule Everyday();    // shown by --help
 OptionRule Repeatable();  // each use of the flag adds a value
-// Rules for a part, which is a field with its own table. They select the flags of the part.
+// Rules for a part, which is a nested struct of options. They select its flags.
 OptionRule OnlyFlags(const std::vector<std::string>& flags);
 OptionRule WithoutFlags(const std::vector<std::string>& flags);
 inline OptionRule NoFlags() { return OnlyFlags({}); }
 OptionRule OptionalPart();  // disables Required() in the part
 
-// Field that is read and written as text.
 class OptionText {
  public:
   virtual ~OptionText() = default;
   virtual std::string Get() const = 0;
-  // Throws InputError with the constraint on the text. The message does not contain the field name.
+  // Throws InputError with the violated constraint, without the field name.
   virtual void Set(const std::string& text) = 0;
   virtual const std::type_info& type() const = 0;
   virtual void* field() = 0;
@@ -85,19 +83,18 @@ class OptionText {
 using OptionValue =
     std::variant<bool*, int*, std::size_t*, float*, double*, std::string*, OptionText*>;
 
-// Conversion of other types to and from text. Overloads for further types are declared with these
-// types.
+// Conversion to and from text. Overloads for other types are declared with these types.
 std::string OptionToText(const std::vector<std::string>& names);
 std::string OptionToText(const std::vector<int>& numbers);
 std::string OptionToText(const std::vector<double>& numbers);
 void OptionFromText(const std::string& text, std::vector<std::string>* names);
 void OptionFromText(const std::string& text, std::vector<int>* numbers);
 void OptionFromText(const std::string& text, std::vector<double>* numbers);
-// Shortest text that restores the same number. Empty for std::nullopt.
+// Shortest text with the same value. Empty for std::nullopt.
 std::string OptionToText(double number);
 std::string OptionToText(const std::optional<double>& number);
 void OptionFromText(const std::string& text, std::optional<double>* number);
-// Throws InputError unless the text consists of `count` numbers.
+// Throws InputError unless the text has `count` numbers.
 std::vector<double> NumbersFromText(const std::string& text, std::size_t count);
 
 template <std::size_t N>
@@ -112,17 +109,17 @@ void OptionFromText(const std::string& text, std::optional<std::array<double, N>
   std::copy(read.begin(), read.end(), numbers->emplace().begin());
 }
 
-// Visits the fields of an option struct: flags, JSON, Python and validation are visitors.
+// Base class of visitors of option structs: flags, JSON, Python and validation.
 class OptionVisitor {
  public:
   virtual ~OptionVisitor() = default;
 
-  // Sets the group of the following flags. Flags of a part without Group() get this group as well.
+  // Sets the group of the following flags. It also applies to parts without a group.
   void Group(const std::string& name) { group_ = name; }
 
   template <typename T>
   void Add(T& field, const Option& option);
-  // Visits the fields of a nested struct of options.
+  // Visits a nested struct of options.
   template <typename T>
   void AddPart(T& part, const Option& option) {
     if (!Enter(option, typeid(T), &part)) return;
@@ -140,12 +137,12 @@ class OptionVisitor {
   void AddPart(T& part, const char* name, const std::string& help, const Rules&... rules) {
     AddPart(part, Option(name, help, rules...));
   }
-  // Adds a constraint between fields. `check` throws InputError if the constraint is violated.
+  // Adds a constraint between fields. `check` throws InputError for a violation.
   virtual void Check(const std::function<void()>& /*check*/) {}
 
  protected:
   virtual void Visit(const Option& option, const OptionValue& value) = 0;
-  // Returns true if the fields of the part are visited.
+  // Returns true to visit the fields of the part.
   virtual bool Enter(const Option& /*part*/, const std::type_info& /*type*/, void* /*field*/) {
     return true;
   }
@@ -164,10 +161,10 @@ class OptionVisitor {
 
   std::string group_;
   bool optional_ = false;
-  std::vector<Option> filters_;  // enclosing parts that restrict the flags
+  std::vector<Option> filters_;  // enclosing parts with rules for flags
 };
 
-// Table of one object. The object must outlive it.
+// Table of an object, which must outlive the table.
 using OptionTable = std::function<void(OptionVisitor&)>;
 
 template <typename Options>
@@ -177,26 +174,25 @@ OptionTable TableOf(Options* options) {
 
 void ValidateTable(const OptionTable& table);
 
-// Throws InputError with the field, its value and the violated constraint.
+// Throws InputError with the field, its value and the constraint for invalid options.
 template <typename Options>
 void Validate(Options options) {
   ValidateTable(TableOf(&options));
 }
 
-// Throws InputError if the value violates a rule of the option. The message contains `name`, the
-// value and the constraint. Angles are printed in degrees if `in_degrees` is true.
+// Throws InputError with `name`, the value and the constraint if the value violates a rule.
+// `in_degrees`: the message has angles in degrees.
 void RequireOption(const std::string& name, const Option& option, const OptionValue& value,
                    bool in_degrees = false);
 
-// Value of the flag as text that restores the same value. Angles are in degrees.
+// Flag value as text, without loss of precision. Angles are in degrees.
 std::string FlagText(const Option& option, const OptionValue& value);
-// Parses a text. Throws InputError with the name, the text and the constraint if the text is
-// invalid.
+// Parses a text. Throws InputError with the name, the text and the constraint for an invalid text.
 void SetText(const std::string& name, const std::string& text, OptionText* value);
 
 std::map<std::string, std::string> TableFlags(const OptionTable& table);
 
-// Values of all flags of the options, for example to save them with results.
+// Values of all flags by name, for example to save them with results.
 template <typename Options>
 std::map<std::string, std::string> FlagValues(Options options) {
   return TableFlags(TableOf(&options));
@@ -204,7 +200,6 @@ std::map<std::string, std::string> FlagValues(Options options) {
 
 namespace internal {
 
-// Field of a type with OptionToText() and OptionFromText().
 template <typename T>
 class TextOf final : public OptionText {
  public:

@@ -6,11 +6,10 @@
 
 namespace surfit {
 
-// Limits the number of threads that compute at the same time in this process, including the calling
-// thread. The limit applies to ParallelFor() and RunInBackground() during the lifetime of the
-// object. The smallest of several limits applies. OpenCV is set to one thread, and keeps one thread
-// after the lifetime of the object. Threads that the program starts itself are not counted, for
-// example those of loop closure and calibration.
+// Limits the number of computing threads of the process, including the calling thread. Applies to
+// ParallelFor() and RunInBackground() during the lifetime of the object. The smallest of several
+// limits applies. Threads that the program starts itself are not counted. Also sets OpenCV to one
+// thread, permanently.
 class ThreadLimit {
  public:
   // Throws InputError unless 1 <= threads <= 1024.
@@ -23,20 +22,20 @@ class ThreadLimit {
   std::unique_ptr<State> state_;
 };
 
-// Maximum number of threads that compute at the same time under the present limits.
+// Maximum number of computing threads under the current limits.
 int ThreadCount();
 
 // Number of image rows per block of a parallel loop.
 inline constexpr int kRowsPerBlock = 16;
 
 // Calls body(block_begin, block_end) for the blocks [begin + k * grain, ...) that cover [begin,
-// end). The blocks do not depend on the number of threads. They may run in parallel and in any
-// order. Returns when all blocks are done. Rethrows an exception of a block; later blocks may not
-// run then. Aborts if grain <= 0.
+// end). Blocks may run in parallel and in any order, but do not depend on the number of threads.
+// Returns when all blocks are done; at once for an empty range. Rethrows an exception of a block;
+// later blocks may not run then. Aborts if grain <= 0.
 void ParallelFor(int begin, int end, int grain, const std::function<void(int, int)>& body);
 
-// Sum of body(block_begin, block_end) over the blocks of ParallelFor(). The values are added in
-// block order, so the sum is bitwise identical for every number of threads.
+// Sum of body(block_begin, block_end) over the blocks of ParallelFor(); `zero` for an empty range.
+// Values are added in block order, so the sum is bitwise identical for any number of threads.
 template <typename T, typename Body>
 T ParallelSum(int begin, int end, int grain, T zero, const Body& body) {
   if (end <= begin) return zero;
@@ -49,13 +48,13 @@ T ParallelSum(int begin, int end, int grain, T zero, const Body& body) {
   return sum;
 }
 
-// Runs the task on another thread within the limit, and returns immediately. Aborts if
-// ThreadCount() is 1. The task must not throw.
+// Runs the task on another thread within the limit. Returns immediately. Aborts if ThreadCount() is
+// 1. The task must not throw.
 void RunInBackground(std::function<void()> task);
 
-// Limits OpenMP and OpenBLAS to one thread during the lifetime of the object, so that their sums do
-// not depend on the machine. The OpenMP limit applies to loops of the calling thread, for example
-// of CHOLMOD. The OpenBLAS limit applies to the process. Libraries that are not loaded are ignored.
+// Limits OpenMP and OpenBLAS to one thread during the lifetime of the object, so that sums do not
+// depend on the machine. The OpenMP limit applies to the calling thread, the OpenBLAS limit to the
+// process. Libraries that are not loaded are ignored.
 class SingleThreadedLibraries {
  public:
   SingleThreadedLibraries();

@@ -7,9 +7,9 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Robust kernel rho(s), where s is the squared residual in units of sigma^2, and k is the kernel
-// width in sigmas. rho(0) = 0 and rho'(0) = 1. The cost is 1/2 sum rho(s). Iteratively reweighted
-// least squares uses the weights rho'(s).
+// Robust kernel rho(s) of the squared residual s in units of sigma^2, with the width k in sigmas.
+// rho(0) = 0 and rho'(0) = 1. The cost is 1/2 sum rho(s). Iteratively reweighted least squares uses
+// the weights rho'(s).
 enum class RobustKernelType {
   kNone,          // s
   kHuber,         // s if s <= k^2, else 2 k sqrt(s) - k^2
@@ -18,7 +18,6 @@ enum class RobustKernelType {
   kStudentT,      // k^2 log(1 + s/k^2), for a Student t distribution of scale k
 };
 
-// Robust kernel with its width.
 struct RobustKernel {
   RobustKernelType type = RobustKernelType::kNone;
   double width = 3;  // k, in sigmas

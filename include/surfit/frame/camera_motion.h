@@ -7,8 +7,8 @@
 
 namespace surfit {
 
-// Angular and linear velocity of a camera, in the camera frame. A static point X moves by -(turn x
-// X + velocity) per second in the camera frame.
+// Angular and linear velocity of a camera, in the camera frame. In this frame, a static point X
+// moves by -(turn x X + velocity) per second.
 struct CameraMotion {
   Eigen::Vector3d angular_velocity_rad_per_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
@@ -16,13 +16,12 @@ struct CameraMotion {
   bool IsZero() const { return angular_velocity_rad_per_s.isZero(0) && velocity_m_per_s.isZero(0); }
 };
 
-// Constant motion from the first to the second pose within `seconds`. The velocity is in the camera
-// frame halfway. Zero if seconds <= 0.
+// Constant velocity from the first pose to the second pose in `seconds`, in the camera frame
+// halfway. Zero if seconds <= 0.
 CameraMotion MotionOver(const Rigid3d& first_from_second, double seconds);
 
-// Motion at a pose of the trajectory with the time `stamp_s` (within 1e-5 s), from the previous
-// pose to the next pose. Neighbours more than max_gap_s away are ignored. Zero without a pose at
-// this time or without neighbours.
+// Velocity at the pose with the time `stamp_s` (within 1e-5 s), from its previous to its next pose.
+// Ignores neighbours more than max_gap_s away. Zero without such a pose or without neighbours.
 CameraMotion MotionAt(const Trajectory& trajectory, double stamp_s, double max_gap_s = 0.1);
 
 }  // namespace surfit

@@ -33,8 +33,8 @@ struct VectorImage {
   }
 };
 
-// Vertex and normal map of one resolution, in the camera frame. `noise` belongs to the sensor that
-// measured the depth, or in a model view to the sensor that is registered to it.
+// Vertex and normal map of one resolution, in the camera frame. `noise`: noise of the depth sensor.
+// In a model view, noise of the sensor that is registered to the view.
 struct FrameLevel {
   PinholeCamera camera;
   DepthNoise noise;
@@ -45,12 +45,12 @@ struct FrameLevel {
   DepthSensor sensor() const { return {camera, noise}; }
 };
 
-// Level 0 is the finest. Each level has half the width and height of the level before.
+// Level 0 is the finest. Each further level has half the width and height.
 struct FramePyramid {
   std::vector<FrameLevel> levels;
 };
 
-// Predicted depth and normals of the map at a pose, the target of frame-to-model registration.
+// Model view: predicted depth and normals of the map at a pose.
 struct ModelView {
   static constexpr std::int32_t kNoSurfel = -1;
 
@@ -59,17 +59,16 @@ struct ModelView {
   Image<std::int32_t> surfel_index;  // ids in the map; kNoSurfel: no surface
 };
 
-// Grey value from 0 (black) to 1 (white) with the weights of ITU-R BT.601.
+// Grey value from 0 (black) to 1 (white), with the weights of ITU-R BT.601.
 inline float GreyOf(Rgb8 color) {
   return (0.299f * color.r + 0.587f * color.g + 0.114f * color.b) / 255.f;
 }
 
-// Means of blocks of 2 x 2 pixels. NaN if a pixel of the block is NaN.
+// Means of blocks of 2 x 2 pixels. NaN if a pixel is NaN.
 Image<float> HalfResolution(const Image<float>& fine);
 
-// Sets the intensity of all levels from a colour image of the finest level. (0, 0, 0) is a missing
-// colour and becomes NaN. Does nothing if the image is empty. Aborts if its size differs from the
-// finest level.
+// Sets the intensities of all levels from a colour image of the finest level. (0, 0, 0) is a
+// missing colour and becomes NaN. Does nothing for an empty image. Aborts on other sizes.
 void AddIntensity(const Image<Rgb8>& color, FramePyramid* pyramid);
 
 }  // namespace surfit

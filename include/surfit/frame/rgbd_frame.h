@@ -4,12 +4,12 @@
 
 namespace surfit {
 
-// Depth and colour image with the same pixels, of one undistorted pinhole camera. `color` is empty
+// Depth and colour image with the same pixels, of an undistorted pinhole camera. `color` is empty
 // if the sequence has no colour.
 struct RgbdFrame {
   int index = 0;  // position in the sequence, from 0
-  // Capture times. Depth: timestamp minus RgbdCamera::latency_s; the pose of the frame refers to
-  // this time. Colour: timestamp minus latency_s and color_latency_s; unspecified without colour.
+  // Capture times, s. Depth: timestamp - RgbdCamera::latency_s; the pose of the frame refers to
+  // this time. Colour: timestamp - latency_s - color_latency_s; unspecified without colour.
   double stamp_s = 0;
   double color_stamp_s = 0;
   Image<float> depth_m;  // z along the optical axis, m; 0: missing; else finite and positive

@@ -10,16 +10,15 @@ namespace surfit {
 
 // Additive correction of the measured inverse depth, 1/m, for the pixel with the ray (x, y, 1):
 //   1/z = 1/z_measured + c0 + c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2.
-// c0 is a constant offset. The other coefficients describe a smooth distortion of the depth image.
-// The model fits triangulating sensors: their noise and calibration errors are disparity errors,
-// and disparity is proportional to inverse depth.
+// The model fits triangulating sensors, whose errors are disparity errors: disparity is
+// proportional to inverse depth.
 struct InverseDepthField {
   static constexpr std::size_t kSize = 6;
   static constexpr double kMinInverse = 1e-3;  // 1/m; a corrected depth beyond 1 km is missing
 
   std::array<double, kSize> coefficients = {};
 
-  // Basis functions of the coefficients. T is a scalar or a ceres::Jet.
+  // Basis functions of the coefficients, in their order. T: a scalar or ceres::Jet.
   template <typename T>
   static std::array<T, kSize> Basis(const T& x, const T& y) {
     return {T(1), x, y, x * x, x * y, y * y};
@@ -32,17 +31,16 @@ struct InverseDepthField {
     return sum;
   }
 
-  // Corrected depth in m for a measured depth in m at the ray (x, y, 1). 0: missing depth, or a
-  // corrected inverse depth of at most kMinInverse.
+  // Corrected depth in m of a measured depth in m at the ray (x, y, 1). 0 if the depth is missing,
+  // or if the corrected inverse depth is at most kMinInverse.
   float Corrected(float measured_m, double x, double y) const {
     if (!(measured_m > 0)) return 0;
     const double inverse = 1. / measured_m + At(x, y);
     return inverse > kMinInverse ? static_cast<float>(1 / inverse) : 0;
   }
 
-  // The same field as a function of the rays of another camera with the same pixels. The other
-  // camera's ray (x', y') of a pixel is the ray (x_scale x' + x_shift, y_scale y' + y_shift) of
-  // this camera.
+  // The same field for another camera with the same pixels. The ray (x', y') of that camera is the
+  // ray (x_scale x' + x_shift, y_scale y' + y_shift) of this camera.
   InverseDepthField Substituted(double x_scale, double x_shift, double y_scale,
                                 double y_shift) const {
     const auto& [c0, c1, c2, c3, c4, c5] = coefficients;
@@ -59,7 +57,7 @@ struct InverseDepthField {
   }
 };
 
-// Calibration of an undistorted depth camera, as estimated by self-calibration.
+// Calibration of an undistorted depth camera, estimated from its images.
 struct DepthCalibration {
   PinholeCamera camera;     // size, fx, fy, cx, cy in px; no distortion
   InverseDepthField field;  // as a function of the rays of `camera`
@@ -72,8 +70,8 @@ inline bool AreSame(const DepthCalibration& a, const DepthCalibration& b) {
          a.readout_s == b.readout_s;
 }
 
-// Converts a point in the camera frame, m, from one calibration to another. Pixel and measured
-// depth of the point do not change. Requires point.z() > 0.
+// Converts a point in the camera frame, m, from one calibration to another. Its pixel and its
+// measured depth do not change. Requires point.z() > 0.
 inline Eigen::Vector3d Recalibrated(const Eigen::Vector3d& point, const DepthCalibration& from,
                                     const DepthCalibration& to) {
   const Eigen::Vector2d pixel = from.camera.Project(point);
@@ -83,7 +81,7 @@ inline Eigen::Vector3d Recalibrated(const Eigen::Vector3d& point, const DepthCal
   return ray / (inverse + to.field.At(ray.x(), ray.y()));
 }
 
-// Field for the mirrored camera (see Mirrored() in sensor.h): its ray (x, y) is the ray (x, -y) of
+// Field of the mirrored camera (see Mirrored() in sensor.h). Its ray (x, y) is the ray (x, -y) of
 // the original camera.
 inline InverseDepthField Mirrored(const InverseDepthField& field) {
   return field.Substituted(1, 0, -1, 0);

@@ -20,22 +20,22 @@ struct PinholeCamera {
 
   bool HasDistortion() const;
 
-  // Throws InputError with `what`, the field, its value and the constraint.
+  // Throws InputError with the name `what`, the field, its value and the constraint.
   void Validate(const std::string& what) const;
 
-  // Pixel coordinates (u, v) of a point with z > 0. The point need not be in the image.
+  // Pixel coordinates (u, v) of a point in m with z > 0. The point may be outside the image.
   Eigen::Vector2d Project(const Eigen::Vector3d& point_in_camera) const {
     return {fx * point_in_camera.x() / point_in_camera.z() + cx,
             fy * point_in_camera.y() / point_in_camera.z() + cy};
   }
-  // Point at depth z = 1 that projects to (u, v).
+  // Point at depth z = 1 that projects to the pixel coordinates (u, v).
   Eigen::Vector3d Ray(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
 
-  // Camera of an image with every `factor`-th column and row, starting with index 0. Divides fx,
-  // fy, cx and cy by `factor`, and rounds the size up.
+  // Camera of an image with every `factor`-th column and row, beginning with index 0. Rounds the
+  // size up. Requires factor >= 1.
   PinholeCamera Subsampled(int factor) const;
-  // Camera of an image whose pixels are the means of blocks of `factor` x `factor` pixels. Rounds
-  // the size down. The centre of a block becomes the centre of a pixel.
+  // Camera of an image whose pixels are means of `factor` x `factor` pixels. Rounds the size down.
+  // Requires factor >= 1.
   PinholeCamera Binned(int factor) const;
 };
 

@@ -15,8 +15,8 @@ Eigen::Matrix<Scalar, 3, 3> CrossMatrix(const Eigen::Matrix<Scalar, 3, 1>& v) {
   return m;
 }
 
-// Unit quaternion exp(w) of a rotation vector w in rad: q = [cos(|w|/2), sin(|w|/2) w/|w|]. Uses a
-// Taylor series near zero, so that values and derivatives are exact, also for ceres::Jet.
+// Unit quaternion exp(w) of a rotation vector w in rad: q = [cos(|w|/2), sin(|w|/2) w/|w|]. Values
+// and derivatives (ceres::Jet) are also exact near zero.
 template <typename Scalar>
 Eigen::Quaternion<Scalar> QuaternionExp(const Eigen::Matrix<Scalar, 3, 1>& w) {
   using std::cos;
@@ -62,7 +62,7 @@ struct Rigid3 {
 
   Rigid3() = default;
   Rigid3(const Eigen::Quaternion<Scalar>& r, const Vector3& t) : rotation(r), translation(t) {}
-  // Constructs the transform from a rotation matrix. Normalises the quaternion.
+  // Normalises the quaternion of the rotation matrix.
   Rigid3(const Eigen::Matrix<Scalar, 3, 3>& r, const Vector3& t)
       : rotation(Eigen::Quaternion<Scalar>(r).normalized()), translation(t) {}
 
@@ -85,7 +85,7 @@ struct Rigid3 {
   Rigid3<Other> cast() const {
     return Rigid3<Other>(rotation.template cast<Other>(), translation.template cast<Other>());
   }
-  // Compares coefficients. q and -q are different, although they are the same rotation.
+  // Compares coefficients: q and -q differ, although they are the same rotation.
   bool operator==(const Rigid3& other) const {
     return translation == other.translation && rotation.coeffs() == other.rotation.coeffs();
   }

@@ -22,8 +22,7 @@ struct DepthNoise {
 
   void Visit(OptionVisitor& visitor);
 
-  // Validates the noise of a depth image: the sigma must be positive. Throws InputError with
-  // `what`, the field, its value and the constraint.
+  // Throws InputError with the name `what`, the value and the constraint unless 0 < sigma < 1.
   void Validate(const std::string& what) const;
 };
 
@@ -31,8 +30,8 @@ struct DepthNoise {
 // counts_per_px in px, triangulation gives z = focal_px baseline_m / d:
 //   1 / z = (count - count_at_infinity) / (counts_per_px focal_px baseline_m).
 // Raw counts of a Kinect v1 decrease with the disparity: counts_per_px = -8, count_at_infinity of
-// about 1090, baseline_m = 0.075 (Khoshelham and Elberink 2012). The disparities were computed with
-// the focal length focal_px, which can differ from fx of the camera.
+// about 1090, baseline_m = 0.075 (Khoshelham and Elberink 2012). focal_px is the focal length of
+// the disparity computation. It can differ from fx of the camera.
 struct Disparity {
   double focal_px = 0;
   double baseline_m = 0;  // 0: depth images are not disparities
@@ -40,41 +39,39 @@ struct Disparity {
   double count_at_infinity = 0;
 
   bool IsGiven() const { return baseline_m != 0; }
-  // Inverse depth in 1/m of a count. Zero or negative at or beyond infinity. Requires IsGiven().
-  // Does not handle missing values: the count 0 has an inverse depth like any other count.
-  // FrameRectifier treats 0, 65535 and NaN as missing.
+  // Inverse depth of a count, 1/m. Zero or negative at or beyond infinity. Requires IsGiven(). Does
+  // not detect missing values; FrameRectifier treats 0, 65535 and NaN as missing.
   double InverseDepth(double count) const {
     return (count - count_at_infinity) / (counts_per_px * focal_px * baseline_m);
   }
-  // Requires IsGiven(). Throws InputError with `what`, the field, its value and the constraint.
+  // Requires IsGiven(). Throws InputError with the name `what`, the field, its value and the
+  // constraint.
   void Validate(const std::string& what) const;
 };
 
 // Prior of a calibration: standard deviations of the errors of the input values. 0: no prior. The
-// defaults apply to a Kinect v1; CameraPreset() has the values of other sensors. Typical errors:
-// focal length 1 % for factory calibrations and presets, aspect ratio 0.1 %, inverse depth one step
-// of disparity. For a Kinect v1 a step is 1 px / (0.075 m * 580 px) (Khoshelham and Elberink 2012).
+// defaults are for a Kinect v1. CameraPreset() has the values of other sensors.
 struct CalibrationPrior {
   double focal_relative_sigma = 0.01;    // of fx and fy, relative
   double aspect_relative_sigma = 0.001;  // of fx / fy, relative
   double center_px = 5;                  // of cx and cy
   double inverse_depth_sigma = 0.02;     // 1/m, per coefficient of InverseDepthField
-  // Times of RgbdCamera, s.
+  // Latencies and readout of RgbdCamera, s.
   double latency_s = 0.01;
   double color_latency_s = 0.02;
   double readout_s = 0.003;
-  // RgbdCamera::color_from_depth, or the extrinsics that a driver used to register colour to depth.
+  // RgbdCamera::color_from_depth, or the extrinsics that a driver used to register colour: m and
+  // rad.
   double color_translation_m = 0.005;
   double color_rotation_rad = 0.01;
 
   void Visit(OptionVisitor& visitor);
 
-  // Throws InputError with `what`, the field, its value and the constraint.
+  // Throws InputError with the name `what`, the field, its value and the constraint.
   void Validate(const std::string& what) const;
 };
 
-// Model of a depth image: projection, noise and readout. The program creates it once, and passes it
-// to all stages. Single pyramid levels have it in FrameLevel.
+// Model of a depth image: projection, noise and readout.
 struct DepthSensor {
   PinholeCamera camera;  // without distortion
   DepthNoise noise;
@@ -89,8 +86,8 @@ struct DepthSensor {
 struct RgbdCamera {
   PinholeCamera depth;
   PinholeCamera color;
-  // If true, a colour pixel has the same ray as the depth pixel at the same coordinates; `color`
-  // and `color_from_depth` are then not used.
+  // True: a colour pixel has the ray of the depth pixel at the same coordinates. `color` and
+  // `color_from_depth` are then not used.
   bool color_is_registered = true;
   Rigid3d color_from_depth;
   double depth_units_per_metre = 5000;  // not used with `disparity`
@@ -98,21 +95,18 @@ struct RgbdCamera {
   DepthNoise noise;
   double frames_per_second = 30;
   // Depth latency in s: timestamp minus capture time. The capture time is the middle of exposure
-  // and readout. 0: timestamps are capture times. Kinect v1 and Xtion: 0.02. They send a frame
-  // during its readout of 1/30 s, and the driver stamps it on arrival (in openni_camera, at the
-  // callback). The capture time is 1/60 s before the end of the readout. Transfer and computation
-  // add a few milliseconds.
+  // and readout. 0: timestamps are capture times. Kinect v1 and Xtion: 0.02, which is half of the
+  // readout time plus a few milliseconds for transfer.
   double latency_s = 0;
-  // Additional latency of colour in s: the capture time of colour is its timestamp minus latency_s
-  // minus color_latency_s.
+  // Additional latency of colour in s. Capture time of colour = timestamp - latency_s -
+  // color_latency_s.
   double color_latency_s = 0;
-  // Readout time of a rolling shutter in s, from the first row at the top to the last row. 0:
-  // global shutter. Kinect v1 and Xtion: 1/30 s, because their sensor (Aptina MT9M001) reads rows
-  // without a pause between frames.
+  // Readout time of a rolling shutter in s, from the top row to the bottom row. 0: global shutter.
+  // Kinect v1 and Xtion: 1/30 (Aptina MT9M001).
   double readout_s = 0;
   CalibrationPrior prior = {};
 
-  // Throws InputError with `what`, the field, its value and the constraint.
+  // Throws InputError with the name `what`, the field, its value and the constraint.
   void Validate(const std::string& what) const;
 };
 
@@ -122,8 +116,7 @@ struct RgbdCamera {
 //   v = fy y/z + cy = |fy| (-y)/z + cy,
 // so the images do not change. S is its own inverse.
 
-// Pose S pose S between the mirrored frames. The rotation matrix is S R S. The axis is a
-// pseudovector and becomes -S axis, so the quaternion is (-x, y, -z, w).
+// Pose S pose S between the mirrored frames. Its quaternion is (-x, y, -z, w).
 inline Rigid3d Mirrored(const Rigid3d& pose) {
   const Eigen::Quaterniond& q = pose.rotation;
   const Eigen::Vector3d& t = pose.translation;

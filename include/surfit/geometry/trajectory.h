@@ -13,12 +13,12 @@ struct StampedPose {
   Rigid3d world_from_camera;
 };
 
-// Poses in ascending order of time.
+// Poses in ascending order of time
 using Trajectory = std::vector<StampedPose>;
 
-// Pose at a time. Interpolates between two poses at most max_gap_s apart: the translation linearly,
-// the rotation by slerp. Otherwise returns the nearest pose at most max_difference_s away, or
-// std::nullopt.
+// Pose at a time. Interpolates between two poses at most max_gap_s apart: translation linearly,
+// rotation by slerp. Otherwise, returns the nearest pose within max_difference_s, or std::nullopt.
+// An empty trajectory gives std::nullopt.
 std::optional<Rigid3d> InterpolatePose(const Trajectory& trajectory, double stamp_s,
                                        double max_gap_s = 0.1, double max_difference_s = 0.02);
 
@@ -28,10 +28,10 @@ struct StampMatch {
   int second = 0;
 };
 
-// Matches two ascending lists of timestamps. Takes the pair with the smallest difference first, and
-// uses each timestamp at most once. The result is ascending in both indices. The method is that of
-// associate.py of the TUM RGB-D benchmark, except that a difference of exactly max_difference_s
-// matches, like in evo.
+// Matches two ascending lists of timestamps, in s, as associate.py of the TUM RGB-D benchmark does.
+// The closest pair is matched first; each timestamp is used at most once. Differences up to and
+// including max_difference_s match, like in evo. The result is ascending in both indices; empty for
+// an empty list.
 std::vector<StampMatch> MatchStamps(const std::vector<double>& first_s,
                                     const std::vector<double>& second_s, double max_difference_s);
 

@@ -13,75 +13,72 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of VerifyLoop().
 struct VerifyLoopOptions {
-  PreprocessOptions preprocess;  // for normals and pyramids of the views
+  PreprocessOptions preprocess;  // normals and pyramids of the views
   IcpOptions icp = DefaultIcp();
-  int min_agreeing_features = 12;  // of an initial pose from features
+  int min_agreeing_features = 12;  // minimum number of inlier features of an initial pose
   FitCriteria fit;
 
-  // Symmetric point-to-plane residual with a gate of 5 cm and 0.5 rad, and photometric residuals.
+  // Symmetric point-to-plane and photometric residuals, with a gate of 5 cm and 0.5 rad.
   static IcpOptions DefaultIcp();
 
   void Visit(OptionVisitor& visitor);
 };
 
 // Registers `source` to `target` and verifies the result. Initial poses come from feature
-// correspondences and from the prior, if there is one. They are refined by ICP on a coarse level,
-// and the best pose on the finest level. A rejected candidate is a GlobalRegistrationResult with
-// its reason, not an error. The result is bitwise identical for any number of threads. Throws
-// InputError for invalid options.
+// correspondences and from the optional prior. All are refined on a coarse level, and the best pose
+// on the finest level. The result states success, or the reason for rejection. It is bitwise
+// identical for any number of threads. The views must not be empty. Throws InputError for invalid
+// options.
 GlobalRegistrationResult VerifyLoop(
     const PlaceView& source, const PlaceView& target, const VerifyLoopOptions& options,
     const std::optional<Rigid3d>& target_from_source_prior = std::nullopt);
 
-// Options of the search for loop candidates.
 struct FindLoopsOptions {
   int min_gap = 100;           // minimum difference of the frame indices
   int max_similar = 3;         // maximum number of candidates from place recognition
-  int max_near = 2;            // maximum number of additional candidates with a near estimated pose
-  double max_near_m = 0.5;     // maximum distance of a near pose
-  double max_near_rad = 0.52;  // maximum rotation of a near pose: 30 degrees
+  int max_near = 2;            // maximum number of additional candidates by pose
+  double max_near_m = 0.5;     // maximum distance of additional candidates
+  double max_near_rad = 0.52;  // maximum rotation of additional candidates: 30 degrees
   VerifyLoopOptions verify;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Returns loop candidates between keyframe `source` and earlier keyframes: first by descending
-// similarity, then by increasing pose distance. `source` and the keyframes of the index are
-// positions in `keyframes`.
+// Returns loop candidates of keyframe `source` among the earlier keyframes. `source` and the
+// numbers in `index` are positions in `keyframes`. Candidates of place recognition come first, by
+// descending similarity. Candidates by pose follow, by ascending distance. Empty without
+// candidates.
 std::vector<LoopCandidate> ProposeLoopCandidates(int source, const std::vector<Keyframe>& keyframes,
                                                  const PlaceIndex& index,
                                                  const FindLoopsOptions& options);
 
-// Verifies all candidates of ProposeLoopCandidates(), in their order. Throws InputError for invalid
-// options.
+// Verifies all candidates of ProposeLoopCandidates(), in their order. `source` as there. Throws
+// InputError for invalid options.
 std::vector<LoopVerification> FindLoops(int source, const std::vector<Keyframe>& keyframes,
                                         const PlaceIndex& index, const FindLoopsOptions& options);
 
-// Options of Relocalize().
 struct RelocalizeOptions {
-  int max_candidates = 5;  // maximum number of keyframes to verify, by descending similarity
+  int max_candidates = 5;  // maximum number of verified keyframes, by descending similarity
   VerifyLoopOptions verify;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Result of Relocalize().
 struct Relocalization {
   static constexpr int kNone = -1;
 
   int keyframe = kNone;       // position of the matching keyframe; kNone: not found
-  Rigid3d world_from_camera;  // from the pose of this keyframe; undefined if not found
-  // Verified candidates in their order, with source kNone. If there is a match, it is the last
-  // element.
+  Rigid3d world_from_camera;  // pose by registration to this keyframe; undefined if not found
+  // Verified candidates in their order, with source kNone. The match, if any, is the last element.
   std::vector<LoopVerification> attempts;
 
   bool found() const { return keyframe != kNone; }
 };
 
-// Relocalises a view without a prior pose: returns the first candidate of place recognition that is
-// verified. Throws InputError for invalid options.
+// Relocalises a view without a prior pose. Candidates of place recognition are verified until the
+// first success. Without success, Relocalization::keyframe is kNone. Throws InputError for invalid
+// options.
 Relocalization Relocalize(const PlaceView& view, const std::vector<Keyframe>& keyframes,
                           const PlaceIndex& index, const RelocalizeOptions& options);
 

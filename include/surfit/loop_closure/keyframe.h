@@ -22,20 +22,20 @@ struct PlaceFeature {
   BinaryDescriptor descriptor = {};
 };
 
-// Compact view of a keyframe for place recognition and registration. A camera of 640 x 480 takes
-// about 260 kB, with images at half resolution.
+// Compact view of a keyframe for place recognition and registration: about 260 kB for a camera of
+// 640 x 480 px.
 struct PlaceView {
   PinholeCamera camera;
   DepthNoise noise;
-  Image<std::uint16_t> depth;          // filtered, in 1/kDepthUnitsPerMetre m; 0: missing
+  Image<std::uint16_t> depth;          // filtered depth in 1/kDepthUnitsPerMetre m; 0: missing
   Image<std::uint8_t> intensity;       // 1: black, 255: white, 0: unknown; empty without colour
   std::vector<PlaceFeature> features;  // empty without colour
 
-  // Resolution of the depth: rounding errors are 0.1 mm. Depth above 13.1 m is missing.
+  // Resolution of 0.2 mm. Depth above 13.1 m is missing.
   static constexpr double kDepthUnitsPerMetre = 5000;
 
   bool empty() const { return depth.empty(); }
-  // Memory of images and features.
+  // Memory of images and features, bytes.
   std::size_t Bytes() const;
 };
 
@@ -47,44 +47,43 @@ struct Keyframe {
   PlaceView view;             // empty if removed by LimitKeyframes()
 };
 
-// Options of MakePlaceView().
 struct PlaceViewOptions {
-  int max_width = 320;     // px; images are halved until their width is at most this
+  int max_width = 320;     // maximum width of the images, px; larger images are halved repeatedly
   int max_features = 500;  // distributed over the image
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Makes a view from the finest pyramid level within `max_width`, and features of the colour image.
-// `color` has the pixels of the finest level, or is empty. Throws InputError for invalid options.
+// Makes a view from the finest pyramid level within `max_width`. Features come from `color`, which
+// has the size of the finest pyramid level. Without colour, `color` is empty, and so is
+// PlaceView::features. Throws InputError for invalid options.
 PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
                         const PlaceViewOptions& options);
 
-// Returns the surfaces of a view as a pyramid, with new normals, and with intensities if the view
-// has them.
+// Pyramid of the surfaces of a view. Normals are computed again. Intensities are included if the
+// view has them.
 FramePyramid PyramidOf(const PlaceView& view, const PreprocessOptions& options);
 
-// Criteria of a new keyframe. One criterion is sufficient. The last two criteria also require a
-// tenth of `max_distance_m` or of `max_angle_rad` since the last keyframe.
+// Criteria of a new keyframe. One criterion is sufficient. Overlap and number of frames count only
+// after some motion: a tenth of `max_distance_m` or of `max_angle_rad`.
 struct KeyframeOptions {
   double max_distance_m = 0.2;  // distance from the last keyframe
   double max_angle_rad = 0.21;  // rotation from the last keyframe: 12 degrees
-  // Minimum OverlapRatio() with the last keyframe. Not used if the view of that keyframe is empty.
+  // Minimum OverlapRatio() with the last keyframe. Not used if its view is empty.
   double min_overlap_ratio = 0.7;
-  // Number of frames since the last keyframe.
+  // Maximum number of frames since the last keyframe.
   int max_frames = 60;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Returns whether a frame with this pose becomes a keyframe after `last`. `surface` is any level of
+// True if a frame at `world_from_camera` becomes the keyframe after `last`. `surface`: any level of
 // its pyramid.
 bool IsKeyframe(const Keyframe& last, int frame_index, const FrameLevel& surface,
                 const Rigid3d& world_from_camera, const KeyframeOptions& options);
 
-// Overlap: ratio of the points of a keyframe that are visible in a camera at `world_from_camera`.
-// They project into its image, and `surface` does not occlude them. 0 if the view of the keyframe
-// is empty.
+// Ratio of the points of a keyframe that are visible in a camera at `world_from_camera`. Points
+// occluded by `surface` are not visible. 0 if the view of the keyframe is empty.
 double OverlapRatio(const Keyframe& keyframe, const FrameLevel& surface,
                     const Rigid3d& world_from_camera);
 

@@ -14,19 +14,16 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Loop closure: options and callbacks. Depends on place recognition, poses and optimization. Read
-// src/loop_closure/loop_closer.h next.
+// Loop closure: options and callbacks. Read src/loop_closure/loop_closer.h next.
 
-// Uncertainty added to pose graph edges. The odometry covariance is the registration covariance,
-// times `shared_points`, times the number of frames between the keyframes. Drift is a random walk,
-// largest along weakly constrained directions. Errors of the calibration and of the surface model
-// do not average out. They are standard deviations per component, and are added to the covariance
-// of every edge.
+// Uncertainty of pose graph edges. The covariance of an odometry edge is the registration
+// covariance times `shared_points` times the number of frames. Calibration and surface errors do
+// not average out, so each edge also gets constant standard deviations, per component.
 struct EdgeNoise {
   double shared_points = kSharedPoints;
   double odometry_m = 0.0002;     // between consecutive keyframes, m
   double odometry_rad = 0.0001;   // between consecutive keyframes, rad
-  double odometry_ratio = 0.001;  // additional ratio of the translation and rotation between them
+  double odometry_ratio = 0.001;  // fraction of the translation and rotation of the edge
   double loop_m =
       0.003;  // of loop closures, in addition to GlobalRegistrationResult::information, m
   double loop_rad = 0.0015;  // of loop closures, rad
@@ -34,14 +31,13 @@ struct EdgeNoise {
   void Visit(OptionVisitor& visitor);
 };
 
-// Options of the pose graph with outlier rejection of loop closures by GNC.
+// Pose graph options that reject outlier loop closures by GNC.
 inline PoseGraphOptions RobustPoseGraphOptions() {
   PoseGraphOptions options;
   options.loop_robustness = "gnc";
   return options;
 }
 
-// Options of loop closure and relocalisation.
 struct LoopOptions {
   bool enabled = false;
   KeyframeOptions keyframes;
@@ -51,35 +47,34 @@ struct LoopOptions {
   RelocalizeOptions relocalize;
   EdgeNoise noise;
   PoseGraphOptions graph = RobustPoseGraphOptions();
-  // Loop closures of a keyframe are applied this many frames later, so that the result does not
-  // depend on the machine. In real time, they may be applied later.
+  // Number of frames until the loop closures of a keyframe are applied, on every machine. In real
+  // time, they may be applied later.
   int delay_frames = 30;
-  // Value of FusionOptions::active_frames with loop closure, if that option is 0. Old surfels must
-  // not constrain a drifted camera before a loop closure corrects the drift. 0: no limit.
+  // FusionOptions::active_frames with loop closure, if that option is 0. Old surfels must not
+  // constrain a drifted camera before a loop closure. 0: no limit.
   int active_frames = 200;
-  // Minimum number of frames between the observations of duplicate surfels that a loop closure
-  // merges. It counts from the last observation of the older surfel to the first observation of the
-  // newer surfel. FusionOptions::active_frames is used instead if it is larger.
+  // Duplicate surfels are merged after a loop closure if more than this number of frames is between
+  // their observations. FusionOptions::active_frames is used instead if it is larger.
   int frames_apart = 100;
-  // Loop closures do not move the map if the displacement of each keyframe is at most this value.
-  // The displacement is the translation plus 2 m times the rotation in rad.
+  // Loop closures do not move the map if each keyframe moves at most this far: translation plus 2 m
+  // times the rotation in rad.
   double min_correction_m = 0.002;
-  // Memory of keyframe views, for LimitKeyframes().
+  // Maximum memory of keyframe views, bytes. LimitKeyframes() removes further views.
   std::size_t max_view_bytes = std::size_t{512} << 20;
-  // Number of consecutive lost frames after which a new submap starts. A loop closure connects it
-  // to the first submap. 0: never.
+  // Number of consecutive lost frames before a new submap starts. A loop closure can connect it to
+  // the first submap. 0: never.
   int new_map_after = 0;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Finds and verifies loop closures of keyframe `source`, a position in `keyframes`: FindLoops() or
-// another method. Runs in the background thread of loop closure, or in the thread of Slam if only
-// one thread may compute. Exceptions are thrown again by the call of Slam that applies the result.
+// Finds and verifies loop closures of keyframe `source`, a position in `keyframes`. The default is
+// FindLoops(). Called in the background thread of loop closure, or in the thread of Slam with one
+// computing thread. An exception is thrown again by Slam when the result is applied.
 using LoopFinder = std::function<std::vector<LoopVerification>(
     int source, const std::vector<Keyframe>& keyframes, const PlaceIndex& index)>;
 
-// Returns the view of a keyframe. The view is computed at the first call. Safe from any thread.
+// Returns the view of a keyframe, which is computed at the first call. Thread-safe.
 using ViewOfKeyframe = std::function<PlaceView()>;
 
 }  // namespace surfit

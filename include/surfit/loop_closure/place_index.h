@@ -11,40 +11,37 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of PlaceIndex.
 struct PlaceIndexOptions {
   int tables = 8;                // hash tables of descriptors, each with its own random bits
   int bits = 14;                 // bits of a hash, at most 20
-  int max_hamming = 48;          // maximum Hamming distance of matching descriptors, of 256 bits
+  int max_hamming = 48;          // maximum Hamming distance of matching descriptors of 256 bits
   double min_similarity = 0.02;  // minimum PlaceCandidate::similarity
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Candidate keyframe for a query view.
 struct PlaceCandidate {
   int keyframe = 0;
-  // Ratio of the features of the query view that the keyframe has as well, in [0, 1]. Features that
-  // few keyframes have are weighted more.
+  // Ratio of the query features that are also in the keyframe, in [0, 1]. Rare features have more
+  // weight.
   double similarity = 0;
 };
 
-// Place recognition without training. Each table finds descriptors by a random selection of their
-// bits, a fern (Ozuysal et al. 2010) or hash (Gionis et al. 1999). Descriptors within `max_hamming`
-// vote for their keyframe. The time of a query grows with the number of features that share a hash,
-// in practice a small part of all features. Results are deterministic. Concurrent queries are safe.
+// Place recognition without training. Hash tables find descriptors by random bits (Gionis et al.
+// 1999; ferns: Ozuysal et al. 2010). Each descriptor within `max_hamming` votes for its keyframe.
+// Results are deterministic. Concurrent queries are safe, changes are not.
 class PlaceIndex {
  public:
   // Throws InputError for invalid options.
   explicit PlaceIndex(const PlaceIndexOptions& options = {});
 
-  // Adds a keyframe under a number that is not in the index. Aborts if the number is in the index.
+  // Adds a keyframe. Aborts if the number is in the index.
   void Add(int keyframe, const PlaceView& view);
-  // Removes a keyframe. No effect if it is not in the index. Rebuilds all tables.
+  // Removes a keyframe and rebuilds all tables. Does nothing if the keyframe is not in the index.
   void Remove(int keyframe);
 
   // Returns at most `max_count` keyframes that satisfy `is_wanted`, by descending similarity, then
-  // by their number.
+  // by number. Empty without matches.
   std::vector<PlaceCandidate> Query(const PlaceView& view, int max_count,
                                     const std::function<bool(int keyframe)>& is_wanted) const;
 
@@ -66,10 +63,10 @@ class PlaceIndex {
   std::vector<int> keyframes_;  // in insertion order
 };
 
-// Limits the memory of keyframe views. While they exceed `max_bytes`, finds the two keyframes with
-// the most similar poses and removes the view of the older keyframe, also from the index. The
-// keyframe keeps its pose. Returns the positions of these keyframes, in the order of removal.
-// Keyframes have their positions as numbers in the index.
+// Limits the memory of keyframe views. While it exceeds `max_bytes`, removes the view of the older
+// of the two keyframes with the most similar poses. The keyframe leaves the index, but keeps its
+// pose. Numbers in the index are positions in `keyframes`. Returns the positions in the order of
+// removal.
 std::vector<int> LimitKeyframes(std::size_t max_bytes, std::vector<Keyframe>* keyframes,
                                 PlaceIndex* index);
 

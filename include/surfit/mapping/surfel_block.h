@@ -23,7 +23,7 @@ struct Surfel {
   float color_weight = 0;       // sum of the weights of its colours; 0: no colour
 };
 
-// Rounds to the nearest 8-bit colour.
+// Rounds to 8 bits per channel.
 inline Rgb8 ToRgb8(const Eigen::Vector3f& color) {
   const auto byte = [](float value) {
     return static_cast<std::uint8_t>(std::min(std::max(value, 0.f), 255.f) + 0.5f);
@@ -31,8 +31,8 @@ inline Rgb8 ToRgb8(const Eigen::Vector3f& color) {
   return {byte(color.x()), byte(color.y()), byte(color.z())};
 }
 
-// Floating-point format for 2^-20 to 2^12 in one or two bytes: 5 exponent bits, the other bits for
-// the mantissa, rounded down. Smaller and larger positive values are clamped. 0 is exact.
+// Positive floating-point number from 2^-20 to 2^12 in one or two bytes, with 5 exponent bits.
+// Rounds down. Other positive values are clamped. 0 is exact.
 template <typename Bits>
 class SmallFloat {
  public:
@@ -55,14 +55,14 @@ class SmallFloat {
   static constexpr std::uint32_t kOffset = (127u - 20u) << (23 - kDropped);  // 2^-20
 };
 
-// Relative precision of 1/8. Increments of 1 saturate at 16, so a running average continues with a
-// weight of 1/17.
+// Relative precision of 1/8. Increments of 1 have no effect above 16, so a running average
+// continues with a weight of 1/17.
 using WeightByte = SmallFloat<std::uint8_t>;
 // Relative precision of 0.05 %, for lengths in m.
 using SmallLength = SmallFloat<std::uint16_t>;
 
-// Fixed-point format for [-1, 1] with steps of 1 / 32767. The rounding error of a unit vector is at
-// most 0.03 mrad.
+// Number in [-1, 1] in steps of 1 / 32767. The rounding error of a unit vector is at most 0.03
+// mrad.
 class SmallUnit {
  public:
   static std::int16_t From(float number) {
@@ -82,14 +82,14 @@ struct SurfelObservation {
   Eigen::Vector3f normal_in_world = Eigen::Vector3f::Zero();    // length of at most 1
   float radius_m = 0;                                           // minimum
   float shape_weight = 1;  // sum of the weights of these points; 0: none
-  // Colour at the centre of the surfel, and values of all points.
+  // Colour at the centre of the surfel.
   Eigen::Vector3f color = Eigen::Vector3f::Zero();  // sRGB, 0 to 255
   float color_weight = 1;                           // 0: no colour
   float weight = 1;                                 // a, sum of the weights of all points
   bool at_edge = false;                             // all points are at depth edges
 };
 
-// Conservative bounds of a set of surfels.
+// Conservative bounds of a set of surfels
 struct SurfelBounds {
   float low[3] = {kMost, kMost, kMost};  // of positions in the world, m
   float high[3] = {-kMost, -kMost, -kMost};
@@ -105,7 +105,7 @@ struct SurfelBounds {
 };
 
 // Up to kCapacity neighbouring surfels as structure of arrays, 39 bytes per surfel. The first
-// `count` are in use. The others hold finite numbers, because loops process the whole block.
+// `count` are in use. All numbers are finite, because loops process the whole block.
 struct SurfelBlock {
   static constexpr int kCapacity = 64;  // one bit per surfel in a mask
 
@@ -120,8 +120,8 @@ struct SurfelBlock {
   std::uint16_t radius[kCapacity] = {};  // SmallLength: Radius_m()
   float confidence[kCapacity] = {};
   std::int32_t first_seen[kCapacity] = {}, last_seen[kCapacity] = {};  // frame index
-  // sRGB in units of 1/256 of an 8-bit step. The three lowest bits store the WeightByte of the
-  // colour instead: bits 0 to 2 in blue, 3 to 5 in green, 6 and 7 in red.
+  // sRGB in units of 1/256 of an 8-bit step. The lowest bits store the WeightByte of the colour:
+  // bits 0 to 2 in blue, 3 to 5 in green, 6 and 7 in red.
   std::uint16_t red[kCapacity] = {}, green[kCapacity] = {}, blue[kCapacity] = {};
 
   Surfel operator[](int k) const;
@@ -138,21 +138,20 @@ struct SurfelBlock {
   float ColorWeight(int k) const;
   void SetColor(int k, const Eigen::Vector3f& color, float weight);
 
-  // Writes surfel k, except masks and bounds. Different surfels may be written in parallel.
+  // Writes surfel k, without masks and bounds. Different surfels may be written in parallel.
   void Write(int k, const Surfel& surfel);
-  // Updates masks and bounds for surfel k, before or after Write(). Not thread-safe.
+  // Updates masks and bounds for surfel k. Not thread-safe.
   void Announce(int k, const Surfel& surfel);
-  // Copies surfel j of another block to k.
   void Take(int k, const SurfelBlock& other, int j);
 
   // Averages surfel k (confidence w) with an observation of weight a. The confidence becomes w + a,
-  // at most max_confidence. Position and normal move by the ratio shape_weight / (w + a) towards
-  // the observation, and the radius becomes the minimum of both. With shape_weight 0 they do not
-  // change. The colour is averaged by the colour weights. Does not update the bounds or last_seen.
+  // at most max_confidence. Position and normal move by the ratio shape_weight / (w + a). The
+  // radius becomes the minimum of both, unless shape_weight is 0. The colour is averaged by the
+  // colour weights. Does not update the bounds or last_seen.
   void Merge(int k, const SurfelObservation& observation, float max_confidence);
 };
 
-// Defined inline for speed: fusion calls these functions several hundred thousand times per frame.
+// Inline for speed: fusion makes several hundred thousand calls per frame.
 inline void SurfelBlock::SetPosition(int k, const Eigen::Vector3f& position) {
   x[k] = position.x();
   y[k] = position.y();

@@ -10,21 +10,21 @@
 
 namespace surfit {
 
-// Surfels of a cubic cell of the grid. Merging can move some of them slightly out of the cube. Only
-// the last block can be partly empty.
+// Surfels of a cube of the grid. Merging can move surfels slightly out of the cube. Only the last
+// block can be partly empty.
 struct SurfelCell {
   std::vector<std::int32_t> blocks;
-  SurfelBounds bounds;     // of all blocks
+  SurfelBounds bounds;     // bounds of all blocks
   bool is_marked = false;  // contains marked surfels, see SurfelMap::RemoveMarked()
   std::uint64_t key = 0;   // identifies the cube
 };
 
-// Map of surfels. Surfels are stored in blocks, and blocks in the cells of a grid, so operations on
-// a view access nearby cells only. Blocks keep their address when the map grows. Modifying the map
-// is not thread-safe.
+// Map of surfels in the world frame, m. Surfels are stored in blocks, and blocks in the cells of a
+// grid, so operations on a view access nearby cells only. Blocks keep their address when the map
+// grows. Not thread-safe for changes.
 //
 // An id is block * SurfelBlock::kCapacity + place. It is valid until a surfel of the same cell is
-// removed. Ids are below id_end(), but not all of them are in use (see Has()). Ids are not checked.
+// removed. Ids are below id_end(), with gaps (see Has()). Ids are not checked.
 class SurfelMap {
  public:
   static constexpr float kCellSize = 0.5f;  // m
@@ -34,7 +34,7 @@ class SurfelMap {
     return static_cast<std::int32_t>(blocks_.size()) * SurfelBlock::kCapacity;
   }
   bool Has(std::int32_t id) const { return PlaceOf(id) < block(BlockOf(id)).count; }
-  // All ids, cell by cell. The order depends only on the sequence of changes.
+  // All ids in use, cell by cell. The order depends only on the sequence of changes.
   std::vector<std::int32_t> Ids() const;
 
   Surfel operator[](std::int32_t id) const { return block(BlockOf(id))[PlaceOf(id)]; }
@@ -42,28 +42,27 @@ class SurfelMap {
 
   // Returns the id of the new surfel.
   std::int32_t Append(const Surfel& surfel);
-  // Appends in the given order. If memory runs out, throws std::bad_alloc and keeps the surfels
-  // appended so far.
+  // Appends surfels in their order. If memory runs out, throws std::bad_alloc and keeps the surfels
+  // appended before.
   void Append(const std::vector<Surfel>& surfels);
 
-  // Calls SurfelBlock::Merge() and updates the bounds.
+  // Like SurfelBlock::Merge(). Also updates the bounds.
   void Merge(std::int32_t id, const SurfelObservation& observation, float max_confidence);
 
   // Marks a surfel for RemoveMarked(). Aborts if the id is not in use.
   void Mark(std::int32_t id);
-  // Removes all marked surfels. The last surfels of a cell fill the gaps, so their ids change.
-  // Returns the number of removed surfels.
+  // Removes all marked surfels, and returns their number. Ids in the affected cells change.
   std::size_t RemoveMarked();
 
-  // Moves surfels into the cells of their present positions. Call after changes of positions.
-  // Returns the number of moved surfels.
+  // Moves surfels to the cells of their positions. Call after changing positions. Returns the
+  // number of moved surfels. Their ids change.
   std::size_t ReassignCells();
 
   // Direct access to cells and blocks. The caller must keep masks and bounds consistent.
   std::int32_t cell_count() const { return static_cast<std::int32_t>(cells_.size()); }
   SurfelCell& cell(std::int32_t i) { return cells_[i]; }
   const SurfelCell& cell(std::int32_t i) const { return cells_[i]; }
-  // Grid coordinates of a cell. The cube (0, 0, 0) is centred at the world origin.
+  // Grid coordinates of a cell. The cube (0, 0, 0) has its centre at the world origin.
   static Eigen::Vector3i CubeOf(const SurfelCell& cell);
   SurfelBlock& block(std::int32_t i) { return blocks_[i]; }
   const SurfelBlock& block(std::int32_t i) const { return blocks_[i]; }

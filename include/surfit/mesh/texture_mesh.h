@@ -17,67 +17,60 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of TextureMesh().
 struct TextureOptions {
-  // Maximum width and height of the texture, px. 0: no texture, for callers that check it:
+  // Maximum width and height of the texture, px. 0 means no texture, which the caller must handle:
   // TextureMesh() aborts with 0.
   int max_texture_px = 8192;
-  // Maximum number of frames; 0: all. TextureMesh() ignores it. The supplier of the frames uses it:
-  // surfit_mesh selects the slowest frame in equal parts of the run.
+  // Maximum number of frames; 0: all. TextureMesh() ignores it: the caller selects the frames.
   int max_texture_frames = 200;
-  // Minimum sharpness of the frame of a triangle, relative to the sharpest frame of the triangle.
+  // Minimum sharpness of the frame of a triangle, relative to its sharpest frame.
   double min_sharpness = 0.6;
-  // Cost of an edge between triangles of different frames, in units of relative sharpness.
+  // Cost of a seam edge between triangles of different frames, in units of relative sharpness.
   double seam_cost = 0.3;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Colour frame for a texture, with its camera motion.
+// Colour frame with pose and camera motion, for a texture.
 struct TextureFrame {
   RgbdFrame frame;
-  PinholeCamera camera;  // camera of the depth and colour pixels
+  PinholeCamera camera;  // camera of depth and colour
   Rigid3d world_from_camera;
   CameraMotion motion;
   double readout_s = 0;  // rolling-shutter readout
 };
 
-// Calls its argument with each frame, one at a time. Each call of TextureFrames must supply the
-// same frames in the same order.
+// Calls its argument with each frame. Must supply the same frames in the same order at every call.
 using TextureFrames = std::function<void(const std::function<void(const TextureFrame&)>&)>;
 
-// Texture of a mesh. A mesh vertex at a seam has several texture coordinates.
+// Texture of a mesh. Vertices at seams have several texture coordinates.
 struct MeshTexture {
-  std::vector<std::uint32_t> vertices;  // index of the mesh vertex, per texture coordinate
-  std::vector<Eigen::Vector2f> places;  // in [0, 1] of width and height, from the upper left corner
-  // triangles of the mesh in their order, as indices of texture coordinates
+  std::vector<std::uint32_t> vertices;  // mesh vertex of each texture coordinate
+  std::vector<Eigen::Vector2f> places;  // texture coordinates in [0, 1], from the upper left corner
+  // mesh triangles in their order, as indices of texture coordinates
   std::vector<TriangleMesh::Triangle> triangles;
   Image<Rgb8> image;
 };
 
-// Statistics of TextureMesh().
 struct TextureSummary {
-  int frames = 0, frames_used = 0;   // candidate frames, and frames in the texture
+  int frames = 0, frames_used = 0;   // input frames; frames in the texture
   std::size_t charts = 0;            // connected regions of the texture
-  std::size_t triangles_unseen = 0;  // visible in no frame: textured by vertex colours
-  double pixel_ratio = 1;            // texels per frame pixel, along one axis
+  std::size_t triangles_unseen = 0;  // visible in no frame: have vertex colours
+  double pixel_ratio = 1;            // texels per frame pixel along an axis
 };
 
 // Computes a texture for a mesh with normals and colours (as Lempitsky and Ivanov, "Seamless
-// mosaicing of image-based texture maps", 2007). Each triangle takes its texture from a frame that
-// sees it sharply:
+// mosaicing of image-based texture maps", 2007). Each triangle has the texture of one sharp frame:
 // - A triangle is visible in a frame if it faces the camera and is not occluded. The mesh and the
 //   measured depth can occlude it.
 // - Sharpness increases with image resolution and decreases with slant and motion blur, as in
 //   FrameColors.
-// - Frames that see most of the mesh nearly as sharply as any other frame are selected first, so
-//   that there are few seams.
+// - Few frames are selected, so that there are few seams.
 // - Frames are adapted to the brightness of the vertex colours.
 //
-// Calls `frames` twice and keeps one frame in memory at a time. The result does not depend on the
-// number of threads. Throws InputError for invalid options, and if the texture is too small for the
-// number of its regions. Aborts if `max_texture_px` is 0, and if the mesh lacks a normal or a
-// colour per vertex.
+// Calls `frames` twice, and keeps one frame in memory at a time. The result does not depend on the
+// number of threads. Throws InputError for invalid options, and if the texture is too small for its
+// regions. Aborts if `max_texture_px` is 0, or if the mesh has no normals or colours.
 MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
                         const TextureOptions& options, TextureSummary* summary);
 

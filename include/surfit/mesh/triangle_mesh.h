@@ -10,18 +10,18 @@
 
 namespace surfit {
 
-// Triangle mesh. Normals and colours are empty, or one per vertex.
+// Triangle mesh. Normals and colours are empty or have one entry per vertex.
 struct TriangleMesh {
   using Triangle = std::array<std::uint32_t, 3>;
 
   std::vector<Eigen::Vector3f> vertices;  // metres
   std::vector<Eigen::Vector3f> normals;   // unit length, towards the observed side
   std::vector<Rgb8> colors;
-  std::vector<Triangle> triangles;  // counterclockwise, as seen from the observed side
+  std::vector<Triangle> triangles;  // counterclockwise from the observed side
 };
 
-// Keeps the triangles with kept[i] != 0, in their order, and the vertices of these triangles.
-// Aborts unless `kept` has one element per triangle.
+// Keeps the triangles with kept[i] != 0 and their vertices, in order. Aborts unless `kept` has one
+// element per triangle.
 void KeepTriangles(const std::vector<std::uint8_t>& kept, TriangleMesh* mesh);
 
 // Writes the mesh atomically, by the extension of the path:

@@ -12,18 +12,17 @@
 
 namespace surfit {
 
-// Frames with poses, keyframes, pose graph edges and loop records, and the store that owns them.
-// Depends on optimization and mapping, not on tracking, loop closure and calibration.
+// Poses, keyframes, pose graph edges and loop records, and the store that owns them.
 
 struct PosedFrame {
   int index = 0;
   double stamp_s = 0;
-  Rigid3d world_from_camera;  // with all corrections so far
-  int keyframe = 0;           // position of the last keyframe, or of this frame if it is a keyframe
-  int segment = 0;            // trajectory segment: relocalisation starts a new number
+  Rigid3d world_from_camera;  // latest estimate
+  int keyframe = 0;           // position of its keyframe: itself, or the last keyframe before
+  int segment = 0;            // trajectory segment; relocalisation starts a new segment
 };
 
-// Keyframe, by frame indices.
+// Keyframe and its parent, by frame indices.
 struct KeyframeLink {
   int frame = 0;
   int parent_frame = kNone;  // keyframe at the other end of the odometry or relocalisation edge
@@ -32,45 +31,45 @@ struct KeyframeLink {
   static constexpr int kNone = -1;
 };
 
-// Loop candidate: two keyframes that may show the same place.
 struct LoopCandidate {
   int source = 0, target = 0;  // positions of the later and the earlier keyframe
-  double similarity = 0;       // by place recognition; 0: proposed by pose
-  std::optional<Rigid3d> target_from_source_prior;  // by the estimated poses of near keyframes
+  double similarity = 0;       // similarity by place recognition; 0: candidate by pose
+  // estimate before verification, for candidates by pose
+  std::optional<Rigid3d> target_from_source_prior;
 };
 
-// Loop candidate with its verification.
 struct LoopVerification {
   LoopCandidate proposal;
   GlobalRegistrationResult verdict;
 };
 
-// Loop candidate with its place in the pose graph.
+// Verified candidate and its state in the pose graph.
 struct LoopRecord {
   int source_frame = 0, target_frame = 0;
   LoopVerification attempt;
   bool in_graph = false;  // verified, and no outlier of the last optimisation
-  bool is_kept = false;   // from a saved state: only pair, pose and acceptance are valid
+  // from a saved state: only the frames, the pose and the acceptance are valid
+  bool is_kept = false;
 };
 
-// Saved content of a store.
+// Content of a store, to save and restore it.
 struct StoredPoses {
   std::vector<PosedFrame> frames;       // by ascending index, not empty
   std::vector<KeyframeLink> keyframes;  // by ascending frame; parents precede their children
-  std::vector<PoseGraphEdge> edges;     // between keyframe positions
+  std::vector<PoseGraphEdge> edges;     // edge indices are keyframe positions
   std::vector<bool> loops_in_graph;     // per loop edge: no outlier
-  std::size_t settled_keyframes = 0;    // number of keyframes with a completed search for loops
+  std::size_t settled_keyframes = 0;    // number of keyframes with a completed loop search
 };
 
-// Changes the measurements of edges with their keyframe poses, so that the residuals of all edges
-// are unchanged. Both vectors have one pose per keyframe.
+// Moves edge measurements with their keyframes, so that all residuals are unchanged. Both vectors
+// have one pose per keyframe.
 void Recalibrate(const std::vector<Rigid3d>& world_from_keyframe_before,
                  const std::vector<Rigid3d>& world_from_keyframe_after,
                  std::vector<PoseGraphEdge>* edges);
 
-// Owns frames, keyframes, edges and loop records. Background tasks of loop closure and calibration
-// work on snapshots; their results are applied here. Indices and saved states are not checked.
-// References are valid until the next change. Not thread-safe.
+// Owns frames, keyframes, edges and loop records. Background tasks use snapshots, and their results
+// are applied here. A keyframe position is an index of keyframes(). Indices and saved states are
+// not checked. References are valid until the next change. Not thread-safe.
 class PoseStore {
  public:
   PoseStore() = default;
@@ -78,40 +77,40 @@ class PoseStore {
 
   const std::vector<PosedFrame>& frames() const { return frames_; }
   const std::vector<KeyframeLink>& keyframes() const { return keyframes_; }
-  // Odometry, and verified loops including outliers.
+  // Odometry, relocalisations, and verified loops including outliers.
   const std::vector<PoseGraphEdge>& edges() const { return edges_; }
   const std::vector<LoopRecord>& loops() const { return loops_; }
-  std::vector<bool> loops_in_graph() const;  // per verified loop
+  std::vector<bool> loops_in_graph() const;  // per verified loop: true if it is no outlier
   Trajectory trajectory() const;
 
-  // Frame of a keyframe, given its position.
+  // Frame of the keyframe at a position.
   const PosedFrame& FrameOf(int keyframe) const { return frames_[frame_of_keyframe_[keyframe]]; }
-  // Position of the parent, or KeyframeLink::kNone.
+  // Position of the parent; KeyframeLink::kNone without parent.
   int ParentOf(int keyframe) const;
   std::vector<Rigid3d> KeyframePoses() const;
-  // Positions of keyframes in frames().
+  // Per keyframe: index of its frame in frames().
   const std::vector<int>& frame_of_keyframe() const { return frame_of_keyframe_; }
 
   int submap_count() const;
-  // Number of submaps that no loop connects to the first submap.
+  // Number of submaps without a loop to the first submap.
   std::size_t CountDisconnectedSubmaps() const;
 
-  // Adds a frame with a larger index than all frames before. It belongs to the last keyframe.
+  // Adds a frame of the last keyframe. Its index must be larger than all previous indices.
   void AddFrame(int index, double stamp_s, const Rigid3d& world_from_camera, int segment);
-  // Makes the last frame a keyframe. Without a parent (KeyframeLink::kNone) it begins a submap.
+  // Makes the last frame a keyframe. `parent` KeyframeLink::kNone: starts a submap.
   void MakeKeyframe(int parent);
   void AddEdge(const PoseGraphEdge& edge) { edges_.push_back(edge); }
-  // Adds a candidate. `edge` is the edge of a verified loop.
+  // Adds a verified or rejected candidate. `edge`: only for verified loops.
   void AddLoop(LoopRecord record, const std::optional<PoseGraphEdge>& edge);
-  // Marks the outliers of an optimisation, per verified loop.
+  // Sets the outliers of an optimisation: one flag per verified loop.
   void SetLoopsInGraph(const std::vector<bool>& in_graph);
 
-  // Snapshot of the pose graph for a task of loop closure. Its edges precede all later edges, so
-  // that the sums of the optimisation do not depend on the duration of tasks.
+  // Snapshot of the pose graph for a loop task. Its edges precede all later edges, so that results
+  // do not depend on the duration of tasks.
   PoseGraph Snapshot();
 
   void Move(const FrameCorrections& corrections);
-  // Moves the edges after a calibration has moved the frames.
+  // Call after a calibration has moved the frames. See Recalibrate().
   void RecalibrateEdges(const std::vector<Rigid3d>& world_from_keyframe_before) {
     Recalibrate(world_from_keyframe_before, KeyframePoses(), &edges_);
   }
@@ -123,7 +122,7 @@ class PoseStore {
   std::vector<KeyframeLink> keyframes_;
   std::vector<int> frame_of_keyframe_;
   std::vector<PoseGraphEdge> edges_;
-  std::vector<std::size_t> graph_edges_;  // positions of the edges in the order of snapshots
+  std::vector<std::size_t> graph_edges_;  // edge indices in the order of snapshots
   std::vector<LoopRecord> loops_;
 };
 

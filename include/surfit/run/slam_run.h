@@ -21,48 +21,48 @@ struct SlamRunOptions {
   SequenceOptions sequence;
   SlamOptions slam;
   std::string output;  // output folder; created if missing
-  // Ground truth trajectory in TUM format. Empty: the trajectory of the sequence.
+  // Ground-truth trajectory in TUM format. Empty: that of the sequence, if it has one.
   std::string groundtruth;
-  bool fit_mount = false;  // fits SlamRunSummary::mount; requires ground truth
+  bool fit_mount = false;  // estimates SlamRunSummary::mount; requires ground truth
   // Pose of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw.
   std::string initial_pose = "identity";
-  std::string poses = "track";  // track; groundtruth: fuse at the ground-truth poses
-  int threads = 2;              // maximum number of threads that compute in parallel
-  int queue_capacity = 8;       // size of the queue of input frames
-  // Replays a recording at this rate, frames per second, as a live camera (OfferFrames()): shows
-  // whether the run is fast enough. Only lost frames are searched: `slam.confident_inlier_ratio` is
-  // 0. 0: as fast as possible.
+  // track, or groundtruth: fuse at the ground-truth poses without tracking
+  std::string poses = "track";
+  int threads = 2;         // maximum number of computing threads
+  int queue_capacity = 8;  // maximum number of queued input frames
+  // Replays a recording at this rate, 1/s, like a camera (OfferFrames()). This shows if the run is
+  // fast enough. Sets `slam.confident_inlier_ratio` to 0: only lost frames are registered globally.
+  // 0: as fast as possible.
   double offered_fps = 0;
-  // After the last frame, reads the sequence again. If the calibration has changed, refines it
-  // jointly with the poses (`refine`). Then fuses the map again with the final poses and
-  // calibration (`final_map`). Both are skipped for live sources (IsLive()), for a continued
-  // session, for localisation, and after an early end. `refine` has no effect without `final_map`.
+  // Steps after the last frame, which read the sequence again. `refine`: if the calibration has
+  // changed, refines it jointly with the poses. `final_map`: fuses the map again with the final
+  // poses and calibration. `refine` has no effect without `final_map`. Both have no effect for live
+  // sources (IsLive()), continued sessions, localisation, and after an early end.
   bool refine = true;
   bool final_map = true;
   bool pictures = true;
-  bool keep_views = false;   // saves a few frames with their model views, for WriteReport()
-  bool keep_places = false;  // writes places.bin (RunPlaces), to connect this run with other runs
-  // Folder of the session (Session) that the run saves continuously; empty: none. Enables loop
-  // closure. The session must be new, except with one of the next two options.
+  bool keep_views = false;   // saves some frames with their model views, for WriteReport()
+  bool keep_places = false;  // writes places.bin (RunPlaces), which connects this run to other runs
+  // Session folder: the run saves its state there continuously. Enables loop closure. The folder
+  // must not have a session, except with one of the next two options. Empty: none.
   std::string session;
-  // Continues an existing session. Tracking starts at its last pose if the recording follows within
-  // 1 s. Otherwise the camera is relocalised.
+  // Continues an existing session. The camera is relocalised, or tracked from the last pose if the
+  // recording follows within 1 s.
   bool continue_session = false;
-  // Localises the camera in an existing session. The session and its map do not change.
+  // Localises the camera in an existing session, which does not change.
   bool localize = false;
-  std::string trace;  // file for the times of all stages and threads (TraceRecorder); empty: none
-  // Folder for lost frames with their registration, as frame-XXXXXX: input of
-  // CompareOptions::replay. Empty: none.
+  std::string trace;  // file for a trace of all stages (TraceRecorder); empty: none
+  // Folder for failed registrations (frame-XXXXXX), the input of CompareOptions::replay. Empty:
+  // none.
   std::string dump_failures;
 
-  // Returns whether frames arrive at a fixed rate, so that late frames are dropped.
+  // True if frames arrive at a fixed rate. Late frames are then dropped.
   bool OffersFrames() const { return offered_fps > 0 || sequence.format == "openni2"; }
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Processed frame with its outcome, for progress callbacks. References are valid during the
-// callback only.
+// Processed frame with its outcome. References are valid during the callback only.
 struct SlamRunFrame {
   const RgbdFrame& frame;
   const FrameReport& report;
@@ -81,17 +81,16 @@ struct SlamRunProgress {
   double elapsed_s = 0;
   int refinement_rounds = 0;            // completed rounds of the final refinement
   int frames_reintegrated = 0;          // frames fused into the final map
-  const SlamRunFrame* frame = nullptr;  // last frame; null if it could not be read
+  const SlamRunFrame* frame = nullptr;  // last frame; null if it was unreadable
 };
 
-// Final result of a run, as written to the output folder. References are valid during the callback
-// only.
+// Result as written to the output folder. References are valid during the callback only.
 struct SlamRunResult {
   const SurfelMap& map;
   const Trajectory& trajectory;
 };
 
-// Statistics of times. The work per frame varies periodically, so the mean is the cost per frame.
+// Statistics of times. Use the mean as cost per frame, because the work varies periodically.
 struct TimeStatistics {
   double mean_ms = 0;
   double median_ms = 0;
@@ -102,7 +101,7 @@ struct TimeStatistics {
 struct StageStatistics {
   std::string name;
   TimeStatistics times;
-  double share = 0;  // ratio of the total time of all frames
+  double share = 0;  // ratio to the total time
 };
 
 // Refinement after the last frame.
@@ -113,87 +112,84 @@ struct FinalRefinement {
 
 // Statistics of localisation in a session.
 struct Localization {
-  int frames = 0;           // frames with a pose
-  int relocalisations = 0;  // frames that place recognition has localised, the first frame included
+  int frames = 0;             // frames with a pose
+  int relocalisations = 0;    // relocalised frames, including the first frame
   double longest_loss_s = 0;  // longest time without a pose
-  // Median standard deviation of the position and of the rotation, in the least certain direction,
-  // from the registration covariance.
+  // Median standard deviation in the least certain direction, from the registration covariance.
   double median_sigma_m = 0;
   double median_sigma_rad = 0;
 };
 
-// Results of a run, the content of summary.json.
+// Results of a run: the content of summary.json.
 struct SlamRunSummary {
-  int frames_total = 0;    // input frames, including frames with read errors
-  int frames_tracked = 0;  // frames with a pose: all except lost and skipped frames
+  int frames_total = 0;    // input frames, including unreadable frames
+  int frames_tracked = 0;  // frames with a pose
   int frames_lost = 0;
-  int frames_with_motion = 0;  // tracked frames with more than 10 % of the points on moving objects
-  int frames_confirmed = 0;    // lost frames with a pose that the next frame has confirmed
-  // Lost frames after a last tracked frame with more than 10 % moving points.
+  int frames_with_motion = 0;  // tracked frames with more than 10 % moving points
+  int frames_confirmed = 0;    // lost frames whose pose the next frame has confirmed
+  // Lost frames whose last tracked frame had more than 10 % moving points.
   int frames_lost_in_motion = 0;
-  // Frames in which the feature check found two motions, lost or not
-  // (FrameReport::has_two_motions).
+  // Frames with FrameReport::has_two_motions, tracked or lost.
   int frames_with_two_motions = 0;
-  int frames_fused = 0;  // tracked frames that were fused
-  // Indices of tracked frames that were not fused because of SlamOptions::hold_out.
+  int frames_fused = 0;
+  // Indices of the frames that SlamOptions::hold_out has excluded from fusion.
   std::vector<int> held_out_frames;
   int frames_skipped = 0;  // frames with read errors
-  // Frames that arrived but were not processed in time. Not included in `frames_total`.
+  // Frames that were dropped because the run was too slow. Not included in `frames_total`.
   int frames_dropped = 0;
-  // Frames with a longer map period than SlamOptions::map_period, because frames arrived too fast.
+  // Frames with a longer period than SlamOptions::map_period, because frames arrived too fast.
   int frames_with_longer_map_period = 0;
-  int longest_map_period = 0;  // longest map period; 0 if frames do not arrive at a fixed rate
-  int pauses = 0;              // number of times that the camera was unplugged
-  double paused_s = 0;         // total time without camera
-  BackendCounts loops;         // 0 without loops and calibration
+  int longest_map_period = 0;                   // 0 if frames do not arrive at a fixed rate
+  int pauses = 0;                               // number of disconnections of the camera
+  double paused_s = 0;                          // total time without camera
+  BackendCounts loops;                          // 0 without loops and calibration
   std::vector<CalibrationRecord> calibrations;  // calibrations during tracking, in their order
-  // std::nullopt if the calibration has not changed or is not refined.
+  // std::nullopt if there was no refinement.
   std::optional<FinalRefinement> refinement;
-  // Final calibration of the input frames. std::nullopt if it has not changed.
+  // Final calibration of the input frames. std::nullopt: input calibration.
   std::optional<DepthCalibration> calibration;
-  // Warning if this calibration is implausible for the input sensor, else empty.
+  // Warning if the calibration is implausible for the input sensor; empty: none.
   std::string calibration_warning;
-  double color_latency_s = 0;  // estimated, in addition to RgbdCamera::color_latency_s
-  // Frames that were registered without photometric residuals despite a photometric weight, for
-  // lack of colour or texture.
+  double color_latency_s = 0;  // estimate, in addition to RgbdCamera::color_latency_s
+  // Frames that were registered without photometric residuals for lack of colour or texture,
+  // despite a positive photometric weight.
   int frames_without_intensities = 0;
   bool interrupted = false;
-  std::string failure;  // errors that ended the run early or prevented an output file; empty: none
-  std::int64_t input_points = 0;        // pixels of all processed frames, after downsampling
-  std::int64_t input_points_valid = 0;  // pixels with depth of these frames
-  std::int64_t updated = 0, added = 0, removed = 0;  // surfels, sums over all frames
-  std::int64_t refused = 0;            // surfels that were not added because the map is full
-  std::int64_t merged_duplicates = 0;  // duplicate surfels that were merged after loop closures
+  std::string failure;                  // errors of the run or of output files; empty: none
+  std::int64_t input_points = 0;        // pixels of all processed frames
+  std::int64_t input_points_valid = 0;  // pixels with depth
+  std::int64_t updated = 0, added = 0, removed = 0;  // surfels, summed over all frames
+  std::int64_t refused = 0;                          // surfels not added because the map is full
+  std::int64_t merged_duplicates = 0;                // duplicate surfels merged after loop closures
   std::size_t map_points = 0;
-  double compression_ratio = 0;   // input_points / map_points
-  double match_ratio_last = 0;    // merged points / valid points of the last fused frame
-  double match_ratio_median = 0;  // median over all fused frames
+  double compression_ratio = 0;                    // input_points / map_points
+  double match_ratio_last = 0;                     // merged points / valid points, last fused frame
+  double match_ratio_median = 0;                   // median over all fused frames
   std::optional<TrajectoryEvaluation> evaluation;  // with ground truth only
   double sensor_latency_s = 0;  // RgbdCamera::latency_s: file timestamp minus pose timestamp
-  // Other evaluations: the ATE with the file timestamps, and the ATE with a time offset fitted to
-  // the ground truth.
+  // ATE with the timestamps of the files, and ATE with a time offset fitted to the ground truth.
   std::optional<AbsoluteTrajectoryError> ate_without_latency;
   std::optional<TimeOffset> time_offset;
   std::optional<MountFit> mount;  // with SlamRunOptions::fit_mount and ground truth
   double total_s = 0;
   std::optional<double> final_map_s;  // duration of the final map fusion; std::nullopt without it
-  // Time between the completions of consecutive frames, without the time waited for input.
+  // Time per frame between completions, without the wait for input.
   TimeStatistics frame;
   // Time from the arrival of a frame to its completion, and to its pose. 0 if frames do not arrive
   // at a fixed rate.
   TimeStatistics latency;
   TimeStatistics pose_latency;
-  // read (in parallel with the other stages), preprocess, predict, track, fuse, correct, write.
+  // read (parallel to other stages), preprocess, predict, track, fuse, correct, write.
   std::vector<StageStatistics> stages;
   std::int64_t peak_rss_bytes = 0;
   // False if fewer than half of the frames have a pose: the result is unreliable.
   bool MostFramesHaveAPose() const { return 2 * frames_tracked >= frames_total; }
 
-  std::int64_t session_waits = 0;  // saves of the session that had to wait for the previous save
-  std::optional<Localization> localization;  // only for localisation in a session
+  std::int64_t session_waits = 0;            // saves that waited for the previous save
+  std::optional<Localization> localization;  // for localisation only
 
-  // Digest of the final trajectory and of the map before the final map fusion. Equal digests mean
-  // bitwise identical results.
+  // Digest of the final trajectory and of the map before final fusion. Equal digests mean bitwise
+  // identical results.
   std::string digest;
 };
 
@@ -207,23 +203,23 @@ struct SlamRunSummary {
 //   report files, places.bin    by the options
 //
 // With a continued session, frame indices, poses and the map are those of the session. Frames that
-// the session has from the same recording are skipped. A sequence of the format watch runs until
-// its end (WatchFolder()). Frames that cannot be read are skipped and counted.
+// the session already has are skipped. A sequence of the format watch runs until its end
+// (WatchFolder()). Unreadable frames are skipped and counted.
 //
-// `progress` is called on the calling thread after every frame, after every refinement round and
-// for every frame of the final map. Its duration is excluded from the frame times. If `interrupted`
-// becomes true, the current frame (at least the first frame) is completed and all results are
-// written. `finished`, if not empty, is called after all files are written without an error.
+// `progress` is called on the calling thread after every frame and refinement round, and for every
+// frame of the final map. Frame times exclude it. If `interrupted` becomes true, the current frame
+// is completed and all results are written. `finished`, if not empty, is called on the calling
+// thread after success.
 //
 // Throws InputError for invalid options, for an output folder that another run is writing to, and
-// if no frame can be read. After the first frame, errors (out of memory, full disk, read error) end
-// the run. All results that can be written are written, and the error is thrown as InputError.
+// if no frame can be read. Later errors (out of memory, full disk, read error) end the run: all
+// possible results are written, then InputError is thrown.
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
                        const std::function<void(const SlamRunProgress&)>& progress,
                        const std::function<void(const SlamRunResult&)>& finished = {});
 
-// Reads the flags of a run, by name, from its summary.json. Throws InputError that names the file
-// if it cannot be read or is not such a file.
+// Reads the flags of a run by name from its summary.json. Throws InputError with the path of an
+// unreadable or invalid file.
 std::map<std::string, std::string> RecordedFlags(const std::string& summary_json);
 
 }  // namespace surfit

@@ -15,10 +15,9 @@ namespace surfit {
 //               the pose graph, the calibration, and the list of map tiles
 //   tiles/      the map, one file per 2 m cube with surfels: X_Y_Z.N.tile, written by save N
 //               and never changed
-// A save writes the changed tiles, and then commits all other changes in one transaction. Tiles
-// without reference are deleted later. Therefore the folder contains a complete last save, however
-// the process ends. Each row has a checksum of its values. The row of a tile has the checksum of
-// its file, and the session row has the row counts of all other tables.
+// A save writes the changed tiles, then commits all other changes in one transaction. Tiles without
+// reference are deleted later. So the folder has a complete last save, even after a crash.
+// Checksums protect all rows and tiles.
 //
 // Frame indices of a session increase over all its runs.
 
@@ -27,13 +26,13 @@ struct SessionRun {
   std::string sequence;  // absolute path of the sequence
   std::string format;    // SequenceInfo::format
   int first = 0, stride = 1;
-  // Session index of a frame minus its index in the recording.
+  // Session index of a frame minus its index in the recording
   int shift = 0;
   bool mirrored = false;  // SequenceInfo::mirrored
-  bool ended = false;     // the run was saved completely; false while it runs and after a crash
+  bool ended = false;     // saved completely; false during the run and after a crash
 };
 
-// Row counts and size of a session.
+// Row counts and file size of a session.
 struct SessionCounts {
   std::int64_t runs = 0, frames = 0, keyframes = 0, views = 0, edges = 0, loops = 0, tiles = 0;
   std::int64_t surfels = 0;
@@ -50,28 +49,28 @@ struct Session {
   std::int64_t saves = 0;
 };
 
-// Read a session, its runs, or its counts. They throw InputError that names the file, and the table
-// and row of damage. The folder must be a session of this version that no other program has locked.
+// Read a session, its runs, or its counts. Throw InputError with the file if the folder is no
+// session of this version, or if another program has locked it. For damaged data, the message names
+// table and row.
 Session ReadSession(const std::string& folder);
 std::vector<SessionRun> ReadSessionRuns(const std::string& folder);
 SessionCounts CountSession(const std::string& folder);
 
-// Difference between the last frame index of a session and the first index of a new recording that
-// does not follow directly. With this gap, surfels of both are not merged before a loop closure
-// connects them.
+// Gap between the last frame index of a session and the first index of a new recording. Because of
+// the gap, no surfels of both merge before a loop closure.
 int SessionGap(const LoopOptions& options);
 
-// Returns whether the folder contains a session, of any version and state.
+// True if the folder has a session, of any version and state.
 bool HasSession(const std::string& folder);
 
-// Throws InputError that names the folder if the sensor of a session (`kept`) differs from `given`
-// in its camera, noise or readout.
+// Throws InputError with the folder if the sensor of a session (`kept`) and `given` differ in
+// camera, noise or readout.
 void RequireSameSensor(const std::string& folder, const DepthSensor& kept,
                        const DepthSensor& given);
 
-// Checks a session: integrity of the database, checksums of all rows and tiles, and consistency of
-// the rows. Returns one sentence per error; empty: the session is intact. Throws InputError if
-// there is no session, or if another program has locked it.
+// Checks the database, the checksums of rows and tiles, and the consistency of all rows. Returns
+// one sentence per error; empty: intact. Throws InputError if there is no session, or if another
+// program has locked it.
 std::vector<std::string> CheckSession(const std::string& folder);
 
 }  // namespace surfit

@@ -11,11 +11,11 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of a hand-held camera motion.
+// Options of a hand-held camera motion
 struct PathOptions {
   double frames_per_second = 30;
-  // Bounds of the translation and rotation between consecutive frames, including the hand tremor.
-  // Both vary slowly.
+  // Bounds of the motion between consecutive frames, including the hand tremor. Translation and
+  // rotation vary slowly.
   double min_step_m = 0.010;
   double max_step_m = 0.020;
   double min_turn_deg = 0.5;
@@ -24,29 +24,26 @@ struct PathOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Generates a smooth hand-held camera path of world_from_camera poses (x right, y down, z forward).
-// It leads through `scene.camera_space`, or repeatedly along `scene.route`. The camera looks at
-// `scene.targets` with a level horizon, except for the hand tremor. It keeps a distance of 0.5 m
-// from objects if the camera space allows it.
+// Generates a smooth hand-held camera path: poses world_from_camera in m (x right, y down, z
+// forward). The path is in `scene.camera_space`, or repeats `scene.route`. The camera looks at
+// `scene.targets` with a level horizon and hand tremor. If possible, it keeps 0.5 m from objects.
 //
-// Views with little structure are limited, as far as the targets allow it. One or two planes cover
-// at least 80 % of the view in a quarter to a half of the frames, and more than 95 % in no frame.
-// In a building, the quarter is not enforced.
+// If possible, 25 % to 50 % of the frames are planar: one or two planes cover at least 80 % of the
+// view. No frame has more than 95 %. In buildings, there is no minimum of 25 %.
 //
 // The same seed gives the same path. Throws InputError for invalid options and if `frames` < 1.
 // Aborts if the scene has no camera space or fewer than two targets.
 Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
                     const PathOptions& options = {});
 
-// Interpolates poses with continuous accelerations: natural cubic splines through the positions and
-// through the quaternions, which are then normalised. Extrapolates with constant velocity before
-// the first and after the last pose.
+// Interpolates poses with continuous accelerations, by natural cubic splines of positions and
+// quaternions. Extrapolates with constant velocity before the first and after the last pose.
 class SmoothPath {
  public:
-  // Aborts unless there is a pose and the timestamps increase.
+  // Aborts for an empty trajectory, and unless timestamps increase.
   explicit SmoothPath(Trajectory poses);
 
-  // Pose at a time. At the timestamp of a pose, that pose is bitwise identical.
+  // Pose at a time. Bitwise identical to a given pose at its timestamp.
   Rigid3d At(double stamp_s) const;
 
   const Trajectory& poses() const { return poses_; }

@@ -17,7 +17,7 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Ideal RGB-D images: one ray through the centre of each pixel.
+// Ideal RGB-D images: one ray per pixel centre.
 struct Rendering {
   static constexpr std::int32_t kNothing = -1;
 
@@ -26,8 +26,8 @@ struct Rendering {
   VectorImage normal;           // camera frame, unit length; (0, 0, 0): no surface
   Image<std::int32_t> surface;  // number of the visible surface, or kNothing
 
-  // Surface numbers are unique in the scene. Each flat face has its own number. All curved parts of
-  // an object share one number.
+  // Surface numbers are unique in the scene. Each flat face has a number. Curved parts of an object
+  // share a number.
   static std::int32_t SurfaceOf(const SceneHit& hit) {
     return hit.object * (Shape::kMaxFaces + 1) + hit.face + 1;
   }
@@ -40,30 +40,29 @@ struct Rendering {
 // camera.
 Rendering Render(const Scene& scene, const PinholeCamera& camera, const Rigid3d& world_from_camera);
 
-// Renders without colours: the colour image is empty.
+// Like Render(), with an empty colour image.
 Rendering RenderGeometry(const Scene& scene, const PinholeCamera& camera,
                          const Rigid3d& world_from_camera);
 
-// world_from_camera at the time of row v. Called from several threads. Equal arguments must give
-// equal results.
+// Returns world_from_camera at the time of row v. Called from several threads. Must be
+// deterministic.
 using PoseOfRow = std::function<Rigid3d(int v)>;
 
-// Renders rolling-shutter images without colours: each row has its own pose.
+// Like RenderGeometry(), for a rolling shutter: each row has its own pose.
 Rendering RenderRows(const Scene& scene, const PinholeCamera& camera,
                      const PoseOfRow& world_from_camera);
 
-// Linear light of red, green and blue. 1 saturates a pixel at a gain of 1.
+// Linear light of red, green and blue. 1 saturates a pixel at gain 1.
 using LightImage = Image<Eigen::Vector3f>;
 
-// Renders the linear light of a rolling-shutter image.
+// Renders the linear light of a rolling-shutter image. Throws InputError for an invalid camera.
 LightImage RenderLight(const Scene& scene, const PinholeCamera& camera,
                        const PoseOfRow& world_from_camera);
 
-// Converts linear light times the gains of the channels to colours. Gains of 1 give the colours of
-// Render().
+// Converts linear light times the channel gains to sRGB. Gains of 1 give the colours of Render().
 Image<Rgb8> ToSrgbImage(const LightImage& light, const Eigen::Vector3f& gains);
 
-// Renders depth and colour as a frame of a sequence.
+// Renders depth and colour as a frame of a sequence. Throws InputError for an invalid camera.
 RgbdFrame RenderFrame(const Scene& scene, const PinholeCamera& camera,
                       const Rigid3d& world_from_camera, int index = 0, double stamp_s = 0);
 
@@ -72,13 +71,13 @@ RgbdFrame RenderFrame(const Scene& scene, const PinholeCamera& camera,
 //   and SLAM", ICRA 2014
 // - Barron and Malik, "Intrinsic Scene Properties from a Single RGB-D Image", CVPR 2013
 struct KinectOptions {
-  double shift_sd_px = 0.5;         // standard deviation of the pixel shift in u and in v
+  double shift_sd_px = 0.5;         // pixel shift in u and v
   double disparity_sd = 1.0 / 6.0;  // standard deviation of the disparity, in quantisation steps
   double disparity_times_z_cm = 35130;  // disparity in steps = this / z_cm
   double min_depth_m = 0.4;             // smaller depth is missing
   double max_depth_m = 4.5;             // larger depth is missing
   double max_incidence_deg = 80;        // larger angles of incidence are missing
-  // Shifts do not cross depth edges beyond this ratio of the depth.
+  // Shifts do not cross depth edges above this ratio of the depth.
   double max_edge_ratio = 0.02;
 
   void Visit(OptionVisitor& visitor);
@@ -86,25 +85,24 @@ struct KinectOptions {
 
 // Simulates the depth of a Kinect from the exact depth:
 //   z_cm = 35130 / round(35130 / z_cm(u + N(0, 1/2), v + N(0, 1/2)) + N(0, 1/6)).
-// The disparity is interpolated linearly between pixels. The angle of incidence follows from
-// central differences of the depth image, so pixels at depth edges are missing as well. 0: missing,
-// in both images. The same seed gives the same noise for any number of threads. Throws InputError
-// for invalid options. Aborts if `depth_m` does not have the size of the camera.
+// Disparity is interpolated linearly. The angle of incidence is from central differences of depth,
+// so pixels at depth edges are missing, too. 0: missing, in both images. The same seed gives the
+// same noise for any number of threads. Throws InputError for invalid options. Aborts if `depth_m`
+// does not have the size of the camera.
 Image<float> KinectDepth(const Image<float>& depth_m, const PinholeCamera& camera,
                          std::uint64_t seed, const KinectOptions& options = {});
 
-// Options of the colour camera. Default: global shutter and fixed exposure.
+// Options of the colour camera. Default: global shutter, fixed exposure.
 struct ColorOptions {
-  double color_readout_s = 0;  // rolling-shutter readout of colour; RgbdCamera has that of depth
+  double color_readout_s = 0;  // rolling-shutter readout of colour
   double exposure_s = 0;       // exposure time, centred at the capture time
   int exposure_samples = 8;    // rendered samples per exposure
-  // Time constants of auto exposure (brightness of the image) and of auto white balance (gains of
-  // red and blue): ColorGains().
+  // Time constants of auto exposure and of auto white balance: ColorGains().
   double auto_exposure_lag_s = 0;       // 0: fixed
   double auto_white_balance_lag_s = 0;  // 0: fixed
   std::vector<double> channel_gains;    // red, green, blue; empty: 1, 1, 1
 
-  // True if images have a global shutter, no motion blur and fixed gains of 1.
+  // True for a global shutter, no motion blur and fixed gains of 1.
   bool ArePlain() const;
   void Visit(OptionVisitor& visitor);
 };
@@ -113,32 +111,30 @@ struct ColorOptions {
 //   gain = channel gain * exp(e_i + w_i),
 //   e_(i+1) = e_i + (1 - exp(-dt / lag)) (log(0.18 / y_i) - e_i).
 // y_i is the mean of all channels, and c_i the mean of one channel. w_i follows log(y_i / c_i) by
-// the same rule with its own lag. The image of a frame changes the gains of the next frame (mean
-// grey, and a world that is grey on average). The first frame has the gains for its own light.
+// the same rule with its own lag. Each frame changes the gains of the next frame, towards a grey
+// mean. The gains of the first frame suit its own light.
 std::vector<Eigen::Vector3f> ColorGains(const std::vector<Eigen::Vector3d>& mean_light,
                                         double frames_per_second, const ColorOptions& options);
 
-// Moving RGB-D camera with exact measurements and realistic timing: test data for calibration and
-// refinement. Frame i has the timestamp of pose i of the path, the true middle of its depth
-// readout. Row v of h rows is read (v + 0.5) / h - 0.5 of the readout later. The middle of the
-// exposure and readout of colour is `color_latency_s` earlier. Colour has the pixels of depth, but
-// is seen from the pose at its capture time.
+// Moving RGB-D camera with exact measurements and realistic timing, as test data for calibration
+// and refinement. Frame i has the timestamp of pose i of the path: the middle of its depth readout.
+// Row v of h rows is read ((v + 0.5) / h - 0.5) readout_s later. Colour is captured
+// `color_latency_s` earlier, with the pixels of depth and the pose at its capture time.
 class MovingCamera {
  public:
   // Keeps a reference to the scene. `camera` has the true parameters. Throws InputError for an
-  // invalid camera or invalid options. Aborts if the timestamps of the path do not increase.
+  // invalid camera or invalid options. Aborts for an empty path, and unless timestamps increase.
   MovingCamera(const Scene& scene, const RgbdCamera& camera, const Trajectory& path,
                const ColorOptions& options = {});
 
-  // Renders frame i without noise, in parallel. Depth, normals and surfaces use the poses of their
-  // rows. Aborts if i is out of range.
+  // Renders frame i without noise, in parallel. Depth, normals and surfaces use one pose per row.
+  // Aborts if i is out of range.
   Rendering Frame(int i) const;
 
-  // world_from_camera at the time of row v of the depth, and at the middle of the exposure of row v
-  // of the colour.
+  // world_from_camera for row v: at its depth readout, and at the middle of its colour exposure.
   Rigid3d DepthPose(int i, int v) const;
   Rigid3d ColorPose(int i, int v) const;
-  // Middle of the exposure and readout of the colour of frame i, s.
+  // Middle of the colour exposure and readout of frame i, s.
   double ColorCaptureTime(int i) const;
   // Gains of red, green and blue of frame i.
   const Eigen::Vector3f& gains(int i) const { return gains_[i]; }

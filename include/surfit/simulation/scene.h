@@ -23,23 +23,23 @@ struct ShapeHit {
   int face = -1;                                     // number of the flat face, or Shape::kCurved
 };
 
-// Solid in its own frame, metres. Rays intersect it from outside only, against the outward normal.
-// A ray that starts inside does not intersect it.
+// Solid in its own frame, m. Rays intersect it from outside only: a ray that starts inside does not
+// intersect.
 class Shape {
  public:
   static constexpr int kCurved = -1;
   static constexpr int kMaxFaces = 6;  // flat faces are numbered 0 ... kMaxFaces - 1
 
   virtual ~Shape() = default;
-  // Returns the first intersection, or std::nullopt. `direction` need not have unit length.
-  // Closed-form up to rounding, or iterated to 1e-10 m.
+  // Returns the first intersection, or std::nullopt. `direction` need not have unit length. Exact
+  // up to rounding, or up to 1e-10 m for iterative solvers.
   virtual std::optional<ShapeHit> Intersect(const Eigen::Vector3d& origin,
                                             const Eigen::Vector3d& direction) const = 0;
   // Signed distance to the surface, m; negative inside.
   virtual double Distance(const Eigen::Vector3d& point) const = 0;
-  // Radius of a bounding sphere around the origin of the solid; infinite if unbounded.
+  // Radius of a bounding sphere around the origin of the solid, m; infinite if unbounded.
   virtual double BoundingRadius() const = 0;
-  // Half extents of a bounding box around the origin of the solid.
+  // Half size of a bounding box around the origin of the solid, m.
   virtual Eigen::Vector3d HalfExtents() const {
     return Eigen::Vector3d::Constant(BoundingRadius());
   }
@@ -47,35 +47,33 @@ class Shape {
 
 using ShapePtr = std::shared_ptr<const Shape>;
 
-// Solids centred on their origin, lengths in metres.
-ShapePtr MakeHalfSpace();  // z <= 0; its face is the plane z = 0
+// Solids with their centre at the origin, m.
+ShapePtr MakeHalfSpace();  // z <= 0; face 0 is the plane z = 0
 ShapePtr MakeBox(const Eigen::Vector3d& size);
 ShapePtr MakeSphere(double radius);
 ShapePtr MakeRoundedBox(const Eigen::Vector3d& size, double edge_radius);
-// Capsule along z. `length` is the distance between the centres of its caps.
-ShapePtr MakeCapsule(double radius,
-                     double length);  // along z; `length` is between the centres of the caps
-// Truncated cone along z, a cylinder if both radii are equal. Faces: 0 bottom, 1 top.
+// Capsule along z. `length`: distance of the centres of its caps.
+ShapePtr MakeCapsule(double radius, double length);
+// Truncated cone along z; cylinder if both radii are equal. Face 0: bottom, face 1: top.
 ShapePtr MakeFrustum(double bottom_radius, double top_radius, double height);
 ShapePtr MakeTorus(double ring_radius, double tube_radius);  // around z
 
-// Linear reflectance in [0, 1] at a point of the surface, in the frame of the object.
+// Linear reflectance in [0, 1] at a surface point in the object frame.
 using Texture = std::function<Eigen::Vector3f(const Eigen::Vector3d& point_in_object)>;
 
-// Solid with its pose and appearance.
+// Solid with pose and appearance.
 struct SceneObject {
   ShapePtr shape;
   Rigid3d world_from_object;
   Texture texture;
-  float glow = 0;  // emitted light, as a multiple of the reflectance
+  float glow = 0;  // emitted light, in multiples of the reflectance
 };
 
-// Point light of a scene.
 struct PointLight {
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
   float intensity = 1;
   bool casts_shadows = true;
-  Eigen::AlignedBox3d lit = {};  // lit region, for example a closed room; empty: everywhere
+  Eigen::AlignedBox3d lit = {};  // lit region, e.g. a closed room; empty: everywhere
 };
 
 // First intersection of a ray with the scene.
@@ -86,25 +84,23 @@ struct SceneHit {
   int face = Shape::kCurved;
 };
 
-// Intersection with its position.
 struct ScenePoint {
   SceneHit hit;
   Eigen::Vector3d point_in_world;
 };
 
-// Object that may intersect a ray.
 struct RayCandidate {
   int object = 0;
   double distance_m = 0;  // lower bound of the distance from the ray origin
 };
 
-// Part of a scene that is closed except for doorways. A camera in it looks at the targets in it.
+// Region that is closed except for doorways. Cameras in it look at its targets.
 struct SceneCell {
   Eigen::AlignedBox3d space;  // space between the walls
   std::vector<int> targets;   // indices of Scene::targets
 };
 
-// Coloured solids in metres, z up, with lights and camera targets.
+// Coloured solids in m, z up, with lights and camera targets.
 class Scene {
  public:
   void Add(ShapePtr shape, const Rigid3d& world_from_object, Texture texture, float glow = 0);
@@ -113,36 +109,36 @@ class Scene {
   // Returns the first intersection, or std::nullopt. `direction` need not have unit length.
   std::optional<SceneHit> Intersect(const Eigen::Vector3d& origin,
                                     const Eigen::Vector3d& direction) const;
-  // Returns the first intersection with some of the objects, which are sorted by distance.
+  // Like above, for some objects sorted by distance.
   std::optional<SceneHit> Intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                     const std::vector<RayCandidate>& candidates) const;
-  // Returns whether the ray intersects one of the objects at t < 1.
+  // True if the ray intersects one of the objects at t < 1.
   bool IsBlocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                  const std::vector<RayCandidate>& candidates) const;
 
-  // Objects that may intersect a cone, up to a distance from its apex, sorted by distance. The test
-  // is conservative.
+  // Objects that may intersect a cone of limited length, sorted by distance. The test is
+  // conservative.
   std::vector<RayCandidate> ObjectsInCone(
       const Eigen::Vector3d& apex, const Eigen::Vector3d& unit_axis, double half_angle_rad,
       double reach_m = std::numeric_limits<double>::infinity()) const;
 
-  // Distance to the nearest surface, m; exact outside all solids, negative inside a solid.
+  // Distance to the nearest surface, m; exact outside solids, negative inside.
   double Distance(const Eigen::Vector3d& point_in_world) const;
 
-  // Linear reflectance of the surface at an intersection.
+  // Linear reflectance at an intersection.
   Eigen::Vector3f Reflectance(const SceneHit& hit, const Eigen::Vector3d& point_in_world) const;
 
-  // Linear light of red, green and blue at points that are close together: reflectance times the
-  // incident light. Light sources are soft ambient daylight, brighter from above, and point lights
-  // with Lambert shading and shadows.
+  // Linear light of red, green and blue at neighbouring points: reflectance times incident light.
+  // Lights are ambient daylight, brighter from above, and point lights with Lambert shading and
+  // shadows.
   std::vector<Eigen::Vector3f> Light(const std::vector<ScenePoint>& points) const;
 
   std::vector<PointLight> lights;
   Eigen::AlignedBox3d camera_space;  // space of camera paths
-  // Corners of the loop that camera paths follow. Empty: paths are free in `camera_space`.
+  // Corners of the closed route of camera paths. Empty: free paths in `camera_space`.
   std::vector<Eigen::Vector3d> route;
   std::vector<Eigen::Vector3d> targets;  // points that camera paths look at
-  std::vector<SceneCell> cells;          // empty: all targets can be selected from everywhere
+  std::vector<SceneCell> cells;          // empty: all targets are visible from everywhere
 
  private:
   struct Placement {
@@ -151,7 +147,7 @@ class Scene {
     double radius;
     Eigen::AlignedBox3d box_in_world;
   };
-  // Bounds of consecutively added objects, which are close together.
+  // Bounds of consecutive objects, which are neighbours.
   struct Group {
     Eigen::AlignedBox3d box_in_world;
     Eigen::Vector3d center_in_world;
@@ -187,11 +183,11 @@ struct BuildingOptions {
 //   wall          the textured plane y = 2 m
 //   sphere        a ball of radius 0.5 m at (0, 2, 1) above the floor z = 0
 //   corridor      floor, ceiling (z = 2.4 m) and two walls (x = -1 and 1 m), unbounded along y
-// All scenes have z up. Except for the rooms, the seed changes the textures only.
+// All scenes have z up. In scenes without rooms, the seed changes only the textures.
 std::vector<std::string> SceneNames();
 
-// Creates a scene. Throws InputError for an unknown name, with the list of names, and for invalid
-// options.
+// Creates a scene. Throws InputError for invalid options, and for an unknown name with the list of
+// names.
 Scene MakeScene(const std::string& name, std::uint64_t seed = 1,
                 const BuildingOptions& building = {});
 

@@ -27,36 +27,32 @@ struct Prediction;
 struct PreprocessedFrame;
 struct Tracked;
 
-// SLAM: the pipeline from frames to poses and a map, and its state. Depends on tracking, mapping,
-// loop closure and calibration. Does not read or write files. Read Slam::Process() in
-// src/slam/slam.cc first.
+// SLAM: the pipeline from frames to poses and a map. Does not read or write files. Read
+// Slam::Process() in src/slam/slam.cc first.
 
-// Options of SLAM.
 struct SlamOptions : TrackingOptions {
   PreprocessOptions preprocess;
   FusionOptions fusion;
   RenderOptions render;
-  // Every map_period-th tracked frame is fused and gets a new model view. 1: all frames. At 30 Hz,
-  // the views of consecutive frames are almost equal. With photometric residuals, each frame gets
-  // its own view.
+  // Fusion period: every map_period-th tracked frame is fused and gets a new model view. 1: all
+  // frames. With photometric residuals, each frame gets its own view.
   int map_period = 2;
   LoopOptions loops;
   CalibrationOptions calibration;
   // Frames arrive at the rate of a camera. Tracking does not wait for loop closure or calibration,
-  // so the result depends on the machine. Only relocalisation waits for the current loop closure
-  // task.
+  // so the result depends on the machine. Only relocalisation waits for the current loop task.
   bool real_time = false;
   // Every hold_out-th frame is tracked, but not fused, for the evaluation of the map. The first
-  // frame of a map is always fused. 0: all frames can be fused. 1 is invalid.
+  // frame of a map is always fused. 0: off. 1 is invalid.
   int hold_out = 0;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Wall time of each stage.
+// Wall time of each stage of a frame.
 struct StageTimes {
   double preprocess_ms = 0;
-  double predict_ms = 0;  // rendering, for this frame or in advance for the next frame
+  double predict_ms = 0;  // rendering for this frame or the next one
   double track_ms = 0;
   double fuse_ms = 0;
   double correct_ms = 0;  // corrections by loop closures and calibrations
@@ -67,89 +63,94 @@ struct FrameReport {
   int index = 0;
   double stamp_s = 0;
   FrameState state = FrameState::kLost;
-  Rigid3d world_from_camera;  // undefined if lost
-  bool found_by_search =
-      false;  // found by search: global registration, relocalisation or confirmation
-  bool has_own_view = false;  // the reference view was rendered for this frame
-  bool is_fused = false;      // fused into the map
-  bool is_held_out = false;   // tracked, and excluded from fusion by SlamOptions::hold_out
-  // Ratio of the points on moving objects, which are neither registered nor fused.
+  Rigid3d world_from_camera;     // undefined if lost
+  bool found_by_search = false;  // pose by global registration, relocalisation or confirmation
+  bool has_own_view = false;     // the model view was rendered for this frame
+  bool is_fused = false;
+  bool is_held_out = false;  // excluded from fusion by SlamOptions::hold_out
+  // Ratio of points on moving objects. These points are neither registered nor fused.
   double moving_ratio = 0;
-  // The feature check found two motions: the camera may be registered to a moving object. If most
+  // The tracked features have two motions: the camera may be registered to a moving object. If most
   // features contradict the pose, the frame is lost.
   bool has_two_motions = false;
   Image<std::uint8_t> moving;  // cells with moving objects: not 0; empty without moving objects
   IcpResult icp;               // last registration of a tracked or lost frame
   FusionReport fusion;         // if fused
-  std::optional<PosedFrame> confirmed;  // previous lost frame, if this frame has confirmed its pose
+  std::optional<PosedFrame> confirmed;  // earlier lost frame whose pose this frame has confirmed
   StageTimes times;
 
   bool HasPose() const { return state != FrameState::kLost; }
 };
 
-// Dense SLAM by point-based fusion: each frame is registered to a model view, and every
-// SlamOptions::map_period-th frame is fused into the map at its pose. With loop closure, the map is
-// deformed with the corrected poses.
+// Dense SLAM by point-based fusion. Frames are registered to a rendered view of the map, and fused
+// into the map. Loop closures correct the poses and deform the map. Poses are world_from_camera in
+// m; camera axes are x right, y down, z forward.
 //
 // Not thread-safe. Uses up to ThreadLimit threads, and one background thread each for loop closure
 // and calibration.
 class Slam {
  public:
-  // The camera of the sensor has fy > 0. Throws InputError for an invalid sensor or invalid
-  // options.
+  // Starts with an empty map. The pose of the first frame is `world_from_first_camera`. The
+  // camera of the sensor must have fy > 0, which is not checked. Throws
+  // InputError for an invalid sensor or invalid options.
   Slam(const DepthSensor& sensor, const SlamOptions& options,
        const Rigid3d& world_from_first_camera);
-  // Continues from the state of another Slam of the same sensor. Loop closure must be enabled, and
-  // tracking must be frame_to_model. The camera pose is unknown: the camera is relocalised by
-  // keyframes, or tracked from the last pose if the first frame follows within 1 s. The next frame
-  // must confirm the first pose. Frame indices must be larger than those of the state. Throws
-  // InputError for options that do not meet these conditions, and for a state without keyframes.
+  // Continues from the state of another Slam of the same sensor. The camera is relocalised by
+  // keyframes. If the first frame follows within 1 s, the camera may also be tracked from the last
+  // pose. The second frame must confirm this pose. Frame indices must be larger than those of the
+  // state.
+  //
+  // Throws InputError for invalid options, disabled loop closure, frame-to-frame tracking, or a
+  // state without keyframes.
   Slam(const DepthSensor& sensor, const SlamOptions& options, SlamState state, StateUse use);
   ~Slam();
 
-  // Tracks and fuses the next frame. Frames must have increasing indices and timestamps. Aborts if
-  // an image does not have the size of the sensor. Throws the exception of a failed loop closure or
-  // calibration.
+  // Tracks and fuses the next frame. Frames must have increasing indices and timestamps. The frame
+  // may be lost: see FrameReport::state. Aborts if an image does not have the size of the sensor.
+  // Throws the exception of a failed loop closure or calibration.
   FrameReport Process(const RgbdFrame& frame);
 
-  // Fuses the next frame at a given pose. Ends calibration, because given poses are not corrected
-  // by it. Aborts as Process().
+  // Fuses the next frame at a given pose, without tracking. Ends calibration, because a calibration
+  // would also change given poses. Aborts and throws like Process().
   FrameReport ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera);
 
-  // Sets a callback for the report of each frame as soon as its outcome is known. The report has no
-  // fusion, `confirmed` and times yet. The callback runs on the thread of Process(). It must not
-  // throw or call this object.
+  // Sets a callback for the report of each frame, called as soon as the pose is known. At this
+  // time, the report lacks `fusion`, `confirmed` and `times`. The callback runs on the thread of
+  // Process(). It must not throw or call this object.
   void OnPose(std::function<void(const FrameReport&)> call);
 
-  // Sets a callback for each frame whose registration and search have failed.
+  // Sets a callback for each frame whose tracking and global registration have failed. It runs on
+  // the thread of Process(). References in LostFrame are valid during the call.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
-  // Replaces FindLoops(). Aborts unless loops are enabled and no frame was processed. Call it
-  // before OnKeyframe(), whose callback it discards.
+  // Replaces FindLoops() for loop closure. Call before OnKeyframe(), because this function removes
+  // the keyframe callback. Aborts if loops are disabled or a frame has a pose.
   void UseLoopFinder(LoopFinder finder);
 
-  // Sets a callback for each new keyframe. Loops must be enabled.
+  // Sets a callback for each new keyframe, called by the thread of Process(). Requires enabled
+  // loops.
   void OnKeyframe(KeyframeCall call);
 
-  // Sets the period of fusion for the following frames, instead of SlamOptions::map_period: a
-  // longer period fuses fewer frames if they arrive too fast. Frames after lost or weakly
-  // constrained frames are then no longer fused out of turn. Throws InputError unless `frames` is
-  // at least 1.
+  // Replaces SlamOptions::map_period for the following frames. Use a longer period if frames arrive
+  // too fast. Frames after lost or weakly constrained frames are then not fused out of turn. Throws
+  // InputError unless `frames` is at least 1.
   void SetMapPeriod(int frames);
 
   // Completes loop closure and calibration, and applies their corrections. Call after the last
-  // frame.
+  // frame. Throws the exception of a failed task.
   void Finish();
 
-  // The map changes with each frame. The reference is valid until this object is destroyed.
+  // Map in the world frame. It changes with each frame. The reference is valid until this object is
+  // destroyed.
   const SurfelMap& map() const;
   // Number of duplicate surfels that corrections have merged.
   std::size_t merged_duplicates() const;
-  // Number of map changes other than fusion: corrections by loop closures and calibrations.
+  // Number of map corrections by loop closures and calibrations.
   int corrections_of_map() const;
-  // Sensor with the estimated calibration.
+  // Input sensor with the estimated calibration.
   DepthSensor sensor() const;
-  // Null without loops and calibration.
+  // Null without loops and calibration. Valid until UseLoopFinder(), or until this object is
+  // destroyed.
   const Backend* backend() const;
 
  private:
@@ -170,7 +171,7 @@ class Slam {
   void Fuse(const PreprocessedFrame& frame, const Tracked& tracked, FrameReport* report,
             StageTimes* times);
   bool IsHeldOut(const Tracked& tracked) const;
-  // Back end that stores the frames: null without loops and calibration, and for localisation.
+  // Back end that stores frames. Null without loops and calibration, and in localisation.
   Backend* keeper() const { return use_ == StateUse::kLocalize ? nullptr : backend_.get(); }
 
   const DepthSensor sensor_;  // input sensor

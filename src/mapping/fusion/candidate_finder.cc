@@ -18,7 +18,7 @@ namespace {
 
 using BlockPixels = CandidateFinder::BlockPixels;
 
-// Computes the pixels of the surfels. Returns the mask of the surfels inside the image.
+// Computes the pixels of the surfels. Returns the mask of the surfels in the image.
 std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera, BlockPixels* found) {
   FindCentres(block, camera, &found->centre);
   const BlockCentres& c = found->centre;
@@ -51,7 +51,6 @@ void Gather(std::uint64_t mask, const std::vector<MeasuredPoint>& points,
   });
 }
 
-// Returns the mask of the surfels in observed free space.
 std::uint64_t FindFreeSpaceViolations(BlockPixels* p) {
   PerSurfel<std::uint8_t> through;
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
@@ -60,7 +59,7 @@ std::uint64_t FindFreeSpaceViolations(BlockPixels* p) {
   return MaskOf(through);
 }
 
-// Returns the mask of the surfels that pass the merge gate with the point of their pixel.
+// Returns the mask of the surfels that match the point of their pixel.
 template <typename Instructions>
 std::uint64_t FindMatches(const MergeGate& gate, BlockPixels* p) {
   using Numbers = Lanes<float, Instructions>;
@@ -79,8 +78,7 @@ std::uint64_t FindMatches(const MergeGate& gate, BlockPixels* p) {
 
 }  // namespace
 
-// Prefetches the measurements of the pixels of a block. Returns the mask of active surfels inside
-// the image.
+// Prefetches the measurements of a block. Returns the mask of active surfels in the image.
 std::uint64_t CandidateFinder::Project(const SurfelBlock& block, BlockPixels* p) const {
   const std::uint64_t inside =
       WithInstructions([&](auto) { return FindPixels(block, camera_, p); }) &
@@ -111,7 +109,7 @@ void CandidateFinder::Judge(std::uint64_t inside, std::int32_t first_id, SurfelB
 
 void CandidateFinder::Find(const std::vector<std::int32_t>& blocks, SurfelMap* map,
                            std::vector<Candidate>* candidates) const {
-  BlockPixels two[2] = {};  // initialised, because lanes without a pixel are computed, too
+  BlockPixels two[2] = {};  // initialised: lanes without a pixel are computed
   std::uint64_t inside[2];
   const std::size_t count = blocks.size();
   for (std::size_t i = 0; i <= count; ++i) {

@@ -9,11 +9,10 @@
 namespace surfit {
 namespace {
 
-constexpr float kHiddenBehind = 1.05f;  // maximum depth relative to the depth of an occluder
+constexpr float kHiddenBehind = 1.05f;
 
 enum class Missing { kIsPassedOver, kHides };
 
-// Occlusion test against a depth image.
 class OcclusionTest {
  public:
   OcclusionTest(const DepthPicture& picture, Missing missing)
@@ -71,7 +70,7 @@ void ColorAverage::Add(const FrameColors& colors, const PosedCamera& camera,
     for (const std::int32_t b : map_.cell(cells[i]).blocks) {
       const SurfelBlock& block = map_.block(b);
       ColorBatch seen;
-      int places[SurfelBlock::kCapacity];  // of the visible surfels
+      int places[SurfelBlock::kCapacity];
       for (int k = 0; k < block.count; ++k) {
         const Eigen::Vector3f in_world = block.Position(k);
         const Eigen::Vector3f point = camera.rotation * in_world + camera.translation;

@@ -9,25 +9,23 @@
 
 namespace surfit {
 
-// A depth image (m, 0: no depth) and its camera.
 struct DepthPicture {
   const Image<float>& depth_m;
   const PosedCamera& camera;
 };
 
-// New colours of a map with constant geometry: averages over frames with the weights of
-// FrameColors.
+// New colours of a map with fixed geometry: averages over frames with the weights of FrameColors.
 class ColorAverage {
  public:
-  // Keeps a reference. The map may only be changed by WriteTo().
+  // Keeps a reference. The map must not change, except by WriteTo().
   explicit ColorAverage(const SurfelMap& map);
 
-  // Adds the colours of a frame. `drawn` is the rendered depth of the map, and `measured` is the
-  // depth of the frame. Their resolutions should be similar.
+  // Adds the colours of a frame. `drawn` is the rendered depth of the map, `measured` the depth of
+  // the frame.
   //
   // A surfel is occluded if it is more than 5 % behind the smallest depth within one pixel, in
-  // either image. The margin of one pixel excludes mixed colours at the rims of objects. Surfels
-  // without measured depth are occluded, too: the map lacks black and shiny objects.
+  // either image. Surfels without measured depth are treated as occluded, because the map lacks
+  // black and shiny objects.
   void Add(const FrameColors& colors, const PosedCamera& camera, const DepthPicture& drawn,
            const DepthPicture& measured);
 

@@ -9,10 +9,9 @@
 namespace surfit {
 namespace {
 
-// Prefetch distance in pixels.
 constexpr int kPixelsSoon = 24;
 
-// Sets the colours of observations, in the order of the calls of Add().
+// Sets the colours of observations in the order of Add().
 class ColorsOfSurfels {
  public:
   // The observations must be contiguous and must not move.
@@ -24,7 +23,6 @@ class ColorsOfSurfels {
     if (batch_.count == ColorBatch::kCapacity) Flush();
   }
 
-  // Call this after the last Add(), too.
   void Flush() {
     colors_.LookUp(&batch_);
     for (int k = 0; k < batch_.count; ++k, ++next_) {
@@ -63,7 +61,7 @@ FrameObservations::Counts FrameObservations::Gather(
       for (int u = 0; u < width; ++u) {
         const int soon = std::min(u + kPixelsSoon, width - 1);
         if (choosing[soon] != 0) __builtin_prefetch(choice.OfPixel(v * width + soon));
-        if (choosing[u] == 0) continue;  // the point of this pixel is assigned elsewhere
+        if (choosing[u] == 0) continue;  // assigned to another surfel
         Candidate* const candidate = choice.OfPixel(v * width + u);
         PointAverage sum(max_radius_ratio_ * candidate->radius_m);
         ForEachBit(choosing[u], [&](int k) {

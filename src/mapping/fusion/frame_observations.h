@@ -12,10 +12,10 @@
 
 namespace surfit {
 
-// Average of the points that are assigned to a surfel, as one observation. Branch-free.
+// Averages the points of a surfel to one observation.
 class PointAverage {
  public:
-  // Points with a larger radius and points at depth edges do not affect the shape.
+  // Coarser points and points at depth edges do not affect the shape.
   explicit PointAverage(float max_radius_m)
       : max_radius_m_(max_radius_m), radius_m_(max_radius_m) {}
 
@@ -57,15 +57,15 @@ class PointAverage {
   const float max_radius_m_;
   float radius_m_;
   float weight_ = 0, shape_weight_ = 0;
-  Four first_ = {}, last_ = {};  // x, y, z, nx; z, nx, ny, nz
+  Four first_ = {}, last_ = {};
   bool at_edge_ = true;
 };
 
 class FrameObservations {
  public:
   struct Counts {
-    int points = 0;   // points assigned to a surfel
-    int surfels = 0;  // surfels with at least one point
+    int points = 0;
+    int surfels = 0;
     Counts& operator+=(const Counts& other) {
       points += other.points;
       surfels += other.surfels;
@@ -73,13 +73,10 @@ class FrameObservations {
     }
   };
 
-  // Points whose radius is larger than `max_radius_ratio` times the surfel radius do not affect the
-  // shape.
+  // Points coarser than `max_radius_ratio` times the surfel radius do not affect the shape.
   explicit FrameObservations(float max_radius_ratio) : max_radius_ratio_(max_radius_ratio) {}
 
-  // Averages the points of each chosen candidate and sets Candidate::seen, which is valid until the
-  // next call. Works in image order, because gathering by surfel spends half of its time waiting
-  // for memory.
+  // Averages the points of each chosen candidate, and sets Candidate::seen until the next call.
   Counts Gather(const RgbdFrame& frame, const FrameColors& colors,
                 const std::vector<MeasuredPoint>& points, const Image<float>& weights,
                 const PosedCamera& camera, const SurfelAssignment& choice);

@@ -21,10 +21,9 @@
 namespace surfit {
 namespace {
 
-// Prefetch distance in candidates.
 constexpr int kCandidatesAhead = 16;
 
-// Drops new surfels that exceed the size limit of the map. Returns the number of dropped surfels.
+// Drops new surfels above the limit of the map size. Returns their number.
 int DropAboveLimit(int max_map_points, std::size_t map_points, std::vector<Surfel>* added) {
   if (max_map_points == 0) return 0;
   const auto most = static_cast<std::size_t>(max_map_points);
@@ -39,7 +38,7 @@ int DropAboveLimit(int max_map_points, std::size_t map_points, std::vector<Surfe
 
 class FrameWindow {
  public:
-  // Window of the newest frame and `frames` frames before it.
+  // Window of the last `frames` + 1 frames.
   explicit FrameWindow(int frames) : most_(static_cast<std::size_t>(frames) + 1) {}
 
   void Push(int index) {
@@ -47,7 +46,7 @@ class FrameWindow {
     if (indices_.size() > most_) indices_.pop_front();
   }
 
-  // Index of the first frame in the window. The minimum of int if there were fewer frames.
+  // First frame index of the window; minimum of int if it is not full.
   int Begin() const {
     return indices_.size() == most_ ? indices_.front() : std::numeric_limits<int>::min();
   }
@@ -57,7 +56,7 @@ class FrameWindow {
   std::deque<int> indices_;
 };
 
-// State of the fusion of one frame. Keeps its buffers between frames.
+// State of the fusion of one frame.
 struct Fusion::Workspace {
   explicit Workspace(const FusionOptions& fusion_options)
       : options(fusion_options),
@@ -83,14 +82,14 @@ struct Fusion::Workspace {
   SurfelAssignment choice;
   FrameObservations sightings;
   const RgbdFrame* frame = nullptr;
-  FrameWindow awake;   // surfels last seen before this window can be removed
-  FrameWindow active;  // surfels last seen before this window are not fused
+  FrameWindow awake;  // older surfels can be noise
+  FrameWindow active;
   Image<float> weights;
-  double weights_cx = 0, weights_cy = 0;  // principal point of `weights`
-  std::vector<MeasuredPoint> points;      // per pixel
-  Image<float> free_depth_m;              // per pixel
-  std::vector<std::int32_t> cells;        // indices of the map cells to process
-  std::vector<CandidateList> candidates;  // per entry of `cells`
+  double weights_cx = 0, weights_cy = 0;
+  std::vector<MeasuredPoint> points;  // per pixel
+  Image<float> free_depth_m;          // per pixel
+  std::vector<std::int32_t> cells;
+  std::vector<CandidateList> candidates;
 };
 
 Fusion::Fusion(const FusionOptions& options)
@@ -157,13 +156,13 @@ int Fusion::Workspace::ActiveSince() const {
   return options.active_frames == 0 ? std::numeric_limits<int>::min() : active.Begin();
 }
 
-// True if the set may contain surfels that MarkInactive() marks.
+// False if MarkInactive() would mark no surfel.
 bool Fusion::Workspace::MayBeInactive(const SurfelBounds& bounds) const {
   return bounds.least_last_seen < awake.Begin() &&
          bounds.least_confidence < options.min_inactive_confidence;
 }
 
-// Marks surfels with low confidence outside of the window `awake` for removal. Updates the bounds.
+// Marks noise: surfels with low confidence outside of the window `awake`. Updates the bounds.
 void Fusion::Workspace::MarkInactive(SurfelBlock* block) const {
   constexpr int kCapacity = SurfelBlock::kCapacity;
   const float lasting = options.min_inactive_confidence;
@@ -184,9 +183,8 @@ void Fusion::Workspace::MarkInactive(SurfelBlock* block) const {
   });
 }
 
-// Filter passes 1 and 2: surfels that project into the image (pass 1) and pass the merge gate with
-// the point of their pixel (pass 2). Marks unobserved surfels and free-space violations for
-// removal.
+// Finds surfels in the image that pass the merge gate with the point of their pixel. Marks noise
+// and free-space violations for removal.
 void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map) {
   const CandidateFinder finder(camera, points, free_depth_m, gate, ActiveSince());
   cells.clear();
@@ -221,7 +219,6 @@ void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map
 std::vector<Surfel> Fusion::Workspace::NewSurfels(const PosedCamera& camera,
                                                   const FrameColors& colors) {
   const std::vector<std::vector<int>>& bands = choice.SelectNew(points);
-  // Index of the first surfel per band. The last entry is the total.
   std::vector<std::size_t> begins = {0};
   for (const std::vector<int>& of_band : bands) begins.push_back(begins.back() + of_band.size());
   std::vector<Surfel> added(begins.back());
@@ -248,7 +245,6 @@ Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, int pixel) const 
   return surfel;
 }
 
-// Colours of new surfels at pixels; black without a colour.
 void Fusion::Workspace::SetColors(const FrameColors& colors, const std::vector<int>& pixels,
                                   Surfel* surfels) const {
   ColorBatch batch;
@@ -266,7 +262,7 @@ void Fusion::Workspace::SetColors(const FrameColors& colors, const std::vector<i
   }
 }
 
-// Merges candidates with their observations. Marks superfluous candidates for removal.
+// Merges candidates with their observations. Marks duplicate candidates for removal.
 void Fusion::Workspace::MergePoints(SurfelMap* map) const {
   ParallelFor(0, static_cast<int>(candidates.size()), 1, [&](int list, int) {
     MergePoints(candidates[list].candidates, map);

@@ -11,7 +11,6 @@
 namespace surfit {
 namespace {
 
-// Depth up to which a pixel with this measured depth has observed free space.
 float FreeDepth(float depth_m, const DepthNoise& noise, const FusionOptions& options) {
   if (!(depth_m > 0)) return 0.f;
   const float sigma = static_cast<float>(noise.inverse_depth_sigma) * depth_m * depth_m;
@@ -88,8 +87,8 @@ class Points {
     return {ray_x_[u] * depth, ray_y_[v] * depth, depth};
   }
 
-  // Normal of the neighbour whose plane is nearest to the point, within half a sigma of the depth.
-  // Zero if there is none.
+  // Normal of the neighbour whose plane is nearest to the point; zero if none is within half a
+  // sigma.
   Eigen::Vector3f NormalOfNeighbour(int u, int v, const Eigen::Vector3f& point) const {
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     float nearest = 0.5f * sigma_ * point.z() * point.z();
@@ -110,8 +109,8 @@ class Points {
   const FrameLevel& surface_;
   const float pixel_size_;
   const float max_slant_scale_;
-  const float sigma_;                 // of inverse depth
-  std::vector<float> ray_x_, ray_y_;  // components of the rays with z = 1, by column and by row
+  const float sigma_;  // of inverse depth
+  std::vector<float> ray_x_, ray_y_;
 };
 
 }  // namespace

@@ -9,31 +9,29 @@
 
 namespace surfit {
 
-// Point of a pixel, aligned to fit into one cache line.
+// Point of a pixel, aligned to one cache line.
 struct alignas(32) MeasuredPoint {
-  Patch patch = {};  // in the camera frame; valid if radius_m > 0
-  // sqrt(2) z / f / |n_z|, limited at grazing angles: radius of the disc that covers the footprint
-  // of the pixel. 0: no point.
+  Patch patch = {};
+  // Radius of the disc that covers the pixel footprint: sqrt(2) z / f / |n_z|, limited at grazing
+  // angles. 0: no point.
   float radius_m = 0;
-  bool at_edge = false;  // the normal comes from a neighbouring pixel
+  bool at_edge = false;
 
   Eigen::Vector3f position() const { return {patch.x, patch.y, patch.z}; }
   Eigen::Vector3f normal() const { return {patch.nx, patch.ny, patch.nz}; }
 };
 
-// Computes the points of a frame, row by row. Reuses the memory of `points`.
+// Computes the points of a frame in raster order. Reuses the memory of `points`.
 void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const FusionOptions& options,
                    std::vector<MeasuredPoint>* points);
 
-// Upper bound of the free depth per pixel, m: surfels with a smaller depth violate free space. It
-// is the minimum over the 3 x 3 neighbourhood of measured depth minus margin; 0 if a depth is
-// missing.
+// Free depth per pixel, m: surfels with a smaller depth violate free space. Minimum of the measured
+// depth minus margin over 3 x 3 pixels; 0 if a depth is missing.
 Image<float> FreeDepths(const Image<float>& depth_m, const DepthNoise& noise,
                         const FusionOptions& options);
 
-// Weight of the point of each pixel: exp(-g^2 / (2 * 0.6^2)) (Keller et al.). g is the distance
-// from the principal point, relative to the distance of the farthest corner. 1 with uniform
-// weighting.
+// Weights of the points: exp(-g^2 / (2 * 0.6^2)) (Keller et al.), 1 for uniform weighting. g is the
+// distance from the principal point, relative to the farthest corner.
 Image<float> PointWeights(const PinholeCamera& camera, const FusionOptions& options);
 
 }  // namespace surfit

@@ -9,24 +9,21 @@
 
 namespace surfit {
 
-// One value per surfel of a block. Loops over all of them are branch-free, so that the compiler
-// vectorises them; see WithInstructions().
+// One value per surfel of a block.
 template <typename T>
 using PerSurfel = T[SurfelBlock::kCapacity];
 
-// Mask of the flags that are 1. Flags must be 0 or 1.
 inline std::uint64_t MaskOf(const PerSurfel<std::uint8_t>& flags) {
   std::uint64_t mask = 0;
   for (int byte = 0; byte < 8; ++byte) {
     std::uint64_t eight;
     std::memcpy(&eight, &flags[8 * byte], 8);
-    // Bit k of the highest byte is bit 0 of byte k.
+    // moves bit 0 of byte k to bit k of the highest byte
     mask |= (eight * 0x0102040810204080u) >> 56 << (8 * byte);
   }
   return mask;
 }
 
-// Mask of the surfels in use.
 inline std::uint64_t MaskOfAll(const SurfelBlock& block) {
   return ~std::uint64_t{0} >> (SurfelBlock::kCapacity - block.count);
 }
@@ -39,14 +36,12 @@ inline std::uint64_t MaskOfActive(const SurfelBlock& block, int frame) {
   return MaskOf(seen);
 }
 
-// Calls f(k) for all set bits in ascending order.
 template <typename F>
 void ForEachBit(std::uint64_t mask, const F& f) {
   for (; mask != 0; mask &= mask - 1) f(__builtin_ctzll(mask));
 }
 
-// Minimum of the values. Eight partial minima, because the compiler must not reorder floating-point
-// comparisons for vectorisation.
+// Minimum of the values.
 inline float LeastOf(const PerSurfel<float>& numbers) {
   float least[8];
   for (int j = 0; j < 8; ++j) least[j] = numbers[j];
@@ -57,7 +52,6 @@ inline float LeastOf(const PerSurfel<float>& numbers) {
   return least[0];
 }
 
-// Recomputes the bounds of the positions after merging.
 inline void BoundPositions(SurfelBlock* block) {
   WithInstructions([&](auto) {
     const PerSurfel<float>* const positions[] = {&block->x, &block->y, &block->z};
@@ -81,8 +75,7 @@ inline void Fetch(const void* begin, const void* end) {
   }
 }
 
-// Prefetch parts of a block. Blocks are scattered in memory and too short for the hardware
-// prefetcher.
+// Prefetch parts of a block.
 inline void FetchShapes(const SurfelBlock& block) { Fetch(&block, block.first_seen); }
 inline void FetchAll(const SurfelBlock& block) { Fetch(&block, &block + 1); }
 inline void FetchAges(const SurfelBlock& block) {

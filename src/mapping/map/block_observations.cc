@@ -46,7 +46,6 @@ void BlockObservations::MergeInto(SurfelBlock* block, float max_confidence) cons
   block->at_edge &= ~within_mask_;
 }
 
-// Uses the confidences before the merge.
 void BlockObservations::MergeShapes(SurfelBlock* block) const {
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
     const bool moves = shape_weight_[k] > 0.f;

@@ -5,8 +5,8 @@
 namespace surfit {
 
 // Transposes eight records of eight floats to eight vectors and back: lane j of columns[i] is
-// records[j][i]. Records need no alignment. The loaded vectors combine halves of the records k and
-// k + 4, so that no shuffle crosses the 128-bit halves of a vector.
+// records[j][i]. Vectors combine halves of the records k and k + 4, so no shuffle crosses the
+// 128-bit halves.
 template <typename Instructions>
 class EightRecords {
  public:
@@ -36,7 +36,6 @@ class EightRecords {
   }
 
  private:
-  // Transposes the 4 x 4 matrices in both halves of the vectors.
   static void TransposeHalves(const V (&a)[4], V* b) {
     const V low01 = __builtin_shufflevector(a[0].v, a[1].v, 0, 8, 1, 9, 4, 12, 5, 13);
     const V high01 = __builtin_shufflevector(a[0].v, a[1].v, 2, 10, 3, 11, 6, 14, 7, 15);

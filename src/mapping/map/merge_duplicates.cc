@@ -21,10 +21,10 @@ struct GridSurfel {
   std::int32_t last_seen = 0;
 };
 
-// Surfels within a box, sorted into cubes, for vectorised neighbour searches.
+// Surfels of a box, sorted by cube, for vectorised neighbour searches.
 class SurfelGrid {
  public:
-  // Cubes have the side `cube_m`, or a larger one to limit their number. All surfels must be inside
+  // The side of a cube is `cube_m`, or larger to limit the number of cubes. All surfels must be in
   // the box.
   SurfelGrid(const Eigen::Vector3f& low, const Eigen::Vector3f& high, float cube_m,
              const std::vector<GridSurfel>& surfels)
@@ -45,8 +45,8 @@ class SurfelGrid {
     for (std::size_t i = 0; i < surfels.size(); ++i) Set(next[cube_of[i]]++, surfels[i]);
   }
 
-  // Calls f(begin, end) for ranges of places in sorted order. The ranges contain all surfels within
-  // `margin` of the position along each axis, and some others.
+  // Calls f(begin, end) for ranges of places in sorted order. They contain all surfels within
+  // `margin` of the position per axis, and some others.
   template <typename F>
   void ForEachRowAround(const Eigen::Vector3f& position, const Eigen::Vector3f& margin,
                         const F& f) const {
@@ -61,13 +61,13 @@ class SurfelGrid {
     }
   }
 
-  // Patches of one vector of surfels, starting at `place`. Lanes after the last surfel are NaN.
+  // Vector of patches from `place`. NaN after the last surfel.
   template <typename Number>
   PatchOf<Number> Patches(int place) const {
     const auto load = [&](int i) { return Number::Load(&numbers_[i][place]); };
     return {load(0), load(1), load(2), load(3), load(4), load(5)};
   }
-  // Frames in which these surfels were last seen. Integers, exact up to 2^24.
+  // Frames of the last observations; exact integers up to 2^24.
   template <typename Number>
   Number LastSeen(int place) const {
     return Number::Load(&numbers_[6][place]);
@@ -77,7 +77,7 @@ class SurfelGrid {
  private:
   using Cube = Eigen::Vector3i;
   static constexpr int kMaxCubes = 64;  // along each axis
-  static constexpr int kPadding = 8;    // lanes that are read after the last surfel
+  static constexpr int kPadding = 8;
   static constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();  // passes no gate
 
   void Set(int place, const GridSurfel& surfel) {
@@ -97,13 +97,13 @@ class SurfelGrid {
   Eigen::Vector3f low_;
   float per_metre_ = 0;
   Cube size_ = Cube::Ones();
-  std::array<std::vector<float>, 7> numbers_;  // x y z nx ny nz, last_seen
+  std::array<std::vector<float>, 7> numbers_;
   std::vector<std::int32_t> ids_;
-  std::vector<int> begin_;  // first place of each cube; the last entry is the number of surfels
+  std::vector<int> begin_;
 };
 
 constexpr std::int32_t kNobody = -1;
-// A trade-off: larger cubes contain many surfels, smaller cubes are empty.
+// trade-off: larger cubes have many surfels, smaller cubes are empty
 constexpr float kSpacingsPerCube = 3;
 
 Patch PatchAt(const SurfelBlock& block, int k) {
@@ -120,14 +120,12 @@ struct NewerSurfel {
   float radius_m;
 };
 
-// Newer surfels of a cell, and the box that contains their older duplicates.
 struct NewerOfCell {
   std::vector<NewerSurfel> surfels;
   Eigen::Vector3f low, high;
   std::int32_t most_first_seen = std::numeric_limits<std::int32_t>::min();
 };
 
-// Finds older duplicates of newer surfels.
 class DuplicateFinder {
  public:
   DuplicateFinder(const FusionOptions& options, const DuplicateOptions& doubles,
@@ -138,7 +136,7 @@ class DuplicateFinder {
         duplicates_(doubles),
         map_(map) {}
 
-  // Older duplicate per surfel id, or kNobody. Chains lead from newer to older surfels.
+  // Older duplicate by surfel id; kNobody: none. Chains lead from newer to older surfels.
   std::vector<std::int32_t> FindAll() const {
     std::vector<std::int32_t> older(map_.id_end(), kNobody);
     ParallelFor(0, map_.cell_count(), 1, [&](int cell, int) {
@@ -181,7 +179,7 @@ class DuplicateFinder {
     return newer;
   }
 
-  // True if a set of surfels may contain older duplicates.
+  // False if the set has no older duplicate.
   bool MayHaveOlder(const SurfelBounds& bounds, const NewerOfCell& newer) const {
     if (newer.most_first_seen - bounds.least_last_seen <= duplicates_.frames_apart) return false;
     for (int axis = 0; axis < 3; ++axis) {
@@ -222,14 +220,13 @@ class DuplicateFinder {
     });
   }
 
-  // Nearest older duplicate. Ties are resolved by grid order.
+  // Nearest older duplicate. For equal distances, the first in grid order.
   template <typename Number>
   std::int32_t NearestTo(const NewerSurfel& newer, const SurfelGrid& grid) const {
     const Patch& p = newer.patch;
     const PatchOf<Number> patch = {p.x, p.y, p.z, p.nx, p.ny, p.nz};
     const Number radius_m = newer.radius_m,
                  seen_before = newer.first_seen - duplicates_.frames_apart;
-    // `from` is the first place of the vector that contains the minimum.
     Number least = MergeGate::kNever, from = 0.;
     const Eigen::Vector3f reach = gate_.Reach({p.nx, p.ny, p.nz});
     grid.ForEachRowAround(PositionOf(p), reach, [&](int begin, int end) {

@@ -9,7 +9,6 @@
 
 namespace surfit {
 
-// Position and normal of a point or surfel, or of several (Lanes).
 template <typename Number>
 struct PatchOf {
   Number x, y, z;
@@ -17,11 +16,10 @@ struct PatchOf {
 };
 using Patch = PatchOf<float>;
 
-// Decides if a point and a surfel belong to the same piece of surface. Number is float or Lanes.
+// Tests if a point and a surfel belong to the same surface. Number is float or Lanes.
 //
-// Depth noise moves a point p along its ray. On a slanted surface with normal n and centre s, this
-// also moves the point across the surface. Therefore the distances use the intersection of the ray
-// with the plane:
+// Depth noise moves a point p along its ray, so also across a slanted surface. Therefore, distances
+// use the intersection of the ray with the surfel plane (centre s, normal n):
 //   h = n . (p - s) along the normal,  a = p - s - h / (n . p) p across the surface.
 class MergeGate {
  public:
@@ -33,8 +31,8 @@ class MergeGate {
         min_cosine_(std::cos(options.merge_angle_rad)),
         duplicate_ratio_(options.duplicate_ratio) {}
 
-  // h^2 + a^2 between a measured point and a surfel in the camera frame; kNever if they do not
-  // match. Points with radius 0 and surfels without normal never match.
+  // h^2 + a^2 of a measured point and a surfel in the camera frame; kNever without a match. Radius
+  // 0 and missing normals never match.
   template <typename Number>
   Number SquaredDistanceOnRay(const PatchOf<Number>& point, const Number& point_radius_m,
                               const PatchOf<Number>& surfel) const {
@@ -46,14 +44,13 @@ class MergeGate {
     return IfMatching(reach, along * along, ax * ax + ay * ay + az * az, point, surfel);
   }
 
-  // Half size per axis of the box around a surfel with this normal that contains all matches of
+  // Half size of the box around a surfel with this normal that has all matches of
   // SquaredDistance().
   Eigen::Vector3f Reach(const Eigen::Vector3f& normal) const {
     const Eigen::Array3f across = (1 - normal.array().square()).max(0).sqrt();
     return max_distance_m_ * normal.array().abs() + max_spacing_m_ * across;
   }
 
-  // Squared distance between two patches without a viewing ray; kNever if they do not match.
   template <typename Number>
   Number SquaredDistance(const PatchOf<Number>& point, const Number& point_radius_m,
                          const PatchOf<Number>& surfel) const {
@@ -61,8 +58,7 @@ class MergeGate {
     return SquaredDistanceWithin(reach, point, surfel);
   }
 
-  // Squared distance of two duplicate surfels; kNever if the surfels are not duplicates. The
-  // distance gate is `duplicate_ratio` of the smaller radius, or of max_spacing_m if that is less.
+  // Squared distance of two duplicate surfels; kNever for other surfels.
   template <typename Number>
   Number SquaredDistanceOfDuplicates(const PatchOf<Number>& a, const Number& radius_a_m,
                                      const PatchOf<Number>& b, const Number& radius_b_m) const {

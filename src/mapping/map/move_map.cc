@@ -54,8 +54,7 @@ class RecalibratedMoves {
     constexpr double kMinDepthM = 0.01;
     const Frame& f = frames_[frame];
     const Eigen::Vector3d old_point = f.old_from_world * position->cast<double>();
-    // Merging can move a surfel out of the view of its first frame. It then moves rigidly with the
-    // frame.
+    // Merging can move a surfel out of the view of its first frame.
     if (old_point.z() < kMinDepthM) {
       *position = (f.world_from_new * old_point).cast<float>();
       return;
@@ -73,7 +72,6 @@ class RecalibratedMoves {
   Eigen::Vector3d Moved(const Eigen::Vector3d& point) const {
     return Recalibrated(point, recalibration_.from, recalibration_.to);
   }
-  // Normal of two transformed tangent vectors.
   Eigen::Vector3d MovedNormal(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
     const double step_m = 1e-3 * point.z();
     const Eigen::Vector3d a = step_m * normal.unitOrthogonal(), b = normal.cross(a);
@@ -93,7 +91,6 @@ void MoveSurfel(const Moves& moves, std::size_t frame, int k, SurfelBlock* block
   block->SetNormal(k, normal);
 }
 
-// Returns the number of moved surfels.
 template <typename Moves>
 std::size_t MoveBlock(const FrameCorrections& corrections, const Moves& moves, SurfelBlock* block) {
   std::size_t moved = 0;

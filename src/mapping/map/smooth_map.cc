@@ -15,15 +15,14 @@ namespace {
 constexpr int kPasses = 2;
 constexpr float kReachInRadii = 3, kMaxReach_m = 0.03f;
 constexpr float kStep_m = 0.001f;
-constexpr float kNormalsApart = 0.1f;  // 1 - their cosine
+constexpr float kNormalsApart = 0.1f;
 
 struct NearSurfel {
   Eigen::Vector3f position, normal;
-  float sigma_m;  // standard deviation along the normal
+  float sigma_m;
   float weight;
 };
 
-// Surfels in and around a cell of the map, sorted into cubes.
 class NeighbourGrid {
  public:
   NeighbourGrid(const Eigen::Vector3f& low, const Eigen::Vector3f& high,
@@ -36,7 +35,7 @@ class NeighbourGrid {
     for (const NearSurfel& one : neighbours) sorted_[next[IndexOf(CubeAt(one.position))]++] = one;
   }
 
-  // Calls f(neighbour) for all surfels within `reach_m` along each axis, and some others.
+  // Calls f(neighbour) for all surfels within `reach_m` per axis, and some others.
   template <typename F>
   void ForEachAround(const Eigen::Vector3f& position, float reach_m, const F& f) const {
     const Eigen::Vector3f margin = Eigen::Vector3f::Constant(reach_m);
@@ -64,7 +63,7 @@ class NeighbourGrid {
   const Eigen::Vector3f low_;
   const Cube size_;
   std::vector<NearSurfel> sorted_;
-  std::vector<int> begin_;  // first index of each cube; the last entry is the number of surfels
+  std::vector<int> begin_;
 };
 
 struct Moved {
@@ -123,7 +122,7 @@ class Smoothing {
     for (int k = 0; k < block.count; ++k) {
       const Surfel surfel = block[k];
       const Eigen::Vector3f& p = surfel.position_in_world;
-      // Normals at edges come from other pixels.
+      // normals at depth edges come from other pixels
       if (surfel.at_edge || !(p.array() >= low.array()).all() ||
           !(p.array() <= high.array()).all()) {
         continue;
@@ -132,7 +131,7 @@ class Smoothing {
     }
   }
 
-  // Standard deviation of the position along the normal. Uses radius = sqrt(2) z / f.
+  // Standard deviation along the normal. Uses radius = sqrt(2) z / f.
   float SigmaOf(const Surfel& surfel) const {
     const float z = surfel.radius_m * focal_px_ / std::sqrt(2.f);
     return inverse_depth_sigma_ * z * z / std::sqrt(std::max(surfel.confidence, 1.f));

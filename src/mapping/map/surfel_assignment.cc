@@ -9,14 +9,14 @@
 
 namespace surfit {
 
-// A row of patches as structure of arrays. It has one extra patch on the left and one vector of
-// extra patches on the right. Missing patches have zero normal and radius, so they never match.
+// A row of patches as structure of arrays, with one extra patch on the left and one extra vector on
+// the right.
 class PatchRow {
  public:
   explicit PatchRow(int width) : stride_(width + 9), numbers_(kNumbers * stride_, 0.f) {}
 
-  // Sets eight patches from column u. Each record contains patch, radius and confidence; the first
-  // `count` numbers are used. Records after the end of the row must be zero.
+  // Sets eight patches from column u. Each record has patch, radius and confidence. Records after
+  // the end of the row must be zero.
   template <typename Instructions>
   void SetEight(int u, const float* const (&records)[8], int count) {
     Lanes<float, Instructions> columns[kNumbers];
@@ -24,7 +24,6 @@ class PatchRow {
     for (int i = 0; i < count; ++i) columns[i].Store(&numbers_[i * stride_ + u + 1]);
   }
 
-  // Patches from column u >= -1.
   template <typename Numbers>
   PatchOf<Numbers> Patches(int u) const {
     return {Load<Numbers>(0, u), Load<Numbers>(1, u), Load<Numbers>(2, u),
@@ -51,17 +50,16 @@ class PatchRow {
   std::vector<float> numbers_;
 };
 
-// Results of the pixels of a row, padded to whole vectors.
+// Results of a row of pixels, padded to whole vectors.
 struct RowOutcome {
   explicit RowOutcome(int width) : state(width + 7), superfluous(width + 7) {}
 
-  std::vector<std::int32_t> state;        // SurfelAssignment::State
-  std::vector<std::int32_t> superfluous;  // 1: duplicate of a better candidate
+  std::vector<std::int32_t> state;  // SurfelAssignment::State
+  std::vector<std::int32_t> superfluous;
 };
 
 namespace {
 
-// Prefetch distance in pixels.
 constexpr int kPixelsAhead = 16;
 
 constexpr float kNoRecord[8] = {};
@@ -97,8 +95,8 @@ void LoadSurfels(Candidate* const* own, int width, PatchRow* row) {
   });
 }
 
-// Assigns the points of a row to the surfels of three rows. Marks surfels of the middle row that
-// are duplicates of better ones. Ties are resolved in favour of the earlier surfel.
+// Assigns the points of a row to the surfels of three rows. Marks duplicates in the middle row. The
+// earlier surfel wins for equal distances.
 template <typename Instructions>
 void Meet(const MergeGate& gate, const PatchRow& points, const PatchRow* const rows[3], int width,
           RowOutcome* outcome) {
@@ -113,7 +111,6 @@ void Meet(const MergeGate& gate, const PatchRow& points, const PatchRow* const r
     const auto has_point = point_radius > zero;
     Numbers state =
         Select(has_point, Numbers(SurfelAssignment::kOpen), Numbers(SurfelAssignment::kNoPoint));
-    // Pixels without points have no candidates.
     for (int k = 0; k < 9 && Numbers::Any(has_point); ++k) {
       const PatchRow& row = *rows[k / 3];
       const int beside = u + k % 3 - 1;
@@ -192,7 +189,7 @@ int SurfelAssignment::AssignAll(const std::vector<MeasuredPoint>& points) {
 int SurfelAssignment::ChooseBand(const std::vector<MeasuredPoint>& points, int begin, int end) {
   for (std::vector<int>& phase : open_[begin / kBandRows]) phase.clear();
   PatchRow of_points(width_);
-  std::vector<PatchRow> surfels(3, PatchRow(width_));  // row v is at index v % 3
+  std::vector<PatchRow> surfels(3, PatchRow(width_));
   const PatchRow none(width_);
   RowOutcome outcome(width_);
   if (begin > 0) LoadSurfels(own_.row(begin - 1), width_, &surfels[(begin - 1) % 3]);
@@ -211,7 +208,6 @@ int SurfelAssignment::ChooseBand(const std::vector<MeasuredPoint>& points, int b
   return count;
 }
 
-// Returns the number of points in the row.
 int SurfelAssignment::Keep(int v, const RowOutcome& outcome) {
   auto& open = open_[v / kBandRows];
   State* states = states_.row(v + 1) + 1;
@@ -230,7 +226,7 @@ const std::vector<std::vector<int>>& SurfelAssignment::SelectNew(
   const int bands = BandCount(height_);
   new_.resize(bands);
   for (std::vector<int>& of_band : new_) of_band.clear();
-  // Pixels of one phase are not neighbours, so they can be processed in parallel.
+  // Pixels of one phase are not neighbours, so they are independent.
   for (const int phase : {0, 3, 1, 2}) {
     ParallelFor(0, bands, 1, [&](int band, int) { SelectNewOfPhase(points, band, phase); });
   }
@@ -247,7 +243,6 @@ void SurfelAssignment::SelectNewOfPhase(const std::vector<MeasuredPoint>& points
   }
 }
 
-// True if the point matches a new surfel of a neighbouring pixel.
 bool SurfelAssignment::IsCovered(const std::vector<MeasuredPoint>& points, int pixel) const {
   const State* middle = &states_[PaddedIndex(pixel)];
   for (int k = 0; k < 9; ++k) {

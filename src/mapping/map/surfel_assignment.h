@@ -14,23 +14,22 @@
 
 namespace surfit {
 
-// Surfel that passes the merge gate with the point of its pixel.
+// Surfel that matches the point of its pixel.
 struct Candidate {
-  Patch patch;  // in the camera frame
+  Patch patch;
   float radius_m, confidence;
   std::int32_t surfel;
   int pixel;
-  float distance2;            // squared distance to the point
-  bool is_duplicate = false;  // duplicate of a better candidate at this or a neighbouring pixel
-  const SurfelObservation* seen = nullptr;  // observation by its points; null: no points
+  float distance2;
+  bool is_duplicate = false;  // duplicate of a better candidate nearby
+  const SurfelObservation* seen = nullptr;
 };
 
 struct CandidateList {
   std::vector<Candidate> candidates;  // sorted by surfel
-  BucketList bands;                   // indices of candidates by band
+  BucketList bands;
 };
 
-// Finds the surfels that points of a frame may merge with.
 class CandidateFinder {
  public:
   CandidateFinder(const PosedCamera& camera, const std::vector<MeasuredPoint>& points,
@@ -42,13 +41,12 @@ class CandidateFinder {
         gate_(gate),
         active_since_(active_since) {}
 
-  // False if none of the surfels in these bounds can be a candidate or violate free space.
+  // False if these bounds have no candidate and no free-space violation.
   bool MaySee(const SurfelBounds& bounds) const {
     return !bounds.empty() && frustum_.MaySee(bounds);
   }
 
-  // Appends the candidates of some blocks. Marks surfels that violate free space for removal.
-  // Surfels marked for removal are no candidates.
+  // Appends the candidates of some blocks. Marks free-space violations for removal.
   void Find(const std::vector<std::int32_t>& blocks, SurfelMap* map,
             std::vector<Candidate>* candidates) const;
 
@@ -64,39 +62,36 @@ class CandidateFinder {
   const std::vector<MeasuredPoint>& points_;
   const Image<float>& free_depth_m_;
   const MergeGate& gate_;
-  // First frame of the active window. Surfels last seen earlier are ignored.
+  // surfels last seen in earlier frames are ignored
   const int active_since_;
 };
 
 struct RowOutcome;
 
-// Assigns each point to the nearest matching surfel among the candidates of its pixel and the eight
-// pixels around it.
+// Assigns each point to the nearest matching candidate of 3 x 3 pixels.
 class SurfelAssignment {
  public:
-  // State of the point of a pixel. Values below kOpen: index of the assigned surfel's pixel, (u +
-  // state % 3 - 1, v + state / 3 - 1). kOpen: not assigned. kNew: becomes a new surfel.
+  // State of the point of a pixel. Values below kOpen: assigned to the surfel of pixel (u + state %
+  // 3 - 1, v + state / 3 - 1). kOpen: not assigned. kNew: becomes a new surfel.
   enum State : std::uint8_t { kOwn = 4, kOpen = 9, kNew = 10, kNoPoint = 11 };
 
   explicit SurfelAssignment(const MergeGate& gate) : gate_(gate) {}
 
-  // Starts a frame. Keeps the nearest candidate per pixel, the first of equally near ones, and
-  // marks superfluous candidates. The lists must not move or change their size during the frame.
+  // Starts a frame. Keeps the nearest candidate per pixel, and marks the others as duplicates.
   void SetCandidates(int width, int height, std::vector<CandidateList>* lists);
 
-  // Assigns all points. Marks candidates of pixels that are duplicates of neighbouring candidates.
-  // Returns the number of points.
+  // Assigns all points, and marks duplicates of neighbouring candidates. Returns the number of
+  // points.
   int AssignAll(const std::vector<MeasuredPoint>& points);
 
-  // Selects points without assignment as new surfels, except points that match another new surfel.
-  // Returns the pixels of the new surfels in raster order, one list per band.
+  // Selects new surfels from the points without assignment, except points that match another new
+  // surfel. Returns their pixels in raster order, one list per band.
   const std::vector<std::vector<int>>& SelectNew(const std::vector<MeasuredPoint>& points);
 
-  // Candidate of a pixel; null: none.
   Candidate* OfPixel(int pixel) const { return own_[pixel]; }
 
-  // Masks for the pixels of row v. Bit k is set if the point of pixel k of the 3 x 3 neighbourhood,
-  // row by row, is assigned to the surfel of this pixel.
+  // Masks of the pixels of row v. Bit k: the point of pixel k of 3 x 3, row by row, is assigned to
+  // this pixel's surfel.
   void AssignmentsOfRow(int v, std::uint16_t* masks) const;
 
  private:
@@ -105,7 +100,6 @@ class SurfelAssignment {
   int Keep(int v, const RowOutcome& outcome);
   void SelectNewOfPhase(const std::vector<MeasuredPoint>& points, int band, int phase);
   bool IsCovered(const std::vector<MeasuredPoint>& points, int pixel) const;
-  // Index in the image of states, which has a border of one pixel.
   std::size_t PaddedIndex(int pixel) const {
     return static_cast<std::size_t>(pixel / width_ + 1) * (width_ + 2) + pixel % width_ + 1;
   }
@@ -114,8 +108,7 @@ class SurfelAssignment {
   int width_ = 0, height_ = 0;
   Image<Candidate*> own_;  // null: no candidate
   Image<State> states_;
-  // Pixels of points without assignment, by band and phase. The phase is the parity of row and
-  // column.
+  // Pixels of points without assignment, by band and phase (parity of row and column).
   std::vector<std::array<std::vector<int>, 4>> open_;
   std::vector<std::vector<int>> new_;  // pixels, by band
 };

@@ -60,7 +60,7 @@ void SurfelBlock::Take(int k, const SurfelBlock& other, int j) {
   const Surfel surfel = other[j];
   Write(k, surfel);
   Announce(k, surfel);
-  red[k] = other.red[j];  // full resolution, not rounded to bytes
+  red[k] = other.red[j];  // full resolution
   green[k] = other.green[j];
   blue[k] = other.blue[j];
 }

@@ -10,12 +10,11 @@
 namespace surfit {
 namespace {
 
-// Bits of a key per axis. Indices start at the farthest negative cube.
+// bits per axis of a key; indices start at the farthest negative cube
 constexpr int kAxisBits = 21;
 constexpr int kFarthest = 1 << (kAxisBits - 1);
 
-// Key of the cell whose centre is the nearest multiple of the cell size. Indices are clamped far
-// from the origin.
+// Key of the nearest cell. Indices far from the origin are clamped.
 std::uint64_t CellKey(const Eigen::Vector3f& position_in_world) {
   constexpr auto kMost = static_cast<float>(kFarthest);
   std::uint64_t key = 0;
@@ -69,8 +68,7 @@ void SurfelMap::AddBlock(std::int32_t cell) {
   cells_[cell].blocks.push_back(added);
 }
 
-// Allocates a place for a surfel and updates all bounds. SurfelBlock::Write() must follow. Returns
-// the id.
+// Allocates a place for a surfel and updates all bounds. Returns the id, for SurfelBlock::Write().
 std::int32_t SurfelMap::Place(const Surfel& surfel) {
   const std::int32_t i = CellAt(surfel.position_in_world);
   SurfelCell& cell = cells_[i];
@@ -99,7 +97,7 @@ void SurfelMap::Append(const std::vector<Surfel>& surfels) {
   };
   try {
     for (const Surfel& surfel : surfels) ids.push_back(Place(surfel));
-  } catch (...) {  // out of memory: completes the surfels that have a place
+  } catch (...) {  // out of memory: completes surfels with a place
     write(0, static_cast<int>(ids.size()));
     throw;
   }
@@ -143,7 +141,6 @@ std::size_t SurfelMap::ReassignCells() {
   return strays.size();
 }
 
-// Surfels outside the cube of their cell.
 std::vector<std::int32_t> SurfelMap::Strays() const {
   std::vector<std::vector<std::int32_t>> of_cell(cells_.size());
   ParallelFor(0, cell_count(), 1, [&](int i, int) {
@@ -160,8 +157,7 @@ std::vector<std::int32_t> SurfelMap::Strays() const {
   return strays;
 }
 
-// Replaces each marked surfel by the last surfel of the cell. Removes the last surfel first if it
-// is marked, too.
+// Replaces marked surfels by the last surfels of the cell. Marked last surfels are removed first.
 void SurfelMap::RemoveMarked(SurfelCell* cell) {
   for (std::size_t b = 0; b < cell->blocks.size(); ++b) {
     SurfelBlock& hole = block(cell->blocks[b]);

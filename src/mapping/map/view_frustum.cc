@@ -4,7 +4,6 @@ namespace surfit {
 
 ViewFrustum::ViewFrustum(const PosedCamera& camera, float margin_px)
     : camera_position_norm_(camera.world_translation.lpNorm<1>()) {
-  // Adds a margin for rounding errors of pixel coordinates in the thousands.
   const float margin = margin_px + 0.01f;
   const float width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
   // -margin <= u = fx x / z + cx <= width + margin, and v accordingly.

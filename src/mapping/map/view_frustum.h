@@ -10,7 +10,7 @@
 
 namespace surfit {
 
-// Viewing volume of a camera with a margin around the image. Five planes in the world frame.
+// Viewing volume of a camera with an image margin: five planes in the world frame.
 class ViewFrustum {
  public:
   ViewFrustum(const PosedCamera& camera, float margin_px);
@@ -21,7 +21,7 @@ class ViewFrustum {
     const Eigen::Vector3f middle = 0.5f * (high + low);
     const Eigen::Vector3f half = 0.5f * (high - low) + RoundingAt(middle);
     for (const Plane& plane : planes_) {
-      // Tests the corner that is farthest inside. NaN and infinity are treated as visible.
+      // Tests the corner that is farthest inside.
       if (plane.inwards.dot(middle) + plane.inwards.cwiseAbs().dot(half) < plane.offset) {
         return false;
       }
@@ -35,7 +35,7 @@ class ViewFrustum {
     float offset;
   };
 
-  // Bound of the rounding errors of the transformation to the camera frame.
+  // Maximum rounding error of a position in the camera frame.
   Eigen::Vector3f RoundingAt(const Eigen::Vector3f& position) const {
     return Eigen::Vector3f::Constant(2e-6f * (position.lpNorm<1>() + camera_position_norm_));
   }
@@ -44,7 +44,6 @@ class ViewFrustum {
   float camera_position_norm_;
 };
 
-// Indices of the cells with possibly visible surfels, in ascending order.
 std::vector<std::int32_t> VisibleCells(const SurfelMap& map, const ViewFrustum& frustum);
 
 }  // namespace surfit

@@ -10,20 +10,19 @@ namespace {
 
 constexpr float kNone = -1;
 constexpr float kClosed = std::numeric_limits<float>::infinity();
-constexpr float kOutside = 2;               // above the offset2 of all pixels on a disc
-constexpr std::size_t kDiscsAhead = 8;      // prefetch distance in discs
+constexpr float kOutside = 2;
+constexpr std::size_t kDiscsAhead = 8;
 constexpr std::size_t kMaxDiscs = 1 << 24;  // exact integers in a float
 constexpr int kLanes = Lanes<float>::kCount;
 
 // Inverse depth of the back of a surface that starts at the inverse depth rho. The thickness is
-// `thickness` plus 4 sigma of the depth 1 / rho, where sigma = inverse_depth_sigma / rho^2.
+// `thickness` plus 4 sigma of the depth.
 float BackOfSurface(float rho, float thickness, float inverse_depth_sigma) {
   return rho / (1.f + thickness * rho + 4.f * inverse_depth_sigma / rho);
 }
 
 }  // namespace
 
-// Members of the visible Disc per pixel of a row, padded to whole vectors.
 struct BandCanvas::PixelDiscs {
   explicit PixelDiscs(int width)
       : u(width + kLanes),
@@ -43,7 +42,7 @@ BandCanvas::BandCanvas(int band, const PosedCamera& camera, const DepthNoise& no
       camera_(camera),
       noise_(noise),
       options_(options) {
-  // At the end of a row, up to three more pixels are read and written back.
+  // up to three pixels after the row are read and written back
   const std::size_t size = static_cast<std::size_t>(v_end_ - v_begin_ + 1) * camera.width + 3;
   first_.assign(size, 0.f);
   back_.assign(size, 0.f);
@@ -78,7 +77,7 @@ void BandCanvas::DrawWith(const std::vector<DiscList>& lists, Layer layer) {
   CloseDrawnPixels();
 }
 
-// Updates first_. Returns true if the disc meets a pixel that is not yet drawn.
+// Returns true if the disc meets an undrawn pixel.
 template <typename Instructions>
 bool BandCanvas::FindFirst(const Disc& disc) {
   using Numbers = Lanes<float, Instructions>;
@@ -118,8 +117,7 @@ void BandCanvas::FindBacks() {
   }
 }
 
-// Draws the disc at pixels where it belongs to the first surface and its centre is nearest to the
-// ray.
+// Draws the disc at pixels where it is on the first surface and its centre is nearest to the ray.
 template <typename Instructions>
 void BandCanvas::Pick(const Disc& disc, float id) {
   using Numbers = Lanes<float, Instructions>;
@@ -180,9 +178,8 @@ void BandCanvas::FindDiscs(int v, PixelDiscs* discs, ModelView* view) const {
   }
 }
 
-// Computes vertices from the inverse depth rho, and normals from the planes of the discs. As rho =
-// n . r / (n . p) for all rays r, the vector n / -(n . p) is the negative of (a, b, c), the inverse
-// depths along the axes.
+// Computes vertices and normals of the pixels. rho = n . r / (n . p) for all rays r, so n / -(n .
+// p) is the gradient of -rho.
 template <typename Instructions>
 void BandCanvas::WriteLanes(const PixelDiscs& discs, int u, int v, ModelView* view) const {
   using V = Lanes<float, Instructions>;

@@ -13,7 +13,7 @@
 
 namespace surfit {
 
-// A surfel's disc in the image of a camera, for intersections with pixel rays.
+// Disc of a surfel in an image, for intersections with pixel rays.
 //
 // The disc has centre p, unit normal n and radius R in the camera frame. The pixel at offset (du,
 // dv) from the image of p has the ray r = p / p_z + e with e = (du / fx, dv / fy, 0). This ray
@@ -26,12 +26,12 @@ namespace surfit {
 // Therefore the ray meets the disc if rho > 0 and |du a + dv b|^2 <= rho^2. All values are relative
 // to the centre, which avoids cancellation for distant discs.
 struct Disc {
-  float u, v;               // the image of p, px
+  float u, v;
   float rho, rho_u, rho_v;  // 1 / p_z and the derivatives, 1/m and 1/(m px)
   float aa, ab, bb;         // |a|^2, 2 a . b, |b|^2
   std::int32_t surfel;
-  std::int16_t u_begin, v_begin;  // first pixel of the bounding rectangle
-  std::uint8_t columns, rows;     // size of the bounding rectangle, px
+  std::int16_t u_begin, v_begin;
+  std::uint8_t columns, rows;
 
   int u_end() const { return u_begin + columns; }
   int v_end() const { return v_begin + rows; }
@@ -78,15 +78,15 @@ void ForEachEightPixels(const Disc& disc, int v_begin, int v_end, const Wants& w
 // Unstable discs are drawn only at pixels without stable discs.
 enum Layer { kStable, kUnstable, kLayerCount };
 
-// Discs of one layer, sorted by band and then by surfel. Discs can belong to several bands.
+// Discs of one layer, sorted by band and then by surfel. A disc can be in several bands.
 struct DiscLayer {
   std::vector<Disc> discs;
-  BucketList bands;  // indices of discs by band
+  BucketList bands;
 
   void Add(const Disc& disc);
 };
 
-// Discs of a cell of the map that are possibly visible.
+// Possibly visible discs of a map cell.
 class DiscList {
  public:
   void Assign(const SurfelMap& map, const SurfelCell& cell, const PosedCamera& camera,
@@ -98,14 +98,14 @@ class DiscList {
   std::array<DiscLayer, kLayerCount> layers_;
 };
 
-// Renders one band of the image. Bands are independent and draw their discs in the order of the
-// surfels, so parallel rendering is deterministic.
+// Renders one band of the image. Discs are drawn in the order of the surfels, so parallel rendering
+// of bands is deterministic.
 class BandCanvas {
  public:
   BandCanvas(int band, const PosedCamera& camera, const DepthNoise& noise,
              const RenderOptions& options);
 
-  // Draws the discs of one layer into pixels that earlier layers have not drawn.
+  // Draws the discs of one layer into pixels without a disc of an earlier layer.
   void Draw(const std::vector<DiscList>& lists, Layer layer);
 
   void WriteTo(ModelView* view) const;
@@ -128,14 +128,13 @@ class BandCanvas {
   const PosedCamera& camera_;
   const DepthNoise noise_;
   const RenderOptions& options_;
-  std::vector<const Disc*> discs_;  // by id: discs that meet at least one undrawn pixel
-  // Buffers per pixel, with one extra row because two rows are processed at once. Depths are
-  // inverse, so nearer depths are larger.
+  std::vector<const Disc*> discs_;
+  // Buffers per pixel, with an extra row because rows are processed in pairs.
   std::vector<float> first_;  // nearest intersection; 0: none
   // Minimum inverse depth to draw: first 0, then the back of the first surface, then infinity.
   std::vector<float> back_;
   std::vector<float> offset2_;  // squared offset of the drawn disc, relative to its radius
-  std::vector<float> drawn_;    // id of the drawn disc, an integer
+  std::vector<float> drawn_;
 };
 
 }  // namespace surfit

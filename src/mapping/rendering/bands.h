@@ -5,14 +5,12 @@
 
 namespace surfit {
 
-// Height of the bands in which images are processed, px.
 constexpr int kBandRows = 16;
 inline int BandCount(int height) { return (height + kBandRows - 1) / kBandRows; }
 
 // Indices of items per bucket, in order of insertion.
 class BucketList {
  public:
-  // Removes all items. Keeps the memory.
   void Clear(int bucket_count) {
     buckets_.resize(bucket_count);
     for (std::vector<int>& bucket : buckets_) bucket.clear();
@@ -25,8 +23,7 @@ class BucketList {
   std::vector<std::vector<int>> buckets_;
 };
 
-// Clears a reused buffer for at most `most` items. Releases its memory if the capacity is more than
-// twice as large.
+// Clears a buffer for `most` items. Frees its memory if it is more than twice as large.
 template <typename T>
 void ClearClosely(std::size_t most, std::vector<T>* buffer) {
   if (buffer->capacity() > 2 * most) *buffer = std::vector<T>();

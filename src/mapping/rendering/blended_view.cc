@@ -18,7 +18,6 @@ constexpr float kThickness_m = 0.03f;  // of a surface
 
 constexpr int kMaxHalfWindow_px = 127;  // limit of Disc
 
-// Options for splats with `radius_ratio` times the surfel radius.
 RenderOptions SplatOptions(float radius_ratio) {
   RenderOptions options;
   options.radius_ratio = radius_ratio;
@@ -26,7 +25,7 @@ RenderOptions SplatOptions(float radius_ratio) {
   return options;
 }
 
-// (1 - o^2)^8, with a minimum that prevents a zero sum of weights.
+// (1 - o^2)^8, with a minimum against a zero sum of weights.
 float WeightAt(float offset2) {
   const float a = 1.f - offset2, a2 = a * a, a4 = a2 * a2;
   return a4 * a4 + 1e-6f;
@@ -35,13 +34,12 @@ float WeightAt(float offset2) {
 struct Blend {
   float first = 0;  // inverse depth of the first surface; 0 if none
   float weight = 0;
-  // Weighted sums of inverse depth and colour (0 to 255).
   float rho = 0;
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
-  bool is_drawn = false;  // true: later layers do not change the pixel
+  bool is_drawn = false;
 };
 
-// One band of the image. Splats are drawn in the order of their surfels.
+// Splats are drawn in the order of surfels.
 class BlendBand {
  public:
   BlendBand(int band, const PinholeCamera& camera, const DepthNoise& noise)
@@ -72,7 +70,6 @@ class BlendBand {
   }
 
  private:
-  // Inverse depth of the back of the surface that starts at rho.
   float BackOf(float rho) const { return rho / (1.f + kThickness_m * rho + 4.f * sigma_ / rho); }
 
   static void Add(const SurfelMap& map, std::int32_t id, float rho, float weight, Blend* pixel) {
@@ -82,7 +79,6 @@ class BlendBand {
     pixel->color += weight * block.FineColor(id % SurfelBlock::kCapacity);
   }
 
-  // Calls f(pixel, disc, inverse depth, squared offset relative to the radius of the splat).
   template <typename F>
   void ForEachPixel(const std::vector<DiscList>& lists, Layer layer, const F& f) {
     for (const DiscList& list : lists) {

@@ -10,7 +10,6 @@
 namespace surfit {
 namespace {
 
-// Discs of the surfels of a block. Members as in Disc.
 struct BlockDiscs {
   BlockCentres centre;
   alignas(32) PerSurfel<float> rho_u, rho_v, aa, ab, bb;
@@ -35,14 +34,14 @@ struct BlockDiscs {
   }
 };
 
-// Minimum sine of the viewing angle; rho_u and rho_v overflow below it.
+// minimum sine of the viewing angle, against overflow of rho_u and rho_v
 constexpr float kMinSine = 1e-6f;
 
-// Floor of x for -1024 < x < 2^22. A single conversion, faster than std::floor.
+// Floor of x for -1024 < x < 2^22, faster than std::floor.
 std::int32_t FloorOf(float x) { return static_cast<std::int32_t>(x + 1024.f) - 1024; }
 
-// Computes the pixel rectangles of discs. Returns the mask of the discs that cover pixels of the
-// image and are not too close.
+// Computes the bounding rectangles. Returns the mask of the discs in the image that are not too
+// close.
 std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera,
                          const RenderOptions& options, BlockDiscs* discs) {
   FindCentres(block, camera, &discs->centre);
@@ -72,8 +71,7 @@ std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera,
   return MaskOf(seen) & MaskOfAll(block);
 }
 
-// Computes rho_u, rho_v, aa, ab and bb, see Disc. Returns the mask of the discs that face the
-// camera.
+// Computes the shape of the discs. Returns the mask of the discs that face the camera.
 std::uint64_t FindShapes(const SurfelBlock& block, const PosedCamera& camera,
                          const RenderOptions& options, BlockDiscs* discs) {
   BlockNormals n;

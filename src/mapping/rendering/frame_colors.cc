@@ -38,7 +38,7 @@ void FrameColors::FindBorders() {
       Range own = {0, size};
       while (own.begin < size && is_black(own.begin, j)) ++own.begin;
       while (own.end > own.begin && is_black(own.end - 1, j)) --own.end;
-      --own.end;  // index of the first of two pixels
+      --own.end;  // a range has the first of two pixels
       if (j > 0) {
         ranges[j - 1] = {std::max(ranges[j - 1].begin, own.begin),
                          std::min(ranges[j - 1].end, own.end)};
@@ -58,11 +58,10 @@ struct FrameColors::Samples {
   V weight;  // 1, or 0 without colour
 };
 
-// The 2 x 2 pixels around each position, row by row.
 template <typename V>
 struct FrameColors::Corners {
-  float u[V::kCount], v[V::kCount];  // position of the first pixel
-  float is_seen[V::kCount];          // 1, or 0 with a border pixel among them
+  float u[V::kCount], v[V::kCount];
+  float is_seen[V::kCount];  // 1, or 0 with a border pixel
   float color[4][3][V::kCount];
   float is_lit[4][V::kCount];  // 0 for black pixels
 };
@@ -107,8 +106,8 @@ void FrameColors::LookUp(int first, ColorBatch* batch) const {
   Select(seen.weight > V(0.f), sharpness, V(0.f)).Store(&batch->weight[first]);
 }
 
-// Bilinear interpolation. No colour outside the image and next to black borders. Black pixels
-// inside (missing colour) are ignored, unless all four are black.
+// Bilinear interpolation. No colour outside the image and next to black borders. Ignores black
+// pixels inside, unless all four are black.
 template <typename V>
 FrameColors::Samples<V> FrameColors::Sample(const V& u, const V& v) const {
   const V zero = 0.f, one = 1.f;
@@ -154,7 +153,7 @@ void FrameColors::ReadCorners(const V& at_u, const V& at_v, Corners<V>* corners)
   for (int k = 0; k < V::kCount; ++k) {
     corners->is_seen[k] = rows_[top[k]].Has(left[k]) & columns_[left[k]].Has(top[k]) ? 1.f : 0.f;
     for (int row = 0; row < 2; ++row) {
-      // Reads two pixels of three bytes as four bytes each, within the six bytes.
+      // reads two pixels of three bytes as four bytes each
       const Rgb8* const two = color_.row(top[k] + row) + left[k];
       std::memcpy(&pixels[2 * row][k], &two[0].r, 4);
       std::memcpy(&pixels[2 * row + 1][k], &two[0].b, 4);

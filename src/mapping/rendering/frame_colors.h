@@ -9,14 +9,13 @@
 
 namespace surfit {
 
-// Observed colour in sRGB (0 to 255) and its weight; 0: not observed.
 struct SeenColor {
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
   float weight = 0;
 };
 
-// Points with normals in the camera frame, and their observed colours. Initialised, because whole
-// vectors are processed.
+// Points with normals in the camera frame, and their colours. Initialised, because whole vectors
+// are processed.
 struct ColorBatch {
   static constexpr int kCapacity = 64;
 
@@ -33,31 +32,29 @@ struct ColorBatch {
   alignas(32) float weight[kCapacity] = {};
 };
 
-// Colours of points from the colour image of a frame. Colour and depth have different capture
-// times, and the rows of colour can have different capture times as well. Therefore a point X at
-// the pose of the frame is projected from its position at the capture time t of its row,
-//   X - t (turn x X + velocity),
-// and its colour is interpolated bilinearly. The weight of a colour is
-//   (n / 500)^2 |cos a| / (1 + b^2)^2,
-// with n pixels per metre at the point, the angle a between normal and ray, and b pixels of motion
-// in 5 ms. Black borders of undistorted images have weight 0.
+// Colours of points from the colour image of a frame. The motion between the pose and the capture
+// time t of a colour row is corrected: instead of X, the colour camera sees the point
+//   X - t (turn x X + velocity).
+// The weight of a colour is
+//   (n / 500)^2 |cos a| / (1 + b^2)^2
+// for n pixels per metre at the point, the angle a between normal and ray, and b pixels of motion
+// in 5 ms. Black image borders have weight 0.
 class FrameColors {
  public:
   FrameColors(const RgbdFrame& frame, const PosedCamera& camera, const FrameMotion& motion);
 
-  // Sets colours and weights of all points of the batch. Requires a frame with colours.
+  // Sets colours and weights of the batch. Requires a frame with colours.
   void LookUp(ColorBatch* batch) const;
   SeenColor At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
 
  private:
-  // Valid range of the first of two neighbouring pixels, in two neighbouring rows or columns.
-  // Excludes the black borders of both.
+  // Range of pixels without black border, in two neighbouring rows or columns: index of the first
+  // of two pixels.
   struct Range {
     int begin, end;
     bool Has(int i) const { return i >= begin && i < end; }
   };
 
-  // Colours at one vector of image positions.
   template <typename V>
   struct Samples;
 
@@ -74,9 +71,9 @@ class FrameColors {
   const Image<Rgb8>& color_;
   const float fx_, fy_, cx_, cy_;
   const Eigen::Vector3f turn_, velocity_;  // per second
-  // Times relative to the pose: capture time of the middle row, and time per row.
+  // Capture time of the middle row relative to the pose, and time per row.
   const float middle_s_, row_s_;
-  std::vector<Range> rows_, columns_;  // per pair of lines, by the index of its first line
+  std::vector<Range> rows_, columns_;
 };
 
 }  // namespace surfit

@@ -12,7 +12,6 @@
 namespace surfit {
 namespace {
 
-// View with unwritten pixels.
 ModelView BlankView(const DepthSensor& sensor, const Rigid3d& world_from_view) {
   const PinholeCamera& camera = sensor.camera;
   ModelView view;

@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// A pinhole camera at a pose, in single precision for loops over pixels and surfels.
 struct PosedCamera {
   PosedCamera(const PinholeCamera& camera, const Rigid3d& world_from_camera)
       : rotation(world_from_camera.Inverse().rotation.toRotationMatrix().cast<float>()),
@@ -34,12 +33,11 @@ struct PosedCamera {
   float fx, fy, cx, cy;
 };
 
-// Surfels with a smaller depth are not visible.
+// surfels with a smaller depth are not visible
 constexpr float kMinDepth = 0.05f;  // metres
 
-// Projections of the surfels of a block.
 struct BlockCentres {
-  alignas(32) PerSurfel<float> x, y, z;  // in the camera frame, m
+  alignas(32) PerSurfel<float> x, y, z;
   // Inverse depth (1/m) and pixel; invalid if z <= kMinDepth.
   alignas(32) PerSurfel<float> rho, u, v;
 };
@@ -66,7 +64,6 @@ inline void FindCentres(const SurfelBlock& block, const PosedCamera& camera, Blo
   }
 }
 
-// Normals in the camera frame.
 struct BlockNormals {
   alignas(32) PerSurfel<float> x, y, z;
 };

@@ -10,7 +10,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Conversion from sRGB to the linear scale of glTF, 0 to 65535.
 std::array<std::uint16_t, 256> LinearOfBytes() {
   std::array<std::uint16_t, 256> linear;
   for (int byte = 0; byte < 256; ++byte) {
@@ -21,11 +20,10 @@ std::array<std::uint16_t, 256> LinearOfBytes() {
   return linear;
 }
 
-// A binary glTF file (Khronos, glTF 2.0): consecutive buffer views and the JSON that describes
-// them.
+// Binary glTF file (Khronos, glTF 2.0): buffer views and their JSON.
 class Glb {
  public:
-  // Adds a table of numbers. `target`: OpenGL buffer type. Returns the index of the accessor.
+  // Adds a table of numbers. Returns the index of the accessor. `target`: OpenGL buffer type.
   int Add(const void* bytes, std::size_t size, Json accessor, int target) {
     accessor["bufferView"] = AddView(bytes, size);
     views_.back()["target"] = target;
@@ -40,7 +38,7 @@ class Glb {
                      {"doubleSided", true},
                      {"extensions", {{"KHR_materials_unlit", Json::object()}}}};
     if (picture_) material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
-    // Rotates by 180 degrees about x: from y down, z forward to y up.
+    // Rotates by 180 degrees about x, to y up.
     const Json node = {{"mesh", 0}, {"rotation", {1, 0, 0, 0}}};
     Json json = {{"asset", {{"version", "2.0"}, {"generator", "Surfit"}}},
                  {"extensionsUsed", {"KHR_materials_unlit"}},
@@ -85,7 +83,7 @@ class Glb {
 
   std::string binary_;
   Json views_ = Json::array(), accessors_ = Json::array();
-  std::optional<std::size_t> picture_;  // index of its buffer view
+  std::optional<std::size_t> picture_;
 };
 
 constexpr int kFloatType = 5126, kUnsignedType = 5125, kShortType = 5123;
@@ -128,7 +126,6 @@ int AddTriangles(const std::vector<TriangleMesh::Triangle>& triangles, Glb* glb)
   return glb->Add(triangles.data(), 12 * triangles.size(), accessor, kOfIndices);
 }
 
-// Values of the vertices, duplicated per texture coordinate.
 std::vector<Eigen::Vector3f> AtPlaces(const std::vector<Eigen::Vector3f>& vectors,
                                       const MeshTexture& texture) {
   std::vector<Eigen::Vector3f> found;

@@ -11,7 +11,6 @@
 namespace surfit {
 namespace {
 
-// Rows are collected in memory, and written in pieces of this size.
 constexpr std::size_t kBytesAtOnce = 1 << 20;
 
 std::string EndingOf(const std::string& path) { return std::filesystem::path(path).extension(); }

@@ -8,16 +8,16 @@
 
 namespace surfit {
 
-// Writers of mesh formats. Without a texture (null), vertices have colours. `material`: name of the
-// .mtl file in the same folder, only with a texture.
+// Writers of mesh formats. Null texture: vertices have colours. `material`: name of the .mtl file
+// in the same folder.
 void WriteObjMesh(const TriangleMesh& mesh, const MeshTexture* texture, const std::string& material,
                   std::ostream& out);
-// Writes a material that shows the image `picture` without shading.
+// Writes a material with the image `picture`, without shading.
 void WriteMtl(const std::string& picture, std::ostream& out);
 
 void WriteGlbMesh(const TriangleMesh& mesh, const MeshTexture* texture, std::ostream& out);
 
-// The texture as JPEG. Throws InputError.
+// Throws InputError if encoding fails.
 std::string EncodeTexture(const MeshTexture& texture);
 
 }  // namespace surfit

@@ -35,9 +35,9 @@ class TextLines {
   std::string text_;
 };
 
-constexpr int kDigits = 5;  // decimals of metres: 0.01 mm
+constexpr int kDigits = 5;  // decimals of metres
 constexpr int kDigitsOfOne = 4;
-constexpr int kDigitsOfPlace = 6;  // decimals of texture coordinates: 0.01 texel
+constexpr int kDigitsOfPlace = 6;
 
 void WriteVertices(const TriangleMesh& mesh, bool has_colors, TextLines* to) {
   TextLines& lines = *to;
@@ -78,7 +78,7 @@ void WriteTriangles(const TriangleMesh& mesh, const MeshTexture* texture, TextLi
 
 }  // namespace
 
-// With a texture, vertex colours are omitted, because some viewers multiply both.
+// Without vertex colours if there is a texture, because some viewers multiply both.
 void WriteObjMesh(const TriangleMesh& mesh, const MeshTexture* texture, const std::string& material,
                   std::ostream& out) {
   TextLines lines(out);
@@ -91,7 +91,7 @@ void WriteObjMesh(const TriangleMesh& mesh, const MeshTexture* texture, const st
     for (const Eigen::Vector2f& place : texture->places) {
       lines.Word("vt");
       lines.Number(place.x(), kDigitsOfPlace);
-      lines.Number(1 - place.y(), kDigitsOfPlace);  // origin at the lower left corner
+      lines.Number(1 - place.y(), kDigitsOfPlace);
       lines.End();
     }
     lines.Word("usemtl frames");

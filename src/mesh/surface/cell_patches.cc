@@ -5,14 +5,12 @@ namespace {
 
 constexpr int kFaces = 6;
 
-// Edge between two corners that differ in one coordinate.
 int EdgeBetween(int corner, int other) {
   const int axis = (corner ^ other) == 1 ? 0 : (corner ^ other) == 2 ? 1 : 2;
   const int k = (corner >> (axis + 1) % 3 & 1) | (corner >> (axis + 2) % 3 & 1) << 1;
   return 4 * axis + k;
 }
 
-// Finds the cycles of cut edges in a cell.
 class Tracer {
  public:
   explicit Tracer(int pattern) : pattern_(pattern) {
@@ -26,7 +24,7 @@ class Tracer {
     for (int start = 0; start < CellPatches::kEdges; ++start) {
       if (next_[start][0] < 0 || patches.of_edge[start] != CellPatches::kNone) continue;
       int edge = start;
-      while (edge >= 0) {  // continue with an unvisited neighbour
+      while (edge >= 0) {  // next cycle
         patches.of_edge[edge] = patches.count;
         int following = -1;
         for (const int next : next_[edge]) {
@@ -59,14 +57,14 @@ class Tracer {
     }
     if (count == 2) Link(cut[0], cut[1]);
     if (count != 4) return;
-    // Edges i - 1 and i of the face meet at its corner i.
+    // Edges i - 1 and i of the face share corner i.
     const int first = IsBehind(around[0]) ? 0 : 1;
     Link(cut[(first + 3) % 4], cut[first]);
     Link(cut[first + 1], cut[first + 2]);
   }
 
   int pattern_;
-  std::array<std::array<int, 2>, CellPatches::kEdges> next_;  // each cut edge belongs to two faces
+  std::array<std::array<int, 2>, CellPatches::kEdges> next_;  // each cut edge is on two faces
 };
 
 }  // namespace

@@ -8,15 +8,14 @@ namespace surfit {
 // Surface patches in a grid cell (Nielson 2004, dual marching cubes). Corner c of a cell is at (c &
 // 1, c >> 1 & 1, c >> 2). Bit c of a pattern is set if corner c is behind the surface.
 //
-// The surface cuts edges between corners on different sides, and connects the cut edges of each
-// face. If a face is ambiguous, the corners behind the surface are separated. The cut edges form
-// cycles. Each cycle is a patch of the surface and a vertex of the mesh.
+// The surface cuts edges between corners on different sides. In each face, it connects the cut
+// edges; an ambiguous face separates the corners behind the surface.
 struct CellPatches {
   static constexpr int kEdges = 12, kCorners = 8;
   static constexpr std::uint8_t kNone = 0xff;  // edge without cut
 
   std::uint8_t count = 0;
-  std::array<std::uint8_t, kEdges> of_edge = {};  // patch that cuts the edge
+  std::array<std::uint8_t, kEdges> of_edge = {};
 };
 
 // Edge 4 a + k is parallel to axis a and begins at EdgeCorner(a, k). The bits of k are the

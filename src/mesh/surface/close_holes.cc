@@ -13,7 +13,7 @@ namespace {
 using Triangle = TriangleMesh::Triangle;
 constexpr std::uint32_t kNoSide = std::numeric_limits<std::uint32_t>::max();
 
-// Side 3 i + k of the triangles goes from corner k of triangle i to the next corner.
+// Side 3 i + k is the edge from corner k of triangle i to the next corner.
 std::uint32_t NextSide(std::uint32_t side) { return side % 3 == 2 ? side - 2 : side + 1; }
 std::uint32_t LastSide(std::uint32_t side) { return side % 3 == 0 ? side + 2 : side - 1; }
 
@@ -21,11 +21,11 @@ std::uint32_t BeginOf(const std::vector<Triangle>& triangles, std::uint32_t side
   return triangles[side / 3][side % 3];
 }
 
-// Opposite sides: the same edge in the other direction.
+// Opposite sides: the same edges in the other direction.
 struct Sides {
-  std::vector<std::uint32_t> opposite;    // kNoSide: none
-  std::vector<std::uint8_t> is_manifold;  // per triangle; 0: an edge has more than two sides, or
-                                          // two in the same direction
+  std::vector<std::uint32_t> opposite;  // kNoSide: none
+  // by triangle; 0: an edge has more than two sides, or two of the same direction
+  std::vector<std::uint8_t> is_manifold;
 };
 
 Sides PairSides(const std::vector<Triangle>& triangles) {
@@ -58,7 +58,7 @@ Sides PairSides(const std::vector<Triangle>& triangles) {
   return sides;
 }
 
-// Removes non-manifold triangles repeatedly until none are left.
+// Removes non-manifold triangles until none are left.
 Sides KeepManifoldTriangles(MeshSummary* summary, TriangleMesh* mesh) {
   while (true) {
     Sides sides = PairSides(mesh->triangles);
@@ -76,13 +76,13 @@ std::uint32_t CopyVertex(std::uint32_t vertex, TriangleMesh* mesh) {
   return static_cast<std::uint32_t>(mesh->vertices.size() - 1);
 }
 
-// Duplicates vertices, so that each has a single fan of connected triangles.
+// Duplicates vertices with several fans of triangles.
 void SeparateFans(const Sides& sides, TriangleMesh* mesh) {
   std::vector<std::uint8_t> is_taken(mesh->vertices.size()), is_done(sides.opposite.size());
   for (std::uint32_t first = 0; first < is_done.size(); ++first) {
     if (is_done[first] != 0) continue;
     const std::uint32_t vertex = BeginOf(mesh->triangles, first);
-    std::uint32_t start = first;  // first side of an open fan
+    std::uint32_t start = first;
     while (sides.opposite[start] != kNoSide) {
       start = NextSide(sides.opposite[start]);
       if (start == first) break;
@@ -97,7 +97,7 @@ void SeparateFans(const Sides& sides, TriangleMesh* mesh) {
   }
 }
 
-// Vertices of the rims of holes, in the direction of the filling triangles.
+// Vertices of the rims of holes, in the direction of the filling.
 std::vector<std::vector<std::uint32_t>> FindRims(const Sides& sides, const TriangleMesh& mesh) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> before(mesh.vertices.size(), kNone);
@@ -140,7 +140,6 @@ class HoleFiller {
  private:
   std::uint32_t At(std::size_t i) const { return ring_[i % ring_.size()]; }
 
-  // Adds a vertex with the average normal and colour of `others`.
   std::uint32_t Add(const std::vector<std::uint32_t>& others, const Eigen::Vector3f& position) {
     Eigen::Vector3f normal = Eigen::Vector3f::Zero(), color = Eigen::Vector3f::Zero();
     for (const std::uint32_t v : others) {
@@ -158,8 +157,8 @@ class HoleFiller {
     return static_cast<std::uint32_t>(mesh_.vertices.size() - 1);
   }
 
-  // Adds one inner vertex per two vertices of the ring, at the height of an equilateral triangle.
-  // The last vertex of an odd ring gets its own inner vertex.
+  // Adds an inner ring with half the vertices of the outer ring, rounded up. Its distance is the
+  // height of an equilateral triangle.
   void AddRing() {
     std::vector<std::uint32_t> inner;
     for (std::size_t i = 0; i < ring_.size(); i += 2) {

@@ -11,7 +11,7 @@ namespace {
 constexpr int kFieldBlocksPerTask = 16;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-// Grid points along one axis of a block within the support of a surfel.
+// Grid points of a block along an axis that are within the support of a surfel.
 struct Span {
   int from, to;
 
@@ -105,7 +105,7 @@ void DistanceField::Add(const MeshSurfel& surfel, const Eigen::Vector3f& origin,
       if (square >= kernel.square) continue;
       float* weight = &(*weights)[(z * kSide + y) * kSide];
       float* distance = &(*distances)[(z * kSide + y) * kSide];
-      for (int x = 0; x < kSide; ++x) {  // whole row, for vectorisation
+      for (int x = 0; x < kSide; ++x) {
         const float dx = static_cast<float>(x) * cell_m_ - center.x();
         const float w = kernel.Weight(square + dx * dx);
         weight[x] += w;
@@ -124,7 +124,6 @@ int DistanceField::FindBlock(const Cube& block) const {
 void DistanceField::Load(int i, WideBlock* values) const {
   values->fill(kUnknown);
   const Cube own = BlockAt(i);
-  // Start index in the other block.
   const auto from = [](int step) { return step < 0 ? kSide - 1 : 0; };
   const auto count = [](int step) { return step == 0 ? kSide : 1; };
   const auto to = [](int step) { return step < 0 ? 0 : step == 0 ? 1 : kSide + 1; };

@@ -10,7 +10,7 @@
 
 namespace surfit {
 
-// Weight of a surfel at distance d: w = (1 - d^2 / support^2)^2 / sigma^2.
+// Weight of a surfel at the distance d: w = (1 - d^2 / support^2)^2 / sigma^2.
 struct SurfelKernel {
   float square, per_square, scale;  // support^2, 1 / support^2, 1 / sigma^2
 
@@ -30,37 +30,33 @@ struct SurfelKernel {
 // with the weights of SurfelKernel. NaN without surfels near x. Points are stored in blocks.
 class DistanceField {
  public:
-  static constexpr int kSide = 8;  // points per side of a block
+  static constexpr int kSide = 8;
   static constexpr int kPoints = kSide * kSide * kSide;
-  // A block with one additional point on each side: indices -1 to kSide.
+  // Block with a border of one point: indices -1 to kSide.
   static constexpr int kWide = kSide + 2;
   using WideBlock = std::array<float, kWide * kWide * kWide>;
 
-  // Requires surfels in cubes of kSide cells. `done` is called from several threads with the ratio
-  // of finished work.
+  // Requires surfels in cubes of kSide cells. `done` is called from several threads with the
+  // completed ratio.
   DistanceField(const SurfelCubes& surfels, float cell_m, const std::function<void(double)>& done);
 
   float cell_m() const { return cell_m_; }
-  // Radius of the kernel of a surfel, m.
   float SupportOf(const MeshSurfel& surfel) const {
     return std::max(surfel.reach_m, kFewestCells * cell_m_);
   }
-  // Maximum SupportOf() of all surfels.
   float support_m() const { return support_m_; }
 
   int block_count() const { return static_cast<int>(keys_.size()); }
   Cube BlockAt(int i) const { return CubeKey::ToCube(keys_[i]); }
-  // Index of a block; -1: none.
   int FindBlock(const Cube& block) const;
-  // Position of a grid point, m.
   Eigen::Vector3f PointAt(const Cube& point) const { return point.cast<float>() * cell_m_; }
-  // Loads block i with its border. Points in missing blocks are NaN.
+  // Loads block i with its border. NaN in missing blocks.
   void Load(int i, WideBlock* values) const;
 
  private:
   // Includes all corners of the cells that a plane cuts.
   static constexpr float kFewestCells = 2.5f;
-  using Values = std::array<float, kPoints>;  // x is the fastest index
+  using Values = std::array<float, kPoints>;
 
   void FindBlocks(const SurfelCubes& surfels);
   std::unique_ptr<Values> Compute(int i, const SurfelCubes& surfels,

@@ -19,12 +19,12 @@ struct SurfaceVertex {
   Eigen::Vector3f position;  // m
   Eigen::Vector3f normal;    // initially any vector towards the observed side
   Rgb8 color;
-  bool is_supported = false;  // a surfel with the same orientation reaches this vertex
+  bool is_supported = false;  // a surfel with the same orientation is near
 };
 
 struct Around {
-  float weight = 0, height = 0;                      // sums of w and of w n . (x - p)
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // sum of w n
+  float weight = 0, height = 0;  // sums of w and of w n . (x - p)
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float color_weight = 0;
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
   bool is_supported = false;
@@ -32,13 +32,12 @@ struct Around {
   float Distance() const { return weight > 0 ? height / weight : 0; }
 };
 
-// Refines vertices by their surrounding surfels. Not thread-safe: one object per thread.
+// Refines vertices by nearby surfels. Not thread-safe: use one object per thread.
 class VertexRefiner {
  public:
   VertexRefiner(const DistanceField& field, const SurfelCubes& surfels)
       : field_(field), surfels_(surfels) {}
 
-  // The vertices must be close together.
   void Refine(std::vector<SurfaceVertex>* vertices) {
     if (vertices->empty()) return;
     Eigen::Vector3f low = vertices->front().position, high = low;
@@ -105,10 +104,10 @@ class VertexRefiner {
 };
 
 struct BlockMesh {
-  std::array<std::uint16_t, DistanceField::kPoints> first;  // vertex of each cell
+  std::array<std::uint16_t, DistanceField::kPoints> first;
   std::vector<SurfaceVertex> vertices;
   std::vector<TriangleMesh::Triangle> triangles;
-  std::uint32_t begin = 0;  // index of its first vertex in the whole mesh
+  std::uint32_t begin = 0;
 };
 
 int WideIndex(const Cube& point) {
@@ -133,7 +132,7 @@ struct Cell {
   }
   bool IsCut() const { return is_known && pattern != 0 && pattern != 255; }
 
-  // Mean of the zero crossings on the edges of a patch, relative to corner 0, in cells.
+  // Mean of the zero crossings of a patch, relative to corner 0, in cells.
   Eigen::Vector3f MiddleOf(const CellPatches& patches, int patch) const {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     int count = 0;
@@ -148,7 +147,6 @@ struct Cell {
     return sum / static_cast<float>(count);
   }
 
-  // Gradient of the field, which points to the observed side.
   Eigen::Vector3f Gradient() const {
     Eigen::Vector3f gradient = Eigen::Vector3f::Zero();
     for (int c = 0; c < CellPatches::kCorners; ++c)
@@ -202,7 +200,7 @@ class QuadBuilder {
     const SurfaceVertex* vertex = nullptr;
   };
 
-  // Adds the quad around a grid edge if the surface cuts it.
+  // Adds the quad around a grid edge if the edge is cut.
   void JoinAround(const Cube& point, int axis, const DistanceField::WideBlock& values,
                   BlockMesh* mesh) const {
     const float from = values[WideIndex(point)];
@@ -210,7 +208,7 @@ class QuadBuilder {
     if (std::isnan(from) || std::isnan(to) || (from < 0) == (to < 0)) return;
     const Cube u = Cube::Unit((axis + 1) % 3), v = Cube::Unit((axis + 2) % 3);
     const std::array<Cube, 4> cells = {point - u - v, point - v, point, point - u};
-    constexpr std::array<int, 4> kEdgeOf = {3, 2, 0, 1};  // index of this edge in each cell
+    constexpr std::array<int, 4> kEdgeOf = {3, 2, 0, 1};
     std::array<Place, 4> corners;
     for (int i = 0; i < 4; ++i) {
       corners[i] = Find(cells[i], 4 * axis + kEdgeOf[i], values);

@@ -7,7 +7,7 @@ namespace surfit {
 namespace {
 
 struct Side {
-  std::uint64_t edge;  // vertex indices, smaller one first
+  std::uint64_t edge;
   std::uint32_t triangle;
   std::uint32_t k;
 };

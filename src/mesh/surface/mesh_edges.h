@@ -9,8 +9,8 @@
 
 namespace surfit {
 
-// Neighbouring triangle at each side of each triangle. Side k is the edge from corner k to the next
-// corner. kNone: zero or several neighbours.
+// Neighbour of each triangle at each side; kNone: none or several. Side k is the edge from corner k
+// to the next corner.
 class TriangleNeighbors {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();

@@ -13,12 +13,11 @@
 namespace surfit {
 namespace {
 
-// Sums the progress of a stage over several threads.
 class StageProgress {
  public:
   StageProgress(const MeshProgress& progress) : progress_(progress) {}
 
-  // Starts the next stage. `part`: its ratio of the total work.
+  // Starts the next stage. `part`: its share of all work.
   std::function<void(double)> Begin(const char* stage, double part) {
     begin_ += part_;
     part_ = part;
@@ -38,8 +37,7 @@ class StageProgress {
   const char* stage_ = "";
 };
 
-// Sets the spacing of surfels from the number n of points in a disc with radius R: pi R^2 = n
-// spacing^2.
+// Sets the spacing of surfels from n points in a disc of radius R: pi R^2 = n spacing^2.
 void MeasureSpacings(float radius_m, std::vector<MeshSurfel>* surfels) {
   const SurfelCubes cubes(*surfels, radius_m);
   ParallelFor(0, cubes.cube_count(), 16, [&](int begin, int end) {
@@ -63,9 +61,9 @@ void MeasureSpacings(float radius_m, std::vector<MeshSurfel>* surfels) {
   });
 }
 
-// Converts points with normals. Depth noise grows with the square of the distance, and the radius
-// grows with the distance. Confidence is about the number of observations. Therefore sigma ~
-// radius^2 / sqrt(confidence).
+// Converts points with normals. Depth noise grows with the square of the depth, and the radius with
+// the depth. Confidence is about the number of observations. So sigma ~ radius^2 /
+// sqrt(confidence).
 std::vector<MeshSurfel> ToSurfels(const PointCloud& cloud, const MeshOptions& options) {
   constexpr float kMinConfidence = 0.1f;
   const auto trim_m = static_cast<float>(options.trim_distance_m);
@@ -92,7 +90,6 @@ std::vector<MeshSurfel> ToSurfels(const PointCloud& cloud, const MeshOptions& op
   return surfels;
 }
 
-// Distances between the points and the mesh, along the normal of the nearest vertex.
 void MeasureDistances(const PointCloud& cloud, const TriangleMesh& mesh, double cell_m,
                       MeshSummary* summary) {
   constexpr int kPointsPerTask = 4096;

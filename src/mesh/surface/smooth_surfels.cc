@@ -9,13 +9,13 @@ namespace surfit {
 namespace {
 
 constexpr int kCubesPerTask = 16;
-constexpr int kFewest = 6;              // minimum number of surfels for a plane
-constexpr float kFacingSameWay = 0.5f;  // cosine between normals
-constexpr double kFlat = 4;             // minimum ratio of the variances along and across a plane
-constexpr float kMinSigma = 5e-4f;      // m; correlated errors, which do not average out
-constexpr float kMaxSpacings = 8;       // maximum radius of a neighbourhood, in spacings
+constexpr int kFewest = 6;
+constexpr float kFacingSameWay = 0.5f;
+constexpr double kFlat = 4;         // minimum ratio of variances along and across a plane
+constexpr float kMinSigma = 5e-4f;  // correlated error, which does not average out, m
+constexpr float kMaxSpacings = 8;   // maximum radius, in spacings
 constexpr float kFewestSpacings = 2.5f;
-constexpr float kPlaneSpacings = 4;  // radius for the scale of the sigmas
+constexpr float kPlaneSpacings = 4;
 
 struct Plane {
   Eigen::Vector3f point, normal;
@@ -38,8 +38,8 @@ class PlaneSum {
     second_[5] += weighted.z() * offset.z();
   }
 
-  // Fits a plane. Returns false with too few surfels. If the surfels are not flat or lie on a line,
-  // the plane gets their mean normal.
+  // Fits a plane. Returns false for too few surfels. If the surfels are curved or on a line, the
+  // plane gets their mean normal.
   bool Fit(const MeshSurfel& surfel, Plane* plane) const {
     if (count_ < kFewest) return false;
     const Eigen::Vector3f mean = first_ / weight_;
@@ -71,7 +71,6 @@ class PlaneFitter {
  public:
   explicit PlaneFitter(const SurfelCubes& cubes) : cubes_(cubes) {}
 
-  // Selects the cube of the following surfels, and their maximum neighbourhood radius.
   void Enter(int cube, float reach_m) {
     const Eigen::Vector3f low = cubes_.CubeOf(cube).cast<float>() * cubes_.cube_m();
     const Eigen::Vector3f margin = Eigen::Vector3f::Constant(reach_m);
@@ -92,7 +91,7 @@ class PlaneFitter {
         if (square >= squared_reach) continue;
         const float cosine = surfel.normal.dot(other.normal);
         if (cosine < kFacingSameWay) continue;
-        // Allows a normal error of 0.25 rad.
+        // allows a normal error of 0.25 rad
         const float height = std::abs(surfel.normal.dot(offset));
         if (height > gates * (surfel.sigma_m + other.sigma_m) + 0.25f * std::sqrt(square)) continue;
         const float share = 1 - square * per_square;
@@ -124,9 +123,9 @@ float MedianSpacing(const std::vector<MeshSurfel>& surfels) {
 
 void FindSigmas(std::vector<MeshSurfel>* surfels) {
   constexpr float kAllHeights = 1e6f;
-  constexpr float kMaxTimes = 4;  // limit of the measured sigma, relative to the scaled sigma
+  constexpr float kMaxTimes = 4;  // maximum ratio of measured to scaled sigma
   const SurfelCubes cubes(*surfels, kPlaneSpacings * MedianSpacing(*surfels));
-  std::vector<float> shown_m(surfels->size(), -1.f);  // in the order of `surfels`; -1: unknown
+  std::vector<float> shown_m(surfels->size(), -1.f);  // by surfel; -1: unknown
   ParallelFor(0, cubes.cube_count(), kCubesPerTask, [&](int begin, int end) {
     PlaneFitter fitter(cubes);
     for (int c = begin; c < end; ++c) {
@@ -156,8 +155,7 @@ void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& d
                    std::vector<MeshSurfel>* surfels) {
   constexpr float kGates = 3;  // standard deviations
   // The slope of a plane over n = pi reach^2 / spacing^2 surfels has the standard deviation 2 sigma
-  // / (reach sqrt(n)) = 2 sigma spacing / (sqrt(pi) reach^2). Decreasing weights reduce the
-  // effective n to about a third.
+  // / (reach sqrt(n)) = 2 sigma spacing / (sqrt(pi) reach^2).
   const auto factor = static_cast<float>(2 * 1.7 / (std::sqrt(M_PI) * normal_noise_rad));
   const float most_m = kMaxSpacings * MedianSpacing(*surfels);
   const auto reach_of = [&](const MeshSurfel& surfel) {

@@ -17,9 +17,9 @@ struct MeshSurfel {
   Rgb8 color;
 };
 
-using Cube = Eigen::Vector3i;  // coordinates in a grid of cubes
+using Cube = Eigen::Vector3i;
 
-// Cube coordinates as integers, in the order of z, y, x. Coordinates are within +-2^20.
+// Integer coordinates of a cube, sorted by z, y, x. Coordinates are within +-2^20.
 class CubeKey {
  public:
   static constexpr int kMaxCubes = 1 << 20;
@@ -38,28 +38,25 @@ class CubeKey {
   static std::uint64_t Part(int i) { return static_cast<std::uint32_t>(i + kMaxCubes); }
 };
 
-// Surfels sorted by cubes of a grid. The order within a cube is kept.
+// Surfels sorted by cube. Keeps the order within a cube.
 class SurfelCubes {
  public:
   struct Range {
     std::uint32_t begin, end;
   };
 
-  // Throws InputError for surfels more than CubeKey::kMaxCubes cubes from the origin.
   SurfelCubes(const std::vector<MeshSurfel>& surfels, float cube_m);
 
   float cube_m() const { return cube_m_; }
   const std::vector<MeshSurfel>& surfels() const { return surfels_; }
-  // Input index of each surfel.
   const std::vector<std::uint32_t>& order() const { return order_; }
 
-  // Number of cubes with surfels. Cubes are sorted by key.
+  // Number of non-empty cubes, which are sorted by key.
   int cube_count() const { return static_cast<int>(keys_.size()); }
   Cube CubeOf(int i) const { return CubeKey::ToCube(keys_[i]); }
   Range SurfelsOf(int i) const { return {begin_[i], begin_[i + 1]}; }
 
-  // Replaces `ranges` by the surfels of all cubes that overlap the box. These are all surfels in
-  // the box, and some others.
+  // Replaces `ranges` by the surfels of all cubes that overlap the box.
   void FindWithin(const Eigen::Vector3f& low, const Eigen::Vector3f& high,
                   std::vector<Range>* ranges) const;
 
@@ -72,7 +69,6 @@ class SurfelCubes {
   std::vector<MeshSurfel> surfels_;
   std::vector<std::uint32_t> order_;
   std::vector<std::uint64_t> keys_;
-  // Index of the first surfel of each cube. The last entry is the number of surfels.
   std::vector<std::uint32_t> begin_;
 };
 

@@ -7,13 +7,11 @@
 
 namespace surfit {
 
-// Projection of world points into the colour image of a frame. As in FrameColors, a point X at the
-// pose of the frame is projected from X - t (turn x X + velocity), where t is the capture time of
-// its row.
+// Projects world points into the colour image of a frame. Corrects the motion as FrameColors does:
+// projects X - t (turn x X + velocity) for a row with capture time t.
 class TextureCamera {
  public:
-  // Pixel coordinates, depth along the optical axis in m, and image motion in px/s. z = 0: behind
-  // the camera.
+  // Pixel, depth in m, and image motion in px/s. z = 0: behind the camera.
   struct Place {
     float u = 0, v = 0, z = 0, speed = 0;
   };

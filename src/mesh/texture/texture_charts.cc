@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::uint32_t kNoPlace = std::numeric_limits<std::uint32_t>::max();
 
-// Collects the connected triangles with the same view.
 std::vector<std::uint32_t> ConnectedTo(std::uint32_t first, const TriangleNeighbors& neighbors,
                                        const std::vector<int>& views, std::vector<bool>* is_done) {
   std::vector<std::uint32_t> found = {first};
@@ -30,8 +29,8 @@ std::vector<std::uint32_t> ConnectedTo(std::uint32_t first, const TriangleNeighb
   return found;
 }
 
-// Places the charts in rows ("shelves") from the top, each from left to right. Sets their sizes and
-// `height`. Returns false if they do not fit.
+// Places the charts in rows ("shelves") from top to bottom. Sets sizes and `height`. Returns false
+// if the charts do not fit.
 bool PlaceOnShelves(double share, int width, int max_height, const std::vector<std::size_t>& order,
                     std::vector<TextureChart>* charts, int* height) {
   int left = 0, top = 0, shelf = 0;
@@ -60,7 +59,7 @@ bool PlaceOnShelves(double share, int width, int max_height, const std::vector<s
 
 }  // namespace
 
-// Sets two pixels per average side of a triangle.
+// Sets the scale: two pixels per average side of a triangle.
 ColorViews::ColorViews(const TriangleMesh& mesh) {
   double sum = 0;
   for (const TriangleMesh::Triangle& t : mesh.triangles)
@@ -133,7 +132,6 @@ PackedSize PackCharts(int max_side_px, std::vector<TextureChart>* charts) {
   constexpr double kSmaller = 0.95, kSmallest = 0.02;
   PackedSize size;
   for (; size.pixel_ratio > kSmallest; size.pixel_ratio *= kSmaller) {
-    // As square as possible.
     double area = 0, widest = 0;
     for (const TextureChart& chart : *charts) {
       const Eigen::Vector2d sides = size.pixel_ratio * (chart.high - chart.low).cast<double>() +

@@ -9,18 +9,18 @@
 
 namespace surfit {
 
-// A connected part of the mesh with the same view. The view is a frame or, without a suitable
-// frame, an orthographic view of the vertex colours.
+// Connected part of the mesh with the same view: a frame, or an orthographic view of the vertex
+// colours.
 struct TextureChart {
   int view = 0;  // index of a frame, or frame count + ColorViews index
   std::vector<std::uint32_t> triangles;
   std::uint32_t first_place = 0, end_place = 0;
-  Eigen::Vector2f low, high;  // bounds of its places, in pixels of the view
-  int left = 0, top = 0;      // position in the texture, including the margin
-  int width = 0, height = 0;  // size in the texture
+  Eigen::Vector2f low, high;
+  int left = 0, top = 0;
+  int width = 0, height = 0;
 };
 
-// Six orthographic views of the vertex colours along the directions of the axes.
+// Six orthographic views of the vertex colours along the axes.
 class ColorViews {
  public:
   explicit ColorViews(const TriangleMesh& mesh);
@@ -36,8 +36,8 @@ class ColorViews {
 // Charts of a mesh with pixel coordinates in their views.
 struct TextureLayout {
   std::vector<TextureChart> charts;
-  std::vector<std::uint32_t> vertices;            // mesh vertex of each place
-  std::vector<Eigen::Vector2f> pixels;            // in the view of the chart
+  std::vector<std::uint32_t> vertices;
+  std::vector<Eigen::Vector2f> pixels;
   std::vector<TriangleMesh::Triangle> triangles;  // indices of places
 };
 
@@ -45,18 +45,18 @@ TextureLayout MakeCharts(const TriangleMesh& mesh, const TriangleNeighbors& neig
                          const std::vector<int>& views, const std::vector<TextureCamera>& cameras,
                          const ColorViews& color_views);
 
-// Margin around charts in the texture. It prevents colours of other charts in interpolation.
+// Margin around charts, against interpolation with other charts.
 inline constexpr int kChartMargin_px = 2;
 
-// Size of the texture, and its scale relative to the frames.
+// Texture size, and texels per frame pixel.
 struct PackedSize {
   int width = 0, height = 0;
   double pixel_ratio = 1;
 };
 
-// Packs the charts into an image with sides of at most max_side_px, on shelves in descending order
-// of height. If necessary, all charts are reduced by the same factor. Throws InputError if there
-// are too many charts.
+// Packs the charts into an image of at most max_side_px per side, on shelves by descending height.
+// If necessary, reduces all charts by a common factor. Throws InputError if there are too many
+// charts.
 PackedSize PackCharts(int max_side_px, std::vector<TextureChart>* charts);
 
 }  // namespace surfit

@@ -7,11 +7,10 @@
 
 namespace surfit {
 
-// Frames of a run of surfit_slam with the final poses of its poses.json, its estimated calibration
-// and colour latency. Held-out frames are omitted. The other frames are divided into max_frames
-// equal parts, and the frame with the least image motion of each part is used; 0: all frames.
-// `sequence` is the input of the run. Frames without colour and unreadable frames are skipped.
-// Throws InputError with the file name, here or when frames are read.
+// Frames of a run of surfit_slam, with the poses, calibration and colour latency of its poses.json.
+// Divides the frames into max_frames parts, and selects the frame with the least image motion of
+// each part. Omits held-out frames, unreadable frames and frames without colour. `sequence`: input
+// of the run. Throws InputError with the path, here or when frames are read.
 TextureFrames TextureFramesOf(const std::string& run, const SequenceOptions& sequence,
                               int max_frames);
 

@@ -25,7 +25,6 @@ double AreaOf(const TriangleMesh& mesh, std::size_t triangle) {
   return 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
 }
 
-// Selects the frame that provides the texture of each triangle.
 class FrameSelection {
  public:
   static constexpr int kNoFrame = -1;
@@ -47,9 +46,7 @@ class FrameSelection {
     });
   }
 
-  // Selects frames greedily: each step takes the frame that shows the largest area of remaining
-  // triangles, weighted by sharpness, if it is sharp enough. Then triangles switch to frames of
-  // their neighbours if this reduces the cost of seams and lost sharpness.
+  // Greedy selection: each step takes the frame with the largest sharp area of remaining triangles.
   std::vector<int> Choose(const TriangleMesh& mesh, const TriangleNeighbors& neighbors,
                           const TextureOptions& options) const {
     std::vector<int> frames = CoverGreedily(mesh, static_cast<float>(options.min_sharpness));
@@ -66,7 +63,6 @@ class FrameSelection {
   using Candidates = std::array<Candidate, kCandidates>;  // descending sharpness
 
   std::vector<int> CoverGreedily(const TriangleMesh& mesh, float least_share) const {
-    // Contribution of a triangle without frame to the value of a candidate.
     const auto worth = [&](std::size_t i, const Candidate& candidate) {
       const float share = candidate.sharpness / candidates_[i][0].sharpness;
       return share >= least_share ? share * AreaOf(mesh, i) : 0.;
@@ -91,7 +87,7 @@ class FrameSelection {
         for (const Candidate& candidate : candidates_[i])
           if (candidate.frame != kNoFrame) worths[candidate.frame] -= worth(i, candidate);
       }
-      *best = 0;  // removes rounding errors
+      *best = 0;  // against rounding errors
     }
     return frames;
   }
@@ -110,7 +106,7 @@ class FrameSelection {
             if (other != TriangleNeighbors::kNone && (*frames)[other] != candidate.frame)
               cost += seam_cost;
           }
-          // For equal costs the current frame is kept.
+          // the current frame wins for equal costs
           const bool is_less = cost < least_cost;
           if (best != kNoFrame && !is_less &&
               !(cost == least_cost && candidate.frame == (*frames)[i]))
@@ -130,7 +126,7 @@ class FrameSelection {
 struct TextureSources {
   std::vector<TextureCamera> cameras;
   std::vector<Eigen::Vector3f> gains;
-  std::vector<int> views;  // per triangle: frame index, or frame count + ColorViews index
+  std::vector<int> views;  // by triangle: frame index, or frame count + ColorViews index
 };
 
 TextureSources LookAtFrames(const TriangleMesh& mesh, const TriangleNeighbors& neighbors,

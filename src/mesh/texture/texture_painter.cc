@@ -11,7 +11,6 @@ namespace {
 
 Eigen::Vector3f ToVector(Rgb8 color) { return Eigen::Vector3f(color.r, color.g, color.b); }
 
-// Bilinear interpolation with clamping at the borders.
 Eigen::Vector3f ColorAt(const Image<Rgb8>& image, const Eigen::Vector2f& at) {
   const float u = std::clamp(at.x(), 0.f, static_cast<float>(image.width() - 1));
   const float v = std::clamp(at.y(), 0.f, static_cast<float>(image.height() - 1));
@@ -23,7 +22,7 @@ Eigen::Vector3f ColorAt(const Image<Rgb8>& image, const Eigen::Vector2f& at) {
          t * ((1 - s) * ToVector(image(left, bottom)) + s * ToVector(image(right, bottom)));
 }
 
-// Extends the colours by one texel, with the mean of the painted neighbours.
+// Extends the colours by one texel: mean of the painted neighbours.
 void Widen(int width, int height, std::vector<Eigen::Vector3f>* colors,
            std::vector<std::uint8_t>* is_painted) {
   const std::vector<std::uint8_t> before = *is_painted;
@@ -99,9 +98,9 @@ Eigen::Vector2f TexturePainter::PlaceOf(const TextureChart& chart,
           (texel.y() + 0.5f) / static_cast<float>(image_.height())};
 }
 
-// Repeatedly replaces the value of each place by the mean of the corners of its triangles.
+// Repeatedly replaces values by means over adjacent triangles.
 void TexturePainter::Smooth(const TextureChart& chart, Colors* of_places) const {
-  constexpr int kRounds = 40;  // a radius of about six triangle sides
+  constexpr int kRounds = 40;  // radius of about six triangle sides
   Colors sums(of_places->size());
   std::vector<float> weights(of_places->size());
   for (int round = 0; round < kRounds; ++round) {

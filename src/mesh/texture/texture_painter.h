@@ -12,28 +12,25 @@ class TexturePainter {
  public:
   TexturePainter(const TriangleMesh& mesh, const TextureLayout& layout, const PackedSize& size);
 
-  // Paints the colours of a frame, multiplied by the gain. Adds the remaining difference to the
-  // mesh colours, smoothed over several triangles. Coarse shading then comes from the mesh, so that
-  // charts meet without steps, and finer detail comes from the frame.
+  // Paints frame colours times the gain. Adds the smoothed difference to the mesh colours, so that
+  // charts meet without steps.
   void Paint(const TextureChart& chart, const Image<Rgb8>& frame, const Eigen::Vector3f& gain);
-  // Paints the vertex colours of the mesh.
   void PaintColors(const TextureChart& chart);
 
-  // Texture coordinates (0 to 1) of a pixel of the chart's view.
+  // Texture coordinates (0 to 1) of a pixel of the view.
   Eigen::Vector2f PlaceOf(const TextureChart& chart, const Eigen::Vector2f& pixel) const;
 
   Image<Rgb8>& image() { return image_; }
 
  private:
-  // Colours (0 to 255) of the places of a chart or of its texels.
   using Colors = std::vector<Eigen::Vector3f>;
 
   Eigen::Vector2f InChart(const TextureChart& chart, const Eigen::Vector2f& pixel) const {
     return share_ * (pixel - chart.low) + Eigen::Vector2f::Constant(kChartMargin_px);
   }
   void Smooth(const TextureChart& chart, Colors* of_places) const;
-  // Interpolates colours of places to the texels of the chart. `is_painted`: 1 for texels with a
-  // colour, which includes the margin.
+  // Interpolates colours of places to texels. `is_painted` 1: the texel has a colour, also in the
+  // margin.
   Colors Spread(const TextureChart& chart, const Colors& of_places,
                 std::vector<std::uint8_t>* is_painted) const;
 

@@ -13,16 +13,15 @@ namespace surfit {
 namespace {
 
 constexpr int kVerticesPerTask = 8192, kTrianglesPerTask = 8192;
-constexpr int kMargin_px = 3;             // range of mixed colours at depth edges and image borders
-constexpr float kMinCosine = 0.2f;        // between ray and normal
-constexpr float kHidden_m = 0.03f;        // minimum depth behind an occluder
+constexpr int kMargin_px = 3;  // width of mixed colours at depth edges and image borders
+constexpr float kMinCosine = 0.2f;
+constexpr float kHidden_m = 0.03f;
 constexpr float kHiddenPerMetre = 0.03f;  // added to kHidden_m, per metre of depth
 constexpr float kMissed_m = 0.1f;         // maximum difference to the measured depth
-constexpr int kDark = 20, kBright = 245;  // limits of reliable colours
+constexpr int kDark = 20, kBright = 245;
 constexpr float kLossByBrightness = 0.7f;
 constexpr float kBlur_s = 0.005f, kPixelsPerMetre = 500.f;  // as in FrameColors
 
-// Minimum of the square neighbourhood of each pixel.
 template <typename T>
 Image<T> MinAround(const Image<T>& image, int radius) {
   const int width = image.width(), height = image.height();
@@ -138,7 +137,7 @@ float TextureView::SharpnessOf(const Triangle& triangle) const {
   const Eigen::Vector3f &a = mesh_.vertices[triangle[0]], &b = mesh_.vertices[triangle[1]],
                         &c = mesh_.vertices[triangle[2]];
   const Eigen::Vector3f own = (b - a).cross(c - a), ray = camera_.center() - (a + b + c) / 3;
-  // Average of the vertex normals, smoother than `own`.
+  // Mean of the vertex normals, smoother than `own`.
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float z = 0, speed = 0, bright = 0;
   for (const std::uint32_t v : triangle) {
@@ -160,8 +159,7 @@ Rgb8 TextureView::ColorOf(std::uint32_t vertex) const {
   return frame_.frame.color(static_cast<int>(place.u + 0.5f), static_cast<int>(place.v + 0.5f));
 }
 
-// Ratio of the sums of mesh and frame colours over visible triangles, without dark and overexposed
-// colours.
+// Ratio of mesh to frame colours over visible triangles, without dark and overexposed colours.
 void TextureView::FindGain() {
   constexpr int kFewest = 100;
   struct Sums {

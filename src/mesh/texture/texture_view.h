@@ -13,9 +13,9 @@ class TextureView {
   TextureView(const TriangleMesh& mesh, const TextureFrame& frame);
 
   const TextureCamera& camera() const { return camera_; }
-  // Sharpness of each triangle, defined as the colour weight of FrameColors. 0: not visible.
+  // Sharpness per triangle: the colour weight of FrameColors. 0: not visible.
   const std::vector<float>& sharpness() const { return sharpness_; }
-  // Per-channel gains that map frame colours to mesh colours.
+  // Gains per channel from frame colours to mesh colours.
   Eigen::Vector3f gain() const { return gain_; }
 
  private:
@@ -24,8 +24,8 @@ class TextureView {
   void DrawDepths();
   void FindClearPixels();
   float SharpnessOf(const Triangle& triangle) const;
-  // True if the triangle is not occluded, agrees with the measured depth, and has colours at all
-  // pixels.
+  // True if the triangle is not occluded, agrees with the measured depth, and has colours
+  // everywhere.
   bool IsClear(const Triangle& triangle) const;
   bool IsClearAt(float u, float v, float z) const;
   Rgb8 ColorOf(std::uint32_t vertex) const;  // requires a visible vertex
@@ -34,9 +34,9 @@ class TextureView {
   const TriangleMesh& mesh_;
   const TextureFrame& frame_;
   const TextureCamera camera_;
-  std::vector<TextureCamera::Place> places_;  // per vertex of the mesh
-  Image<float> nearest_m_;        // smallest depth of the mesh around each pixel; infinity: none
-  Image<std::uint8_t> is_clear_;  // 0 close to the image border and to missing colours
+  std::vector<TextureCamera::Place> places_;
+  Image<float> nearest_m_;        // smallest mesh depth around each pixel; infinity: none
+  Image<std::uint8_t> is_clear_;  // 0 near image borders and missing colours
   std::vector<float> sharpness_;
   Eigen::Vector3f gain_ = Eigen::Vector3f::Ones();
 };

@@ -6,8 +6,8 @@
 
 namespace surfit {
 
-// Calls visit(u, v, shares) for all pixels of an image with their centre in a triangle. `shares`
-// are the barycentric coordinates. The orientation of the triangle is arbitrary.
+// Calls visit(u, v, shares) for all pixels with their centre in a triangle of any orientation.
+// `shares`: barycentric coordinates.
 template <typename Visit>
 void VisitPixels(const Eigen::Vector2f& a, const Eigen::Vector2f& b, const Eigen::Vector2f& c,
                  int width, int height, const Visit& visit) {

@@ -20,7 +20,6 @@ AxisRange Widened(const AxisRange& range, double length) {
   return {center - half, center + half};
 }
 
-// Smallest of 1, 2 and 5 times a power of ten that is at least `least`.
 double RoundStep(double least) {
   const double power = std::pow(10, std::floor(std::log10(least)));
   for (const double factor : {1, 2, 5}) {
@@ -43,7 +42,8 @@ std::vector<double> RoundTicks(AxisRange range, int most) {
   std::vector<double> ticks;
   if (!(high > low)) return ticks;
   const double step = RoundStep((high - low) / most);
-  const double slack = 1e-9 * (high - low) / step;  // for ticks at the ends, against rounding
+  // rounding errors must not remove ticks at the ends
+  const double slack = 1e-9 * (high - low) / step;
   for (double k = std::ceil(low / step - slack); k <= high / step + slack; ++k) {
     ticks.push_back(k * step + 0.);  // turns -0 into 0
   }
@@ -75,7 +75,7 @@ PixelPoint Axes::At(double x, double y) const {
 }
 
 void DrawAxes(Image<Rgb8>* image, const Axes& axes) {
-  constexpr double kSpacing_px = 75;  // minimum distance of numbers
+  constexpr double kSpacing_px = 75;
   constexpr TextStyle kNumber = {15, 0.5, kAxisInk}, kLabel = {17, 0.5, kAxisInk};
   const PixelBox& box = axes.box;
   const int columns = static_cast<int>((box.right - box.left) / kSpacing_px);
@@ -108,7 +108,7 @@ std::array<ShownAxes, 2> ChooseTrajectoryAxes(const Eigen::Vector3d& up,
   int vertical;
   up.cwiseAbs().maxCoeff(&vertical);
   const bool downward = up[vertical] < 0;
-  // In cyclic order, the cross product of the two horizontal axes is the vertical axis.
+  // cyclic order of the axes, so that both views are right-handed
   const int next = (vertical + 1) % 3, last = (vertical + 2) % 3;
   const int right = downward ? last : next, away = downward ? next : last;
   const int longer = extent_m[right] >= extent_m[away] ? right : away;

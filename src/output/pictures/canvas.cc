@@ -18,9 +18,9 @@ namespace {
 static_assert(sizeof(Rgb8) == 3, "images are shared with OpenCV");
 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-constexpr int kFiner = 4;        // supersampling factor of text
-constexpr int kShift = 4;        // fractional bits of OpenCV coordinates
-constexpr double kCapital = 21;  // height of capital letters at scale 1, px
+constexpr int kFiner = 4;  // supersampling factor of text
+constexpr int kShift = 4;
+constexpr double kCapital = 21;
 
 cv::Scalar AsScalar(Rgb8 color) { return {1. * color.r, 1. * color.g, 1. * color.b}; }
 
@@ -28,7 +28,6 @@ cv::Point Fixed(PixelPoint p) {
   return {cvRound(p.u * (1 << kShift)), cvRound(p.v * (1 << kShift))};
 }
 
-// Size of a text in supersampled pixels.
 struct Strokes {
   double scale, capital;
   int thickness;
@@ -43,7 +42,7 @@ struct Strokes {
   }
 };
 
-constexpr float kHeadlight = 0.35f;  // shows shapes and keeps the colour scale readable
+constexpr float kHeadlight = 0.35f;  // shading, with the colour scale still readable
 
 std::uint8_t UnitToByte(float component) {
   return static_cast<std::uint8_t>(std::clamp(127.5f * (1 + component) + 0.5f, 0.f, 255.f));

@@ -13,7 +13,7 @@
 
 namespace surfit {
 
-// Point in an image, px. The centre of the first pixel is (0, 0).
+// Point in an image, px; the centre of the first pixel is (0, 0).
 struct PixelPoint {
   double u, v;
 };
@@ -24,18 +24,17 @@ struct PixelBox {
 
 struct TextStyle {
   double height_px = 18;  // line height
-  double justify = 0;     // 0: text begins at the point, 0.5: is centred, 1: ends at the point
+  double justify = 0;  // alignment; 0: text starts at the point, 0.5: centred, 1: ends at the point
   Rgb8 color = {20, 20, 20};
 };
 
-// View of the image for OpenCV. Shares the pixels.
+// OpenCV header of the image. Shares the pixels, so the image must outlive it.
 cv::Mat AsMat(Image<Rgb8>* image);
 
-// Width of a text without margins, px.
 double TextWidth(const std::string& text, const TextStyle& style);
 
-// Drawing functions. Lines, discs and text are antialiased, boxes are whole pixels. All are clipped
-// to the image. Text must be ASCII and is centred vertically at its point.
+// Drawing functions, clipped to the image. Lines, discs and text are antialiased. Text must be
+// ASCII and is centred vertically at its point.
 void DrawText(Image<Rgb8>* image, PixelPoint at, const std::string& text,
               const TextStyle& style = {});
 void DrawLine(Image<Rgb8>* image, const std::vector<PixelPoint>& points, Rgb8 color,
@@ -58,7 +57,7 @@ class ColorScale {
   double high() const { return high_; }
   bool logarithmic() const { return logarithmic_; }
 
-  // Position of a value in [0, 1]; values outside [low, high] are clamped.
+  // Position of a value on the scale, clamped to [0, 1].
   double Position(double value) const;
   Rgb8 ColorAt(double position) const;
   Rgb8 ColorOf(double value) const { return ColorAt(Position(value)); }
@@ -69,34 +68,32 @@ class ColorScale {
   std::array<Rgb8, 256> colors_;
 };
 
-// Draws a colour bar, low on the left, with ticks below it.
+// Draws a colour bar with ticks below it.
 void DrawColorBar(Image<Rgb8>* image, const ColorScale& scale, const PixelBox& box);
 
-// Computes the colour of each pixel from its index. Calls `color_of` in parallel.
+// Colours each pixel by its index. Calls `color_of` in parallel.
 Image<Rgb8> ColorIndices(const Image<std::int32_t>& indices,
                          const std::function<Rgb8(int u, int v, std::int32_t index)>& color_of);
 
-// Multiplies a colour by `brightness` in [0, 1].
 Rgb8 Dimmed(Rgb8 color, float brightness);
 
-// Colouring of the surfels of a map, with its legend. The map must outlive the colouring.
+// Colouring of the surfels of a map, with a legend. The map must outlive this object.
 struct SurfelColoring {
   std::string title;
-  std::function<Rgb8(std::int32_t)> color_of;  // colour by surfel id
-  // Share of the brightness that depends on the angle between normal and viewing ray; 0: no
+  std::function<Rgb8(std::int32_t)> color_of;
+  // Share of the brightness that depends on the angle between normal and viewing ray. 0: no
   // shading.
   float headlight = 0;
-  std::string legend;               // text of the legend
-  std::optional<ColorScale> scale;  // scale of the colour bar; empty: no bar
+  std::string legend;
+  std::optional<ColorScale> scale;
 };
 
 // Surfel colours.
 SurfelColoring ColorByColor(const SurfelMap& map);
-// (1 + n) / 2 with the normal n in the world frame: x red, y green, z blue.
+// Colours (1 + n) / 2 of the normal n in the world frame: x red, y green, z blue.
 SurfelColoring ColorByNormal(const SurfelMap& map);
-// Logarithmic scale up to the largest confidence, over at most four decades.
+// Logarithmic scale up to the largest confidence, at most four decades.
 SurfelColoring ColorByConfidence(const SurfelMap& map);
-// Linear scale over the values of last_seen.
 SurfelColoring ColorByLastSeen(const SurfelMap& map);
 
 }  // namespace surfit

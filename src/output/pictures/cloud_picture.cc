@@ -15,7 +15,7 @@ namespace {
 
 constexpr Rgb8 kSourceColor = {240, 120, 0};
 constexpr Rgb8 kTargetColor = {20, 90, 210};
-constexpr int kPointSize_px = 3;  // supersampled pixels, 1.5 px of the picture
+constexpr int kPointSize_px = 3;
 constexpr int kViewWidth = PictureSheet::kCellWidth * PictureSheet::kSupersampling;
 constexpr int kViewHeight = PictureSheet::kCellHeight * PictureSheet::kSupersampling;
 
@@ -33,8 +33,7 @@ PictureView FittedView(const std::string& label, const std::vector<Eigen::Vector
   return view;
 }
 
-// View from the right and above at the median point of the clouds, 1.3 times as far away as the
-// camera.
+// View at the median point from the upper right, 1.3 times as far away as the camera.
 Rigid3d ObliqueView(const std::vector<Eigen::Vector3f>& points) {
   constexpr double kToTheRight = 0.6, kAbove = 0.45, kDistance = 1.3;
   Eigen::Vector3d center;
@@ -49,8 +48,8 @@ Rigid3d ObliqueView(const std::vector<Eigen::Vector3f>& points) {
   return LookAlong(center + distance * towards_eye, -towards_eye, -Eigen::Vector3d::UnitY());
 }
 
-// Eye-dome lighting (Boucheny 2009), which needs no normals: pixels are darker the farther they are
-// behind their neighbours. log_depth: logarithm of depth; infinite without a point.
+// Eye-dome lighting (Boucheny 2009): darkens pixels behind their neighbours, without normals.
+// `log_depth`: logarithm of the depth; infinite without a point.
 float EyeDomeLight(const Image<float>& log_depth, int u, int v) {
   constexpr int kReach_px = 2;
   constexpr float kStrength = 12, kDarkest = 0.35f;
@@ -64,7 +63,6 @@ float EyeDomeLight(const Image<float>& log_depth, int u, int v) {
   return std::max(kDarkest, std::exp(-kStrength * behind));
 }
 
-// The first `source_count` points are the source, all others are the target.
 Image<Rgb8> ColorPoints(const std::vector<Eigen::Vector3f>& points, std::size_t source_count,
                         const PictureView& view) {
   const Image<std::int32_t> indices = RenderPoints(points, kPointSize_px, view);
@@ -81,21 +79,20 @@ Image<Rgb8> ColorPoints(const std::vector<Eigen::Vector3f>& points, std::size_t 
   });
 }
 
-// True if 99 % of the points are in front of a camera at the origin.
+// True if 99 % of the points have positive depth for a camera at the origin.
 bool AreBeforeTheOrigin(const std::vector<Eigen::Vector3f>& points) {
   const auto before =
       std::count_if(points.begin(), points.end(), [](const auto& p) { return p.z() > 0; });
   return static_cast<double>(before) >= 0.99 * static_cast<double>(points.size());
 }
 
-// Translation that moves all points in front of a camera at the origin.
+// Translation along z that puts all points in front of a camera at the origin.
 Eigen::Vector3f ShiftBeforeTheOrigin(const std::vector<Eigen::Vector3f>& points) {
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& p : points) box.extend(p);
   return Eigen::Vector3f(0, 0, box.diagonal().norm()) - box.center();
 }
 
-// Draws a legend entry: a patch of the colour and a name.
 void DrawEntry(Image<Rgb8>* image, double u, Rgb8 color, const std::string& name) {
   constexpr double kMiddle = PictureSheet::kHeaderHeight / 2.;
   FillBox(image, {u, kMiddle - 9, u + 40, kMiddle + 9}, color);

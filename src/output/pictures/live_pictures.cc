@@ -13,7 +13,6 @@ namespace {
 constexpr Rgb8 kBackground = {70, 77, 86};  // contrasts with white and black objects
 const cv::Scalar kLetters(230, 230, 230), kAlarm(205, 20, 20);
 
-// Scales an image with its aspect ratio and centres it in a picture.
 Image<Rgb8> Centered(const Image<Rgb8>& image) {
   Image<Rgb8> picture(LivePictures::kWidth, LivePictures::kHeight, kBackground);
   if (image.empty()) return picture;
@@ -27,7 +26,7 @@ Image<Rgb8> Centered(const Image<Rgb8>& image) {
   return picture;
 }
 
-// Light letters with dark edges, readable on any background.
+// Bright text with dark outlines, readable on any background.
 void WriteCaption(const std::string& text, Image<Rgb8>* picture) {
   const cv::Point place(8, 20);
   for (const auto& [ink, width] : {std::pair(cv::Scalar(0, 0, 0), 3), std::pair(kLetters, 1)}) {
@@ -37,7 +36,7 @@ void WriteCaption(const std::string& text, Image<Rgb8>* picture) {
 }
 
 Image<Rgb8> DepthPicture(const Image<float>& depth_m) {
-  constexpr float kWhite = 0.5f;  // up to this depth in m, pixels are white
+  constexpr float kWhite = 0.5f;  // pixels up to this depth are white, m
   Image<Rgb8> picture(depth_m.width(), depth_m.height());
   for (std::size_t i = 0; i < picture.size(); ++i) {
     const float share = depth_m[i] > 0 ? std::min(1.f, kWhite / depth_m[i]) : 0;
@@ -64,7 +63,6 @@ Image<std::int32_t> WithoutHoles(const Image<std::int32_t>& ids) {
   return filled;
 }
 
-// Draws white text on a red band and a red frame.
 void DrawAlarm(const std::string& text, cv::Mat picture) {
   constexpr int kBand_px = 48, kEdge_px = 8;
   cv::rectangle(picture, cv::Rect(0, 0, picture.cols, picture.rows), kAlarm, 2 * kEdge_px);
@@ -75,8 +73,7 @@ void DrawAlarm(const std::string& text, cv::Mat picture) {
 
 }  // namespace
 
-// Renderer of the model at reduced resolution. Uses the disc renderer, because DrawBlended() is
-// much slower and would delay the run.
+// Renderer of the model at reduced resolution. The disc renderer is much faster than DrawBlended().
 struct LivePictures::Tools {
   DepthSensor sensor;
   ModelRenderer renderer{RenderOptions()};

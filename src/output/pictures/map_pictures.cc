@@ -13,7 +13,6 @@
 namespace surfit {
 namespace {
 
-// Visible surfels of the four views, used by all colourings.
 struct RenderedViews {
   std::array<PictureView, 4> views;
   std::array<Image<std::int32_t>, 4> surfel_indices;
@@ -29,7 +28,6 @@ RenderedViews Render(const SurfelMap& map, const std::vector<std::uint8_t>& show
   return rendered;
 }
 
-// Colours a view. The headlight shines along the viewing ray.
 Image<Rgb8> Color(const SurfelMap& map, const SurfelColoring& coloring, const PictureView& view,
                   const Image<std::int32_t>& indices) {
   const Eigen::Matrix3d world_from_camera =
@@ -54,8 +52,7 @@ SurfelMap Shown(const SurfelMap& map, const std::vector<std::uint8_t>& shown) {
   return copy;
 }
 
-// Blended surfel colours. The sensor noise is set to 0: at the distance of these views, the noise
-// would merge a table with the floor below it.
+// Blended surfel colours, without sensor noise.
 Image<Rgb8> Blended(const SurfelMap& map, const PictureView& view) {
   const DepthNoise none = {0};
   const BlendedView drawn = DrawBlended(map, {view.camera, none}, view.camera_from_world.Inverse());

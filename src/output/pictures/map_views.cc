@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// Evenly distributed sample of the shown surfels.
 struct Sample {
   std::vector<Eigen::Vector3f> points, normals;
   std::vector<float> areas;
@@ -32,10 +31,9 @@ Sample DrawSample(const SurfelMap& map, const std::vector<std::uint8_t>& shown) 
   return sample;
 }
 
-// Refines the up direction to the mean normal of horizontal surfaces (floors, tables). Cameras are
-// usually pitched, so the search begins with a wide angle about `up` and narrows.
+// Refines the up direction to the mean normal of horizontal surfaces.
 Eigen::Vector3d RefineUp(const Sample& sample, Eigen::Vector3d up) {
-  constexpr double kLeastRatio = 0.02;  // minimum ratio of horizontal area to total area
+  constexpr double kLeastRatio = 0.02;
   const double total = std::accumulate(sample.areas.begin(), sample.areas.end(), 0.);
   for (const double gate_rad : {0.75, 0.5, 0.35, 0.25}) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -49,13 +47,11 @@ Eigen::Vector3d RefineUp(const Sample& sample, Eigen::Vector3d up) {
   return up;
 }
 
-// Axes of a room: two horizontal directions along the walls, and up.
 struct RoomAxes {
   Eigen::Vector3d across, along, up;  // right-handed
 };
 
-// Wall normals are horizontal and at right angles to each other. So the mean of exp(4 i azimuth)
-// over all surfels has an argument of four times the azimuth of the walls.
+// Wall normals are horizontal and at right angles.
 RoomAxes FindRoomAxes(const Sample& sample, const Eigen::Vector3d& up) {
   const Eigen::Vector3d x = up.unitOrthogonal(), y = up.cross(x);
   double sum_cos = 0, sum_sin = 0;
@@ -72,7 +68,6 @@ RoomAxes FindRoomAxes(const Sample& sample, const Eigen::Vector3d& up) {
   return {across, up.cross(across), up};
 }
 
-// Centre and size of the scene.
 struct Bounds {
   Eigen::Vector3d center;
   double diagonal_m;
@@ -89,7 +84,7 @@ Bounds FindBounds(const Sample& sample) {
   return {(low + high) / 2, std::max(1e-3, (high - low).norm())};
 }
 
-// View along `forward` from outside the scene, fitted to the surfels that face the camera.
+// View along `forward` from outside the scene, fitted to the front faces.
 PictureView OutsideView(const std::string& label, const Sample& sample, const Bounds& bounds,
                         const Eigen::Vector3d& forward, const Eigen::Vector3d& up,
                         double distance_in_diagonals, int width, int height) {
@@ -108,9 +103,8 @@ PictureView OutsideView(const std::string& label, const Sample& sample, const Bo
   return view;
 }
 
-// View from straight above, from a large distance, so that walls are almost lines. The vertical
-// axis of the picture is the horizontal room axis that gives the largest scale. Its sign is the
-// viewing direction of the first camera.
+// View from above, from so far away that walls are almost lines. The vertical axis of the picture
+// is the room axis with the larger scale. It points in the viewing direction of the first camera.
 PictureView TopView(const Sample& sample, const Bounds& bounds, const RoomAxes& axes,
                     const Eigen::Vector3d& first_forward, int width, int height) {
   constexpr double kDistance = 4;
@@ -124,7 +118,7 @@ PictureView TopView(const Sample& sample, const Bounds& bounds, const RoomAxes& 
   return best;
 }
 
-// Oblique view from above. The azimuth shows the largest area of front faces.
+// Oblique view from above, at the azimuth with the largest area of front faces.
 PictureView BirdView(const Sample& sample, const Bounds& bounds, const RoomAxes& axes, int width,
                      int height) {
   constexpr double kDistance = 1.5, kElevation = 0.65;
@@ -159,9 +153,9 @@ double MedianDepth(const Sample& sample, const Rigid3d& camera_from_world) {
 // View from a pose of the path, moved back along the optical axis.
 PictureView PulledBackView(const std::string& label, const Sample& sample, const Rigid3d& pose,
                            int width, int height) {
-  constexpr double kPulledBack = 0.2;  // distance relative to the median depth
+  constexpr double kPulledBack = 0.2;
   constexpr double kFocal =
-      0.75;  // focal length relative to the width: 67 degrees of field of view
+      0.75;  // focal length relative to the width: field of view of 67 degrees
   PictureView view;
   view.label = label;
   view.camera_from_world = pose.Inverse();

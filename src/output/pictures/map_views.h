@@ -12,22 +12,21 @@
 
 namespace surfit {
 
-// Picture with a header for title and legend, and rows of equal cells with captions.
+// Picture of equal cells with captions, below a header with title and legend.
 class PictureSheet {
  public:
   static constexpr int kCellWidth = 800, kCellHeight = 600;
   static constexpr int kHeaderHeight = 76, kCaptionHeight = 34, kGap = 8;
-  // Rendered pixels per pixel of the sheet, in each direction.
+  // Rendered pixels per sheet pixel along each axis.
   static constexpr int kSupersampling = 2;
   static constexpr Rgb8 kPaper = {255, 255, 255}, kInk = {20, 20, 20};
-  // Background of cells, contrasts with white and black objects.
+  // background of cells, contrasts with white and black objects
   static constexpr Rgb8 kScene = {109, 120, 134};
 
   PictureSheet(int columns, int rows);
 
-  // Fills a cell from an image of kSupersampling times its size by area averaging.
+  // Fills a cell by area averaging. `finer` has kSupersampling times the size of the cell.
   void SetCell(int cell, const Image<Rgb8>& finer);
-  // Writes the caption below a cell.
   void DrawCaption(int cell, const std::string& text);
 
   Image<Rgb8>* image() { return &image_; }
@@ -42,15 +41,14 @@ class PictureSheet {
   Image<Rgb8> image_;
 };
 
-// Four views of the surfels with shown[id] != 0, in width x height pixels. The views are from
-// above, oblique from above, from behind the first camera, and from behind the camera of
-// MostDifferentPose().
+// Four views of the surfels with shown[id] != 0, each of width x height px: from above, oblique
+// from above, and from behind two cameras.
 std::array<PictureView, 4> ChooseMapViews(const SurfelMap& map,
                                           const std::vector<std::uint8_t>& shown,
                                           const Trajectory& camera_path, int width, int height);
 
-// Index of the pose that differs most from the first pose: by the angle in rad plus the distance in
-// units of scene_depth_m. 0 for a path with one pose.
+// Index of the pose with the largest difference to the first pose: angle in rad plus distance /
+// scene_depth_m. 0 for a path with one pose.
 std::size_t MostDifferentPose(const Trajectory& camera_path, double scene_depth_m);
 
 }  // namespace surfit

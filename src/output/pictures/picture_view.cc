@@ -12,7 +12,7 @@ Eigen::Vector3d UpDirection(const Trajectory& camera_path) {
   if (camera_path.empty()) return -Eigen::Vector3d::UnitY();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const StampedPose& pose : camera_path) sum += up_of(pose);
-  constexpr double kVanishes = 1e-3;  // minimum length of the mean axis
+  constexpr double kVanishes = 1e-3;
   if (sum.norm() < kVanishes * camera_path.size()) return up_of(camera_path.front());
   return sum.normalized();
 }
@@ -28,9 +28,9 @@ Rigid3d LookAlong(const Eigen::Vector3d& eye, const Eigen::Vector3d& forward,
 
 PinholeCamera FitCamera(const std::vector<Eigen::Vector3f>& points_in_camera, int width,
                         int height) {
-  constexpr double kTail = 0.005;  // ratio of points on each side that may be outside
+  constexpr double kTail = 0.005;  // maximum ratio of points outside, per side
   constexpr double kFilled = 0.94;
-  constexpr float kMinExtent = 1e-3f;  // minimum extent in the plane z = 1
+  constexpr float kMinExtent = 1e-3f;
   std::vector<float> x, y;
   for (const Eigen::Vector3f& p : points_in_camera) {
     if (p.z() <= 0) continue;

@@ -38,8 +38,8 @@ PixelRange Clip(float first, float last, int size) {
 // and r = (x, y, 1), the ray r + e with e = (ex, ey, 0) intersects the plane of the disc at depth z
 // + k:
 //   n . ((z + k) (r + e) - z r) = 0,   k = -z n.e / n.(r + e),
-// at the offset (z + k) e + k r from c. There is no cancellation, so single precision is
-// sufficient.
+// at the offset (z + k) e + k r from c. Single precision is sufficient, because there is no
+// cancellation.
 void DrawDisc(const Canvas& canvas, const Eigen::Vector3f& c, const Eigen::Vector3f& n,
               float radius, std::int32_t index) {
   const float x = c.x() / c.z(), y = c.y() / c.z(), z = c.z();
@@ -66,8 +66,8 @@ void DrawDisc(const Canvas& canvas, const Eigen::Vector3f& c, const Eigen::Vecto
       const float k = -z * n_e / (n_r + n_e);
       const Eigen::Vector3f offset((z + k) * ex + k * x, (z + k) * ey + k * y, k);
       if (offset.squaredNorm() > radius * radius) continue;
-      // IsHidden() requires depths of at least nearest_z. A smaller depth, by rounding, would make
-      // the result depend on the order of surfels.
+      // IsHidden() requires depths of at least nearest_z. Rounding must not make the result depend
+      // on the order of surfels.
       canvas.image.Offer(column, row, std::max(z + k, nearest_z), index);
     }
   }

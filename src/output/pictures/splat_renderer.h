@@ -12,8 +12,8 @@
 
 namespace surfit {
 
-// Z-buffer of indices. Keeps the index with the smallest depth for each pixel; for equal depths,
-// the lowest index. The result does not depend on the order of calls.
+// Z-buffer of indices. Each pixel keeps the index with the smallest depth, and the lowest index for
+// equal depths. The result does not depend on the order of calls.
 class NearestIndexImage {
  public:
   static constexpr std::int32_t kNothing = -1;
@@ -26,7 +26,7 @@ class NearestIndexImage {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  // Writes the pixel if it is nearer than the stored depth. Thread-safe. `depth` must be positive
+  // Writes the pixel if `depth` is nearer than the stored depth. Thread-safe. Requires depth > 0
   // and (u, v) inside the image.
   void Offer(int u, int v, float depth, std::int32_t index) {
     const std::uint64_t key = Key(depth, index);
@@ -36,13 +36,13 @@ class NearestIndexImage {
     }
   }
 
-  // True if the stored depth is smaller than `depth`, so that Offer() would have no effect.
+  // True if Offer() with `depth` would have no effect.
   bool IsHidden(int u, int v, float depth) const {
     const auto& nearest = keys_[static_cast<std::size_t>(v) * width_ + u];
     return nearest.load(std::memory_order_relaxed) < Key(depth, 0);
   }
 
-  // Indices of all pixels; kNothing for pixels without a call of Offer().
+  // Index of each pixel; kNothing for pixels without Offer().
   Image<std::int32_t> Indices() const {
     Image<std::int32_t> indices(width_, height_);
     for (std::size_t i = 0; i < indices.size(); ++i) {
@@ -52,15 +52,14 @@ class NearestIndexImage {
   }
 
  private:
-  // Key that is ordered by depth, then by index. Bit patterns of positive floats have the order of
-  // the floats.
+  // Key ordered by depth, then by index. Bit patterns of positive floats have the order of the
+  // floats.
   static std::uint64_t Key(float depth, std::int32_t index) {
     std::uint32_t bits;
     std::memcpy(&bits, &depth, sizeof bits);
     return std::uint64_t{bits} << 32 | static_cast<std::uint32_t>(index);
   }
 
-  // The lower 32 bits are kNothing.
   static constexpr std::uint64_t kFarthest = std::numeric_limits<std::uint64_t>::max();
 
   int width_;
@@ -69,14 +68,13 @@ class NearestIndexImage {
 };
 
 // Renders the id of the visible surfel of each pixel; NearestIndexImage::kNothing without surfel.
-// Surfels are opaque discs. A disc covers the pixels whose rays intersect it, and always the pixel
-// of its projected centre, so that small discs are visible. Not drawn: surfels with shown[id] == 0,
-// back faces, and surfels nearer than two radii.
+// Surfels are opaque discs, and cover at least the pixel of their centre. Back faces, surfels with
+// shown[id] == 0, and surfels nearer than two radii are not drawn.
 Image<std::int32_t> RenderSurfels(const SurfelMap& map, const std::vector<std::uint8_t>& shown,
                                   const PictureView& view);
 
 // Renders the index of the nearest point of each pixel; NearestIndexImage::kNothing without point.
-// A point covers size_px x size_px pixels around its projection.
+// A point covers size_px x size_px pixels.
 Image<std::int32_t> RenderPoints(const std::vector<Eigen::Vector3f>& points_in_world, int size_px,
                                  const PictureView& view);
 

@@ -20,10 +20,9 @@ constexpr const char* kAxisLabels[] = {"x [m]", "y [m]", "z [m]"};
 
 struct PathStyle {
   Rgb8 color;
-  double width_px, mark_px;  // line width; half the width of a marker
+  double width_px, mark_px;
 };
-// The ground truth is wider and drawn below the estimate, so that both are visible if they
-// coincide.
+// The ground truth is wider and drawn first, so both paths are visible if they coincide.
 constexpr PathStyle kEstimateStyle = {{230, 90, 0}, 3, 6}, kTruthStyle = {{145, 190, 250}, 9, 11};
 constexpr PathStyle kLegendStyle = {kInk, 3, 6};
 
@@ -47,7 +46,6 @@ Path PositionsOf(const Trajectory& trajectory) {
   return path;
 }
 
-// Coordinate ranges of both paths; 0 to 1 if both are empty.
 std::array<AxisRange, 3> FindRanges(const Path& a, const Path& b) {
   std::array<AxisRange, 3> ranges;
   for (int axis = 0; axis < 3; ++axis) {

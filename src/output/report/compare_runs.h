@@ -10,20 +10,18 @@
 
 namespace surfit {
 
-// Alignment of the world frames of two runs.
 struct RunAlignment {
   Rigid3d target_from_source;
-  std::size_t poses = 0;  // number of pose pairs with equal timestamps
-  double rms_m = 0;       // RMS distance of the aligned positions
+  std::size_t poses = 0;
+  double rms_m = 0;
 };
 
-// Aligns two runs by the positions of poses with equal timestamps. If the rotation is unobservable,
-// for example on a straight path, the middle pose pair determines the transform. Returns
-// std::nullopt for fewer than three equal timestamps.
+// Aligns two runs by the positions of poses with equal timestamps. For an unobservable rotation
+// (straight path), uses the pose pair in the middle. Returns std::nullopt for fewer than three
+// equal timestamps.
 std::optional<RunAlignment> AlignRuns(const Trajectory& source, const Trajectory& target);
 
-// Distance of each surfel centre to the disc of the map surfel with the nearest centre, m. At most
-// kFarFromMap.
+// Distance of each surfel centre to the disc of the nearest map surfel, m; at most kFarFromMap.
 constexpr float kFarFromMap = 0.5f;
 std::vector<float> DistancesFromMap(const std::vector<Surfel>& surfels,
                                     const Rigid3d& map_from_surfels,

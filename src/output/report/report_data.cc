@@ -23,7 +23,7 @@ std::size_t ReverseBits(std::size_t value, int bits) {
   return reversed;
 }
 
-// Permutation of 0, ..., count - 1 by reversed bits (van der Corput sequence). Every prefix is
+// Indices 0, ..., count - 1, sorted by reversed bits (van der Corput sequence). Every prefix is
 // evenly distributed.
 std::vector<std::size_t> SpreadOrder(std::size_t count) {
   int bits = 0;
@@ -37,7 +37,6 @@ std::vector<std::size_t> SpreadOrder(std::size_t count) {
   return order;
 }
 
-// Column of the table as base64: `size` values of type T per surfel.
 template <typename T, typename F>
 std::string Column(const std::vector<Surfel>& surfels, int size, const F& values_of) {
   std::vector<T> column;
@@ -55,11 +54,10 @@ float LargestRadius(const std::vector<Surfel>& surfels) {
   return largest;
 }
 
-// Replaces the key `files` of each view by `pictures`, with the file contents as data URLs.
+// Replaces the key `files` of each view by `pictures`: file contents as data URLs.
 void EmbedPictures(const std::string& folder, Json* views) {
   for (Json& view : *views) {
-    const Json files =
-        view.at("files");  // copy, because inserting a key moves the values of the view
+    const Json files = view.at("files");  // copy, because a new key moves the values of the view
     for (const auto& [name, file] : files.items()) {
       const std::string bytes = ReadFile(folder + "/" + file.get<std::string>());
       view["pictures"][name] = "data:image/jpeg;base64," + EncodeBase64(bytes);
@@ -82,7 +80,7 @@ std::string TextOf(const std::string& file) {
 Json ReadPoses(const std::string& folder, std::size_t max_thumbnails) {
   Json poses = ReadJson(folder + "/poses.json");
   EmbedPictures(folder, &poses.at("views"));
-  if (poses.contains("thumbnails")) {  // missing in runs of older releases
+  if (poses.contains("thumbnails")) {  // older releases write none
     poses["thumbnails"] = EvenlySpread(poses["thumbnails"], max_thumbnails);
     EmbedPictures(folder, &poses["thumbnails"]);
   }

@@ -10,13 +10,12 @@
 
 namespace surfit {
 
-// Base64 with padding (RFC 4648, section 4).
 std::string EncodeBase64(const unsigned char* bytes, std::size_t count);
 inline std::string EncodeBase64(const std::string& bytes) {
   return EncodeBase64(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
 }
 
-// Base64 of the memory of the values. All supported processors and browsers are little endian.
+// Base64 of the memory of the values, little endian on all supported processors.
 template <typename T>
 std::string EncodeBase64(const std::vector<T>& values) {
   return EncodeBase64(reinterpret_cast<const unsigned char*>(values.data()),
@@ -24,8 +23,7 @@ std::string EncodeBase64(const std::vector<T>& values) {
 }
 
 // Selects at most `max_points` surfels, evenly spread over the input order, which is spatial in map
-// files. Every prefix of the result is evenly spread as well. Omits surfels with non-finite
-// positions.
+// files. Every prefix is evenly spread, too. Omits surfels with non-finite positions.
 std::vector<Surfel> EvenlySpread(const std::vector<Surfel>& surfels, std::size_t max_points);
 
 // Result of EvenlySpread() as JSON for the page, with base64 of little-endian arrays:
@@ -40,10 +38,10 @@ std::vector<Surfel> EvenlySpread(const std::vector<Surfel>& surfels, std::size_t
 //   radius               uint16: radius = max_radius * radius / 65535
 nlohmann::ordered_json PackMap(const std::vector<Surfel>& surfels, std::size_t max_points);
 
-// Distances as base64 of uint16 in units of 0.1 mm; 65535: kFarFromMap or more.
+// Distances as base64 of uint16, in units of 0.1 mm. 65535: kFarFromMap or more.
 std::string PackDistances(const std::vector<float>& distances_m);
 
-// Shortest unique path suffixes of the folders, for the page.
+// Shortest unique suffixes of the folder paths.
 std::vector<std::string> ShortNames(const std::vector<std::string>& folders);
 
 // Data of a run of surfit_slam or surfit_refine for the report.
@@ -56,10 +54,10 @@ struct ReportedRun {
   // - poses: poses.json with pictures as data URLs
   nlohmann::ordered_json page;
   std::vector<Surfel> surfels;  // map.ply
-  Trajectory trajectory;        // from poses.json
+  Trajectory trajectory;
 };
 
-// Reads the folder of a run with at most `max_thumbnails` evenly spread thumbnails. Throws
+// Reads the folder of a run, with at most `max_thumbnails` evenly spread thumbnails. Throws
 // InputError with the path of a missing or invalid file.
 ReportedRun ReadRun(const std::string& folder, std::size_t max_thumbnails);
 

@@ -16,11 +16,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Maximum for all runs together. A thumbnail has about 40 kB; the default number of surfels has 18
-// MB.
+// Limit of all runs together.
 constexpr std::size_t kMaxThumbnails = 120;
 
-// Alignments of all runs to the first run; std::nullopt without equal timestamps.
 std::vector<std::optional<RunAlignment>> AlignWithFirst(const std::vector<ReportedRun>& runs) {
   std::vector<std::optional<RunAlignment>> alignments = {RunAlignment()};
   for (std::size_t i = 1; i < runs.size(); ++i) {
@@ -39,7 +37,7 @@ Json ToJson(const RunAlignment& alignment) {
           {"rms_m", alignment.rms_m}};
 }
 
-// The first run is compared with the second run, all other runs with the first run.
+// Compares the first run with the second run, and all other runs with the first run.
 void Compare(const std::vector<ReportedRun>& runs, std::size_t max_points,
              std::vector<Json>* pages) {
   if (runs.size() < 2) return;

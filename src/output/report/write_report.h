@@ -9,8 +9,9 @@ namespace surfit {
 class OptionVisitor;
 
 struct ReportOptions {
-  std::vector<std::string> runs;  // output folders of RunSlam(), shown side by side
-  std::string output;             // path of the HTML file
+  // output folders of RunSlam() or RunRefinement(), shown side by side
+  std::vector<std::string> runs;
+  std::string output;
   // Maximum number of surfels of all runs together. Larger maps are sampled evenly.
   int max_points = 500000;
 
@@ -19,8 +20,8 @@ struct ReportOptions {
 
 struct ReportedMap {
   std::string run;
-  std::size_t points = 0;        // number of surfels in the map
-  std::size_t shown_points = 0;  // number of surfels in the page
+  std::size_t points = 0;
+  std::size_t shown_points = 0;
 };
 
 // Writes a self-contained HTML file that needs no network. The page shows:
@@ -29,9 +30,8 @@ struct ReportedMap {
 // - input images next to model views
 // - map differences, calibrations, summaries and options
 //
-// Reads map.ply, frames.csv, summary.json, poses.json, loops.csv, thumbnails/ and views/ of each
-// run, or the results of RunRefinement(). Embeds three.js and Chart.js. Throws InputError with the
-// path of a missing, invalid or unwritable file.
+// Reads the folders of all runs. Throws InputError with the path of a missing, invalid or
+// unwritable file.
 std::vector<ReportedMap> WriteReport(const ReportOptions& options);
 
 }  // namespace surfit

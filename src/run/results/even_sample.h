@@ -6,16 +6,15 @@
 
 namespace surfit {
 
-// Evenly spaced sample of a stream of unknown length. Keeps every stride-th item. When it has
-// `most` items, it drops every second item and doubles the stride before it keeps the next item.
-// The sample has most / 2 to `most` items if the stream is long enough.
+// Evenly spaced sample of a stream of unknown length: every stride-th item. A full sample (`most`
+// items) drops every second item and doubles the stride.
 template <typename T>
 class EvenSample {
  public:
-  // `most` must be even and positive, which is not checked.
+  // `most` must be even and positive (not checked).
   explicit EvenSample(std::size_t most) : most_(most) {}
 
-  // Returns true if the next item must be passed to Keep(). Call it once per item, in order.
+  // Call once per item, in order. True: pass the item to Keep().
   bool TakesNext() {
     if (offered_++ % stride_ != 0) return false;
     if (kept_.size() == most_) DropEveryOther();
@@ -26,8 +25,7 @@ class EvenSample {
   const std::vector<T>& kept() const { return kept_; }
 
  private:
-  // The current item has index most * stride. This is also a multiple of the new stride, because
-  // `most` is even.
+  // The current index is most * stride, a multiple of the new stride because `most` is even.
   void DropEveryOther() {
     for (std::size_t i = 1; 2 * i < kept_.size(); ++i) kept_[i] = std::move(kept_[2 * i]);
     kept_.resize(kept_.size() / 2);

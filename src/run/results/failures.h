@@ -5,13 +5,12 @@
 
 namespace surfit {
 
-// Errors of a run. Each step is tried even if earlier steps have failed, so that results are not
-// lost.
+// Errors of a run. Later steps run in spite of errors, so that results are not lost.
 class Failures {
  public:
   Failures();
 
-  // Runs the step. Returns false after an exception, whose message is stored once.
+  // Runs the step. Returns false and stores the message after an exception.
   template <typename Step>
   bool Try(const Step& step) {
     try {
@@ -31,7 +30,7 @@ class Failures {
   void AddCurrent();
 
   std::vector<std::string> all_;
-  std::vector<char> reserve_;  // freed when memory runs out, so that results can be written
+  std::vector<char> reserve_;  // freed when memory runs out
 };
 
 }  // namespace surfit

@@ -14,14 +14,14 @@
 namespace surfit {
 namespace {
 
-constexpr int kQuality = 85;  // JPEG quality: small files in which differences remain visible
+constexpr int kQuality = 85;  // JPEG quality: small files with visible differences
 constexpr Rgb8 kNoDepth = {40, 40, 40};
 
 std::vector<std::string> PictureNames() {
   return {"input_color", "model_color", "input_depth", "model_depth"};
 }
 
-// Colour scale from the depth range of the frame, used for both depth pictures of a view.
+// Colour scale of both depth pictures of a view, from the depth range of the frame.
 ColorScale ScaleOf(const Image<float>& depth_m) {
   float low = 0, high = 0;
   for (const float depth : depth_m) {
@@ -54,7 +54,7 @@ KeptView MakeView(const RgbdFrame& frame, const SurfelMap& map, const DepthSenso
   return view;
 }
 
-// Sorts the views by frame and merges views of the same frame, with all reasons.
+// Sorts views by frame. Merges views of the same frame and their reasons.
 std::vector<KeptView> Merge(std::vector<KeptView> views) {
   std::stable_sort(views.begin(), views.end(),
                    [](const KeptView& a, const KeptView& b) { return a.index < b.index; });
@@ -69,7 +69,7 @@ std::vector<KeptView> Merge(std::vector<KeptView> views) {
   return merged;
 }
 
-// Paths of all pictures that Kept::Write() may create, with `Kept` KeptViews or Thumbnails.
+// Paths of all pictures that Kept::Write() may create. `Kept`: KeptViews or Thumbnails.
 template <typename Kept>
 std::vector<std::string> AllFileNames(const std::vector<std::string>& pictures) {
   std::vector<std::string> names;
@@ -106,7 +106,7 @@ Image<Rgb8> Smaller(const Image<Rgb8>& image, int factor) {
   return small;
 }
 
-// Takes every factor-th pixel, because the mean of depths across an edge is not a surface point.
+// Takes every factor-th pixel, because means of depth across edges are no surface points.
 Image<float> EveryOf(const Image<float>& depth_m, int factor) {
   Image<float> some((depth_m.width() + factor - 1) / factor,
                     (depth_m.height() + factor - 1) / factor);

@@ -13,16 +13,15 @@
 
 namespace surfit {
 
-// Pictures of a frame and of the model view at its pose, for comparison. JPEG.
 struct KeptView {
   struct Picture {
-    std::string name;  // input_color, model_color, input_depth or model_depth
+    std::string name;
     std::string jpeg;
   };
   int index = 0;
   double stamp_s = 0;
-  std::string why;                // reasons for keeping the view, separated by ", "
-  std::vector<Picture> pictures;  // colour pictures only if the frame has colour
+  std::string why;                // reasons of selection, separated by ", "
+  std::vector<Picture> pictures;  // no colour pictures without colour
 };
 
 // Keeps the views of a few frames of a run of unknown length:
@@ -35,18 +34,15 @@ class KeptViews {
  public:
   static constexpr int kMost = 14;
 
-  // Call it with each frame. `map` is the map after this frame.
+  // Call with each frame. `map`: map after this frame.
   void Offer(const RgbdFrame& frame, const FrameReport& report, const SurfelMap& map,
              const DepthSensor& sensor);
-  // Returns the views in the order of frames. Call it after the last frame. The map is rendered for
-  // the last frame.
+  // Returns the views by frame. Call after the last frame, whose model view is rendered.
   std::vector<KeptView> Finish(const SurfelMap& map, const DepthSensor& sensor) const;
 
-  // Path of a picture, relative to the output folder.
   static std::string FileName(int view, const std::string& picture);
-  // Paths of all pictures that Write() may create.
   static std::vector<std::string> FileNames();
-  // Writes the pictures into the output folder. Throws InputError naming the file.
+  // Writes the pictures into the output folder. Throws InputError with the path.
   static void Write(const std::vector<KeptView>& views, const std::string& folder);
 
  private:
@@ -61,20 +57,20 @@ class KeptViews {
   std::optional<Last> last_;
 };
 
-// Keeps small pictures of 60 to 120 evenly spaced frames (EvenSample). Frames with a pose also get
-// the view of the final map. KeptView::why is empty.
+// Keeps thumbnails of 60 to 120 evenly spaced frames (EvenSample). Frames with a pose also get a
+// view of the final map. KeptView::why is empty.
 class Thumbnails {
  public:
   static constexpr int kMost = 120;
-  static constexpr int kWidth_px = 320;  // approximate: images are reduced by integer factors
+  static constexpr int kWidth_px = 320;  // approximate size: images are reduced by integer factors
 
-  // Call it with each frame, including lost frames.
+  // Call with each frame, including lost frames.
   void Offer(const RgbdFrame& frame);
-  // Returns the thumbnails in the order of frames. `world_from_camera` has poses by frame index.
+  // Returns the thumbnails by frame. `world_from_camera`: poses by frame index.
   std::vector<KeptView> Finish(const SurfelMap& map, const DepthSensor& sensor,
                                const std::map<int, Rigid3d>& world_from_camera) const;
 
-  // Like the functions of KeptViews.
+  // As in KeptViews.
   static std::string FileName(int thumbnail, const std::string& picture);
   static std::vector<std::string> FileNames();
   static void Write(const std::vector<KeptView>& thumbnails, const std::string& folder);

@@ -13,8 +13,7 @@
 namespace surfit {
 namespace {
 
-// Largest standard deviation over all directions. The covariance assumes independent points, so it
-// is multiplied by EdgeNoise::shared_points.
+// Largest standard deviation over all directions.
 double LargestSigma(const Eigen::Matrix3d& covariance) {
   const double largest =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly)

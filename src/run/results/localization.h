@@ -8,14 +8,12 @@
 
 namespace surfit {
 
-// Writes localization.csv: state, pose and standard deviations of each frame. These are the largest
-// standard deviations of translation and rotation over all directions, from the covariance of the
-// registration. A lost frame that the next frame confirms gets a second row, with the state
-// "confirmed".
+// Writes localization.csv: state, pose and standard deviations of each frame. Standard deviations
+// are from the registration covariance, in the least certain direction. A lost frame that the next
+// frame confirms gets a second row with the state "confirmed".
 class LocalizationFile {
  public:
-  // `mirrored` is SequenceInfo::mirrored. Throws InputError naming the file if it cannot be
-  // written.
+  // `mirrored` is SequenceInfo::mirrored. Throws InputError with the path if writing fails.
   LocalizationFile(const std::string& path, bool mirrored);
 
   void Add(const FrameReport& report);

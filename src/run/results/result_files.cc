@@ -60,8 +60,7 @@ Json ToJson(const CalibrationRecord& record) {
           {"color_latency_standard_deviation", record.color_latency.sigma_s}};
 }
 
-// Writes one row per frame. Rows are written directly, because a JSON tree of hundreds of thousands
-// of rows takes too much memory.
+// Writes one row per frame, without a JSON tree: long runs would need too much memory.
 void WritePoses(const RunPoses& run, std::ostream& out) {
   out << '[';
   for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
@@ -96,7 +95,6 @@ Json ErrorsOf(const RunPoses& run, const Rigid3d& estimated_from_true) {
   return errors;
 }
 
-// `Kept`: KeptViews or Thumbnails.
 template <typename Kept>
 Json ToJson(const std::vector<KeptView>& kept) {
   Json views = Json::array();
@@ -139,8 +137,8 @@ void WriteColumns(const LoopRecord& loop, const std::string& reason, std::ostrea
        << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w();
 }
 
-// Reason of the verification, or "contradicts_others" for a verified loop that the pose graph has
-// rejected.
+// Reason of the verification; "contradicts_others": verified loop that is an outlier of the pose
+// graph.
 std::string ReasonOf(const LoopRecord& loop) {
   const GlobalRegistrationResult& verdict = loop.attempt.verdict;
   return verdict.accepted() && !loop.in_graph ? "contradicts_others" : ToString(verdict.reason);

@@ -18,19 +18,18 @@
 
 namespace surfit {
 
-// Writes summary.json. Unknown values are null. Throws InputError naming the file if it cannot be
-// written.
+// Writes summary.json. Unknown values are null. Throws InputError with the path if writing fails.
 void WriteSummaryJson(const SlamRunSummary& summary, const SlamRunOptions& options,
                       const std::string& path);
 
-// Content of poses.json. Poses are in the world frame of the map. The references must outlive the
+// Content of poses.json. Poses are in the world frame of the map. References must outlive the
 // object.
 struct RunPoses {
   const PinholeCamera& camera;
-  const EstimatedSensor& found;    // estimated calibration of the prepared frames
-  const Trajectory& trajectory;    // estimated poses
-  const std::vector<int>& frames;  // frame index of each pose
-  const Trajectory& truth;         // ground truth in its own world frame; empty if unknown
+  const EstimatedSensor& found;
+  const Trajectory& trajectory;  // estimated poses
+  const std::vector<int>& frames;
+  const Trajectory& truth;  // ground truth in its own world frame; empty if unknown
   const std::optional<TrajectoryEvaluation>& evaluation;
   const std::vector<KeptView>& views;
   const std::vector<KeptView>& thumbnails;
@@ -54,9 +53,8 @@ struct RunPoses {
 // Throws InputError naming the file if it cannot be written.
 void WritePosesJson(const RunPoses& run, const std::string& path);
 
-// Writes loops.csv: one row per loop candidate of this run, with the verification result and the
-// reason. Verified loops that the pose graph has rejected have the reason `contradicts_others`.
-// Throws InputError naming the file.
+// Writes loops.csv: one row per loop candidate of this run, with result and reason. The reason
+// `contradicts_others` marks outliers of the pose graph. Throws InputError with the path.
 void WriteLoopsCsv(const std::vector<LoopRecord>& loops, const std::string& path);
 
 // 64-bit FNV-1a hash (Fowler, Noll, Vo).
@@ -74,7 +72,8 @@ class Fnv1a {
   std::uint64_t hash_ = 14695981039346656037u;
 };
 
-// Hexadecimal hash of all poses and surfels. Bitwise identical results have the same digest.
+// Hash of all poses and surfels as hexadecimal text. Bitwise identical results have the same
+// digest.
 inline std::string Digest(const Trajectory& trajectory, const SurfelMap& map) {
   Fnv1a hash;
   for (const StampedPose& pose : trajectory) {

@@ -10,31 +10,27 @@
 
 namespace surfit {
 
-// Names of all files that a run or EvaluateViews() may write into the output folder of the run,
-// relative to this folder.
+// Names of all files that a run or EvaluateViews() may write into the output folder.
 std::vector<std::string> RunFileNames();
 
-// Poses of a run. Appends each pose to trajectory.txt and trajectory_online.txt, in TUM format.
-// Corrections change trajectory.txt only. Poses of mirrored frames are mirrored back in the files,
-// see SequenceInfo::mirrored. The constructor, Add() and Finish() throw InputError that names a
-// file if it cannot be written.
+// Writes the poses of a run in TUM format to trajectory.txt and trajectory_online.txt. Corrections
+// change trajectory.txt only. Poses of mirrored frames are mirrored back. Constructor, Add() and
+// Finish() throw InputError with the path if writing fails.
 class RunTrajectory {
  public:
-  // Creates or replaces both files. `mirrored` is SequenceInfo::mirrored.
+  // Creates or replaces both files. `mirrored`: SequenceInfo::mirrored.
   RunTrajectory(const std::string& folder, bool mirrored);
 
-  // Adds the pose of a frame. A lost frame has no pose and adds nothing. FrameReport::confirmed,
-  // the pose of the frame before, is added first, but not to trajectory_online.txt.
+  // Adds the pose of a frame; a lost frame adds nothing. FrameReport::confirmed is added first, and
+  // only to trajectory.txt.
   void Add(const FrameReport& report);
-  // Replaces the poses of all frames(), in this order. If `corrected` has a different size, for
-  // example after a failed frame, drops the surplus poses or frames at the end.
+  // Replaces the poses of all frames(), in this order. After a failed frame, the sizes differ:
+  // drops surplus poses or frames at the end.
   void Replace(Trajectory corrected);
-  // Writes trajectory.txt again if poses were replaced.
   void Finish() const;
 
-  // Poses of the frames as the run processed them: mirrored if `mirrored` is true.
+  // Poses in the convention of the run: mirrored if `mirrored` is true.
   const Trajectory& poses() const { return poses_; }
-  // Frame index of each pose, ascending.
   const std::vector<int>& frames() const { return frames_; }
 
  private:
@@ -49,16 +45,14 @@ class RunTrajectory {
   std::vector<int> frames_;
 };
 
-// Writes frames.csv, one row per frame. All functions throw InputError that names the file if it
-// cannot be written.
+// Writes frames.csv, one row per frame. All functions throw InputError with the path if writing
+// fails.
 class FrameTable {
  public:
-  // Creates or replaces the file.
   explicit FrameTable(const std::string& folder);
 
-  // `frame_ms` is the time from the completion of the previous frame to that of this frame.
+  // `frame_ms`: time between the completions of the previous frame and this frame.
   void Add(const FrameReport& report, double read_ms, double frame_ms);
-  // Adds the row of a frame that could not be read.
   void AddSkipped(const ReadResult& result, double frame_ms);
 
  private:

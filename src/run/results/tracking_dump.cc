@@ -58,7 +58,6 @@ void WriteView(const FrameLevel& level, const Image<Rgb8>& color, const std::str
   WritePly({AllPixels(level.vertex), AllPixels(level.normal), {color.begin(), color.end()}}, path);
 }
 
-// Reads a view, with intensities if the file has colours.
 FramePyramid ReadView(const DepthSensor& sensor, const PreprocessOptions& options,
                       const std::string& path) {
   const PinholeCamera& camera = sensor.camera;

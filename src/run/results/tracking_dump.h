@@ -6,7 +6,7 @@
 
 namespace surfit {
 
-// Input and result of one registration of the tracker, for repeating it in another program.
+// Input and result of one registration, to repeat it in another program.
 struct TrackingDump {
   int frame = 0;
   FramePyramid source, target;
@@ -23,7 +23,7 @@ struct TrackingDump {
 void WriteTrackingDump(const LostFrame& lost, const SlamOptions& options,
                        const std::string& folder);
 
-// Reads a folder of WriteTrackingDump(). Throws InputError naming the file and the error.
+// Reads a folder of WriteTrackingDump(). Throws InputError with the path and the error.
 TrackingDump ReadTrackingDump(const std::string& folder);
 
 }  // namespace surfit
