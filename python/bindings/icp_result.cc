@@ -69,7 +69,7 @@ void BindIcpResult(py::module_& module) {
                     "correlation of brightness in the overlap")
       .def_readonly(FIELD(GlobalRegistrationResult, detail_correlation),
                     "correlation of edges and texture in the overlap")
-      .def_readonly(FIELD(GlobalRegistrationResult, lead),
+      .def_readonly(FIELD(GlobalRegistrationResult, score_margin),
                     "score margin to all other poses, relative to the score");
 }
 

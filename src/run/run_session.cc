@@ -147,8 +147,8 @@ void RunSession::Begin(const SequenceInfo& info, Slam* slam) {
   writer_->Begin({run}, info.sensor(), slam);
 }
 
-void RunSession::Offer(const Slam& slam, double stamp_s) {
-  if (writer_) writer_->Offer(slam, stamp_s);
+void RunSession::SaveIfDue(const Slam& slam, double stamp_s) {
+  if (writer_) writer_->SaveIfDue(slam, stamp_s);
 }
 
 void RunSession::Finish(const Slam& slam) {

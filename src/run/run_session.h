@@ -33,7 +33,7 @@ class RunSession {
   // Starts saving. Call before the first frame. Saving functions do nothing in localisation.
   void Begin(const SequenceInfo& info, Slam* slam);
   // Call after each frame. Saves periodically.
-  void Offer(const Slam& slam, double stamp_s);
+  void SaveIfDue(const Slam& slam, double stamp_s);
   void Finish(const Slam& slam);
   // Replaces poses, calibration and map after Finish(). `frames`: session index of each pose.
   // Residuals of the pose graph do not change.

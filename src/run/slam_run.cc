@@ -172,7 +172,7 @@ class SlamRun {
       slam_->OnPose([this](const FrameReport&) { statistics_.RecordPoseTime(); });
     }
     FrameReport report = options_.poses == "track" ? slam_->Process(frame) : FuseAtTruth(frame);
-    if (session_) session_->Offer(*slam_, report.stamp_s);
+    if (session_) session_->SaveIfDue(*slam_, report.stamp_s);
     return report;
   }
 

@@ -145,7 +145,7 @@ void SessionWriter::KeepViews(const std::vector<KeyframeLink>& keyframes,
   }
 }
 
-void SessionWriter::Offer(const Slam& slam, double stamp_s) {
+void SessionWriter::SaveIfDue(const Slam& slam, double stamp_s) {
   if (slam.backend()->poses().frames().empty()) return;
   ++frames_since_save_;
   const bool is_due = !has_saved_ || frames_since_save_ >= kPeriodFrames ||

@@ -54,7 +54,7 @@ class SessionWriter {
   // Call after each frame. Saves after 0.5 s of recording time or 15 frames. Waits for the previous
   // save, so at most 1 s of the recording is unsaved. Throws InputError if the previous save
   // failed.
-  void Offer(const Slam& slam, double stamp_s);
+  void SaveIfDue(const Slam& slam, double stamp_s);
 
   // Saves the final state, and syncs it to the disk.
   void Finish(const Slam& slam) { Finish(ContentOf(slam)); }

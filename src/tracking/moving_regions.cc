@@ -9,8 +9,8 @@ namespace {
 
 // Views are stored every 0.2 s, for 10 s. An object that rests longer becomes a part of the
 // scene.
-constexpr double kBetweenSights_s = 0.2;
-constexpr std::size_t kMaxSights = 50;
+constexpr double kBetweenViews_s = 0.2;
+constexpr std::size_t kMaxPastViews = 50;
 // Minimum size of a region as a ratio of all cells. Smaller regions are noise at edges.
 constexpr double kLeastMovingRatio = 0.01;
 // Minimum ratio of a moving region that an earlier view observed as free space, or that moved in
@@ -87,7 +87,7 @@ struct FreeSpaceCount {
 
 }  // namespace
 
-struct MovingRegions::Sight {
+struct MovingRegions::PastView {
   double stamp_s = 0;
   Rigid3d world_from_camera;
   PinholeCamera camera;
@@ -165,8 +165,8 @@ bool MovingRegions::Moves(const std::vector<int>& cells, const FrameLevel& frame
     core_count += kinds[cell] == kCore;
   }
   if (moved_count >= kMinMoved * core_count) return true;
-  return std::any_of(sights_.begin(), sights_.end(), [&](const Sight& sight) {
-    const FreeSpaceCount count = sight.Count(points_in_world);
+  return std::any_of(past_views_.begin(), past_views_.end(), [&](const PastView& past_view) {
+    const FreeSpaceCount count = past_view.Count(points_in_world);
     return count.through >= kLeastMovingRatio * grid.width * grid.height &&
            count.through >= kMinSeenThrough * count.seen;
   });
@@ -202,21 +202,21 @@ void MovingRegions::RemoveStaticCells(const FrameLevel& frame, const Image<Side>
                                       const Rigid3d& world_from_camera,
                                       std::vector<int>* cells) const {
   constexpr double kSame_m = 0.015, kSameSigmas = 3, kResting = 0.8, kMinSeen = 0.2;
-  if (sights_.size() < 2) return;
-  const Sight& sight = *(sights_.rbegin() + 1);
+  if (past_views_.size() < 2) return;
+  const PastView& past_view = *(past_views_.rbegin() + 1);
   const ViewGrid grid(frame.camera);
-  const Rigid3d sight_from_now = sight.world_from_camera.Inverse() * world_from_camera;
+  const Rigid3d past_from_now = past_view.world_from_camera.Inverse() * world_from_camera;
   int unknown = 0, seen = 0, resting = 0;
   for (const int cell : *cells) {
     if (sides[cell] != Side::kUnknown) continue;
     ++unknown;
     const int u = grid.Pixel(cell % grid.width), v = grid.Pixel(cell / grid.width);
-    const Eigen::Vector3d point = sight_from_now * frame.vertex(u, v).cast<double>();
-    const int there = sight.CellOf(point);
-    if (there < 0 || !(sight.depth_m[there] > 0)) continue;
-    const double margin_m = kSame_m + kSameSigmas * sight.noise.SigmaZ(point.z());
+    const Eigen::Vector3d point = past_from_now * frame.vertex(u, v).cast<double>();
+    const int there = past_view.CellOf(point);
+    if (there < 0 || !(past_view.depth_m[there] > 0)) continue;
+    const double margin_m = kSame_m + kSameSigmas * past_view.noise.SigmaZ(point.z());
     ++seen;
-    resting += std::abs(sight.depth_m[there] - point.z()) < margin_m;
+    resting += std::abs(past_view.depth_m[there] - point.z()) < margin_m;
   }
   if (seen < kMinSeen * unknown || resting < kResting * seen) return;
   const auto is_unknown = [&](int cell) { return sides[cell] == Side::kUnknown; };
@@ -225,30 +225,31 @@ void MovingRegions::RemoveStaticCells(const FrameLevel& frame, const Image<Side>
 
 void MovingRegions::Remember(const FrameLevel& frame, const CellMask& moving,
                              const Rigid3d& world_from_camera, double stamp_s) {
-  const bool is_due = sights_.empty() || stamp_s >= sights_.back().stamp_s + kBetweenSights_s;
+  const bool is_due =
+      past_views_.empty() || stamp_s >= past_views_.back().stamp_s + kBetweenViews_s;
   last_.reset();
   if (!is_due && moving.empty()) return;
   const ViewGrid grid(frame.camera);
-  Sight sight = {
+  PastView past_view = {
       stamp_s, world_from_camera, frame.camera, frame.noise, Image<float>(grid.width, grid.height),
       {}};
   for (int v = 0; v < grid.height; ++v) {
     for (int u = 0; u < grid.width; ++u) {
-      sight.depth_m(u, v) = frame.vertex.z(grid.Pixel(u), grid.Pixel(v));
+      past_view.depth_m(u, v) = frame.vertex.z(grid.Pixel(u), grid.Pixel(v));
     }
   }
   if (!moving.empty()) {
-    last_ = std::make_unique<Sight>(sight);
+    last_ = std::make_unique<PastView>(past_view);
     last_->moving = moving;
   }
   if (!is_due) return;
-  if (sights_.size() == kMaxSights) sights_.pop_front();
-  sights_.push_back(std::move(sight));
+  if (past_views_.size() == kMaxPastViews) past_views_.pop_front();
+  past_views_.push_back(std::move(past_view));
 }
 
 void MovingRegions::Move(const Rigid3d& new_from_old_world) {
-  for (Sight& sight : sights_) {
-    sight.world_from_camera = new_from_old_world * sight.world_from_camera;
+  for (PastView& past_view : past_views_) {
+    past_view.world_from_camera = new_from_old_world * past_view.world_from_camera;
   }
   if (last_) last_->world_from_camera = new_from_old_world * last_->world_from_camera;
 }

@@ -29,7 +29,7 @@ class MovingRegions {
   void Move(const Rigid3d& new_from_old_world);
 
  private:
-  struct Sight;
+  struct PastView;
 
   // Cells on the moving objects of the last frame; empty if there were none.
   CellMask MovedBefore(const FrameLevel& frame, const Image<Side>& sides,
@@ -39,8 +39,8 @@ class MovingRegions {
   bool Moves(const std::vector<int>& cells, const FrameLevel& frame, const CellMask& kinds,
              const CellMask& moved, const Rigid3d& world_from_camera) const;
 
-  std::deque<Sight> sights_;
-  std::unique_ptr<Sight> last_;  // last frame with its moving cells; null if there are none
+  std::deque<PastView> past_views_;
+  std::unique_ptr<PastView> last_;  // last frame with its moving cells; null if there are none
 };
 
 // Removes the depth of moving cells.

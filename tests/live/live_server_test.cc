@@ -212,7 +212,7 @@ TEST_F(LiveServerTest, ServesMapTrajectoryAndPicturesInAPause) {
   for (const std::int32_t id : live_.map_.Ids()) {
     ASSERT_EQ(client.surfels().at(id), PackSurfel(live_.map_[id])) << id;
   }
-  EXPECT_EQ(json::parse(Get("path").body)["places"].size(), 3 * 22u);
+  EXPECT_EQ(json::parse(Get("path").body)["positions"].size(), 3 * 22u);
   for (const char* picture : {"frame.jpg", "model.jpg", "normals.jpg"}) {
     const ReceivedAnswer answer = Get(picture);
     EXPECT_EQ(answer.status, 200) << picture;
@@ -265,7 +265,7 @@ TEST_F(LiveServerTest, SkipsPicturesWhileFramesWait) {
   EXPECT_EQ(Get("frame.jpg").status, 204);
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));
   live_.Tell(&run_);
-  EXPECT_EQ(json::parse(Get("path").body)["places"].size(), 3 * 3u);
+  EXPECT_EQ(json::parse(Get("path").body)["positions"].size(), 3 * 3u);
   EXPECT_EQ(Get("frame.jpg").status, 200);
 }
 

@@ -70,7 +70,7 @@ def test_shows_and_controls_a_run(browser, run):
     # The page has received the complete sample of the map.
     wait_until(browser, "surfit.live.state.shown > 1000 &&"
                         " surfit.live.scene.map.count() === surfit.live.state.shown")
-    wait_until(browser, "surfit.live.scene.places.length > 20")
+    wait_until(browser, "surfit.live.scene.positions.length > 20")
     for picture in ["frame-picture", "model-picture"]:
         wait_until(browser, f"surfit.byId('{picture}').naturalWidth === 480")
     assert drawn_ratio(canvas_picture(browser)) > 0.15

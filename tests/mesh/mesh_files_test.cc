@@ -105,8 +105,8 @@ TEST(MeshFiles, GlbAgreesWithItsHeader) {
 MeshTexture TwoHalves() {
   MeshTexture texture;
   texture.vertices = {0, 2, 1, 0, 3, 2};
-  texture.places = {{0.25f, 0.125f}, {0.5f, 0.75f}, {0.5f, 0.125f},
-                    {0.5f, 0.25f},   {0.5f, 1},     {1, 1}};
+  texture.texture_coordinates = {{0.25f, 0.125f}, {0.5f, 0.75f}, {0.5f, 0.125f},
+                                 {0.5f, 0.25f},   {0.5f, 1},     {1, 1}};
   texture.triangles = {{0, 1, 2}, {3, 4, 5}};
   texture.image = Image<Rgb8>(64, 32, {255, 255, 255});
   for (int v = 0; v < 32; ++v) std::fill_n(texture.image.row(v), 32, Rgb8{200, 40, 10});
@@ -161,7 +161,7 @@ TEST(MeshFiles, GlbContainsTexture) {
   };
   const std::string places = bytes(primitive["attributes"]["TEXCOORD_0"]);
   ASSERT_EQ(places.size(), 6 * 8u);
-  EXPECT_EQ(std::memcmp(places.data(), texture.places.data(), places.size()), 0);
+  EXPECT_EQ(std::memcmp(places.data(), texture.texture_coordinates.data(), places.size()), 0);
   const std::string positions = bytes(primitive["attributes"]["POSITION"]);
   ASSERT_EQ(positions.size(), 6 * 12u);
   const Eigen::Vector3f second = Square().vertices[2];

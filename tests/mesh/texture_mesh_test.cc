@@ -101,7 +101,9 @@ Eigen::Vector3f MiddleOf(const TriangleMesh& mesh, std::size_t i) {
 Rgb8 ShownAt(const MeshTexture& texture, std::size_t i) {
   const TriangleMesh::Triangle& t = texture.triangles[i];
   return PixelAt(texture.image,
-                 (texture.places[t[0]] + texture.places[t[1]] + texture.places[t[2]]) / 3);
+                 (texture.texture_coordinates[t[0]] + texture.texture_coordinates[t[1]] +
+                  texture.texture_coordinates[t[2]]) /
+                     3);
 }
 
 MeshTexture TextureOf(const TriangleMesh& mesh, const std::vector<TextureFrame>& frames,
@@ -170,14 +172,14 @@ TEST(TextureMesh, TextureCoordinatesAreInsideImage) {
   TextureSummary summary;
   const MeshTexture texture = TextureOf(mesh, FourNearAndOneFar(), &summary);
   ASSERT_EQ(texture.triangles.size(), mesh.triangles.size());
-  ASSERT_EQ(texture.vertices.size(), texture.places.size());
-  EXPECT_GT(texture.places.size(),
+  ASSERT_EQ(texture.vertices.size(), texture.texture_coordinates.size());
+  EXPECT_GT(texture.texture_coordinates.size(),
             mesh.vertices.size());  // vertices at seams have several texture coordinates
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t place = texture.triangles[i][k];
       ASSERT_EQ(texture.vertices[place], mesh.triangles[i][k]);
-      for (const float share : texture.places[place]) {
+      for (const float share : texture.texture_coordinates[place]) {
         ASSERT_GT(share, 0);
         ASSERT_LT(share, 1);
       }
@@ -283,7 +285,7 @@ TEST(TextureMesh, IsTheSameAtAnyNumberOfThreads) {
   const auto textures = AtThreads({1, 2, 4}, [&] { return TextureOf(mesh, frames, &summary); });
   for (const MeshTexture& texture : textures) {
     EXPECT_EQ(texture.triangles, textures[0].triangles);
-    EXPECT_EQ(texture.places, textures[0].places);
+    EXPECT_EQ(texture.texture_coordinates, textures[0].texture_coordinates);
     EXPECT_TRUE(texture.image == textures[0].image);
   }
 }

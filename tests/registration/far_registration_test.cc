@@ -94,7 +94,7 @@ TEST(RegisterGlobally, FailsWithoutDepth) {
 TEST(RegisterGlobally, IsBitwiseIdenticalWithOneAndTwoThreads) {
   const auto results = AtThreads({1, 2}, [&] { return Registered(FarViews(), "features"); });
   EXPECT_EQ(results[0].icp.target_from_source.Matrix(), results[1].icp.target_from_source.Matrix());
-  EXPECT_EQ(results[0].lead, results[1].lead);
+  EXPECT_EQ(results[0].score_margin, results[1].score_margin);
 }
 
 TEST(InitializeOptions, RejectInvalidValues) {

@@ -47,9 +47,10 @@ TEST(IcpOptions, ValidateRejectsInvalidFieldsByName) {
   ExpectRefused([](auto* o) { o->min_increment = std::nan(""); }, "min_increment", "nan");
   ExpectRefused([](auto* o) { o->min_inliers = 5; }, "min_inliers", 5, 6);
   ExpectRefused([](auto* o) { o->min_inlier_ratio = 1.5; }, "min_inlier_ratio", 1.5, 0, 1);
-  ExpectRefused([](auto* o) { o->held.min_eigenvalue = 1; }, "held.min_eigenvalue", 1, 1);
-  ExpectRefused([](auto* o) { o->held.min_information_ratio = -1; }, "held.min_information_ratio",
-                -1);
+  ExpectRefused([](auto* o) { o->observability.min_eigenvalue = 1; },
+                "observability.min_eigenvalue", 1, 1);
+  ExpectRefused([](auto* o) { o->observability.min_information_ratio = -1; },
+                "observability.min_information_ratio", -1);
   ExpectRefused([](auto* o) { o->max_free_space_violation_ratio = 1.1; },
                 "max_free_space_violation_ratio", 1.1, 0, 1);
   ExpectRefused([](auto* o) { o->gates.max_distance_m = -0.1; }, "gates.max_distance_m", -0.1);

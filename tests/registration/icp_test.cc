@@ -96,8 +96,8 @@ TEST(Register, ReportsIterationsAndFinalState) {
   EXPECT_EQ(result.iterations.back().average_loss, system.AverageLoss());
   EXPECT_EQ(result.rmse_m, std::sqrt(system.AverageLoss()));
   EXPECT_TRUE(result.information == system.hessian);
-  EXPECT_TRUE(result.eigenvalues == Observe(system, options.held).eigenvalues);
-  EXPECT_GT(result.eigenvalues[0], options.held.min_eigenvalue);
+  EXPECT_TRUE(result.eigenvalues == Observe(system, options.observability).eigenvalues);
+  EXPECT_GT(result.eigenvalues[0], options.observability.min_eigenvalue);
   EXPECT_TRUE(result.degenerate_directions.empty());
   ASSERT_TRUE(result.covariance);
   EXPECT_TRUE(*result.covariance == CovarianceOf(system));

@@ -134,7 +134,7 @@ TEST_P(SingularImages, ReportSingularSystem) {
     const IcpResult result = Register(target, target, offset, options);
     EXPECT_EQ(result.termination, Termination::kSingularSystem) << planes;
     EXPECT_FALSE(result.Succeeded());
-    EXPECT_LT(result.eigenvalues[0], options.held.min_eigenvalue);
+    EXPECT_LT(result.eigenvalues[0], options.observability.min_eigenvalue);
     EXPECT_FALSE(result.covariance);
     EXPECT_TRUE(result.target_from_source.Matrix().allFinite());
     EXPECT_GT(result.inlier_count, 8000);
@@ -171,7 +171,7 @@ TEST(Register, IgnoresSpuriousInformationOfNormalNoise) {
   IcpOptions options;
   options.max_iterations = 50;
   EXPECT_TRUE(Register(source, target, start, options).Succeeded());
-  options.held.min_information_ratio = 1.5;
+  options.observability.min_information_ratio = 1.5;
   const IcpResult result = Register(source, target, start, options);
   EXPECT_EQ(result.termination, Termination::kSingularSystem);
   EXPECT_EQ(result.degenerate_directions.size(), 3u);

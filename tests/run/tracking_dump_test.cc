@@ -35,7 +35,7 @@ SlamOptions OtherOptions() {
   icp.stop_at_rmse_increase = false;
   icp.min_inliers = 100;
   icp.min_inlier_ratio = 0.01;
-  icp.held.min_eigenvalue = 1e-9;
+  icp.observability.min_eigenvalue = 1e-9;
   icp.max_free_space_violation_ratio = 0.9;
   return options;
 }

@@ -86,10 +86,10 @@ TEST(Session, EverySaveIsComplete) {
   writer.Begin({SomeRun()}, sensor, &slam);
   for (int i = 0; i < 30; ++i) {
     slam.Process(Room().frames[i]);
-    writer.Offer(slam, i);  // one second later each, so every state is saved
+    writer.SaveIfDue(slam, i);  // one second later each, so every state is saved
     if (i % 10 != 9) continue;
-    writer.Offer(slam, i + 0.5);  // waits for the previous save
-    writer.Offer(slam, i + 1.);
+    writer.SaveIfDue(slam, i + 0.5);  // waits for the previous save
+    writer.SaveIfDue(slam, i + 1.);
     const Session session = ReadSession(path);
     ExpectSamePoses(session.state.frames, slam.backend()->poses().frames());
     EXPECT_EQ(Sorted(session.state.map), Sorted(slam.map())) << i;
@@ -173,7 +173,7 @@ TEST(SessionWriting, WritesUntilSigkill) {
   for (int i = 0; i < kFrames; ++i) {
     slam.Process(Room().frames[i]);
     WriteBytes(folder + "/progress", std::to_string(i) + "\n");
-    writer.Offer(slam, Room().frames[i].stamp_s);
+    writer.SaveIfDue(slam, Room().frames[i].stamp_s);
   }
 }
 

@@ -33,7 +33,7 @@ inline std::unique_ptr<Slam> KeepSession(const SimulatedSequence& sequence, int 
   writer.Begin({SomeRun()}, sensor, slam.get());
   for (int i = 0; i < frames; ++i) {
     slam->Process(sequence.frames[i]);
-    writer.Offer(*slam, sequence.frames[i].stamp_s);
+    writer.SaveIfDue(*slam, sequence.frames[i].stamp_s);
   }
   slam->Finish();
   writer.Finish(*slam);

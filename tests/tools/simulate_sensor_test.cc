@@ -72,7 +72,7 @@ TEST_F(SimulateSensorTest, WritesAWrongCameraAndTheTrueCamera) {
 TEST_F(SimulateSensorTest, DelaysStampsAndWritesKnownLatency) {
   ASSERT_EQ(Simulate("late", {"--latency_s=0.02"}), "");
   ASSERT_EQ(Simulate("known", {"--latency_s=0.02", "--color_latency_s=0.004",
-                               "--known=latency_s,color_latency_s"}),
+                               "--camera_yaml_times=latency_s,color_latency_s"}),
             "");
   const Trajectory truth = ReadTumTrajectory(folder_ / "late/groundtruth.txt");
   const auto late = Frames("late"), known = Frames("known");
@@ -168,8 +168,10 @@ TEST_F(SimulateSensorTest, RejectsLatencyOfNumberedFrames) {
 }
 
 TEST_F(SimulateSensorTest, RejectsBadFlagsByName) {
-  EXPECT_THAT(Simulate("room", {"--known=readout"}), Names("--known", "readout"));
-  EXPECT_THAT(Simulate("room", {"--known=readout_s,readout_s"}), Names("--known", "readout_s"));
+  EXPECT_THAT(Simulate("room", {"--camera_yaml_times=readout"}),
+              Names("--camera_yaml_times", "readout"));
+  EXPECT_THAT(Simulate("room", {"--camera_yaml_times=readout_s,readout_s"}),
+              Names("--camera_yaml_times", "readout_s"));
   EXPECT_THAT(Simulate("room", {"--camera_yaml_focal_error=-1,0"}), Names("camera.yaml"));
   EXPECT_THAT(Simulate("room", {"--camera_yaml_center_error=3"}),
               Names("camera_yaml_center_error"));

@@ -31,7 +31,7 @@ nlohmann::json SummaryOf(const std::string& sequence, const std::string& output,
 TEST(SlamSensor, KnownRollingShutterReducesTheErrorToAFifth) {
   for (const int seed : {4, 11}) {
     const TempFolder folder;
-    SimulateRoom(folder / "in", seed, 150, {"--readout_s=0.033", "--known=readout_s"});
+    SimulateRoom(folder / "in", seed, 150, {"--readout_s=0.033", "--camera_yaml_times=readout_s"});
     const auto ate_mm = [&](const std::string& name, const std::string& flag) -> double {
       return 1000 * SummaryOf(folder / "in", folder / name,
                               {"--nocalibrate", "--nofinal_map", flag})["ate_rmse_m"]

@@ -21,8 +21,8 @@ std::string Failure(const IcpResult& icp, const IcpOptions& options) {
     case Termination::kSingularSystem:
       return Concat("the surfaces do not constrain ", icp.degenerate_directions.size(),
                     " direction(s) of motion: smallest eigenvalue is ", icp.eigenvalues[0],
-                    ", must be above min_eigenvalue (", options.held.min_eigenvalue,
-                    ") and min_information_ratio (", options.held.min_information_ratio,
+                    ", must be above min_eigenvalue (", options.observability.min_eigenvalue,
+                    ") and min_information_ratio (", options.observability.min_information_ratio,
                     ") times the spurious information of normal noise");
     case Termination::kFreeSpaceViolation:
       return Concat("ratio of free-space violations is ", icp.free_space_violation_ratio,

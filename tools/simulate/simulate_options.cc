@@ -29,7 +29,7 @@ void VisitSensor(OptionVisitor& v, SimulateOptions* o) {
   v.Add(o->camera_yaml_center_error, "camera_yaml_center_error",
         "ex,ey: errors of the principal point in camera.yaml, to the right and down", InUnit("px"),
         AsFlag());
-  v.Add(o->known, "known",
+  v.Add(o->camera_yaml_times, "camera_yaml_times",
         "values that camera.yaml contains: latency_s, color_latency_s and readout_s, "
         "comma-separated; the others are 0 in camera.yaml",
         AsFlag());
@@ -101,9 +101,9 @@ RgbdCamera CameraYamlOf(const SimulateOptions& options, RgbdCamera camera) {
   std::map<std::string, double*> unknown = {{"latency_s", &camera.latency_s},
                                             {"color_latency_s", &camera.color_latency_s},
                                             {"readout_s", &camera.readout_s}};
-  for (const std::string& name : options.known) {
+  for (const std::string& name : options.camera_yaml_times) {
     if (unknown.erase(name) == 0) {
-      throw InputError(Concat("--known contains '", name,
+      throw InputError(Concat("--camera_yaml_times contains '", name,
                               "', must be latency_s, color_latency_s or readout_s, each once"));
     }
   }

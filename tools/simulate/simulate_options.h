@@ -29,7 +29,7 @@ struct SimulateOptions {
   double readout_s = 0;
   ColorOptions color;
   std::optional<std::array<double, 2>> camera_yaml_focal_error, camera_yaml_center_error;
-  std::vector<std::string> known;
+  std::vector<std::string> camera_yaml_times;
   int downsample = 1;
   bool image_y_up = false;
   double surface_grid_m = 0.005;

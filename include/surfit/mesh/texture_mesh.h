@@ -46,7 +46,8 @@ using TextureFrames = std::function<void(const std::function<void(const TextureF
 // Texture of a mesh. Vertices at seams have several texture coordinates.
 struct MeshTexture {
   std::vector<std::uint32_t> vertices;  // mesh vertex of each texture coordinate
-  std::vector<Eigen::Vector2f> places;  // texture coordinates in [0, 1], from the upper left corner
+  std::vector<Eigen::Vector2f>
+      texture_coordinates;  // texture coordinates in [0, 1], from the upper left corner
   // mesh triangles in their order, as indices of texture coordinates
   std::vector<TriangleMesh::Triangle> triangles;
   Image<Rgb8> image;

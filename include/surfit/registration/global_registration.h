@@ -69,7 +69,7 @@ struct GlobalRegistrationResult {
   double free_space_violation_ratio = 0;
   double value_correlation = 0;
   double detail_correlation = 0;
-  double lead = 0;
+  double score_margin = 0;
   double sigma_m = 0, sigma_rad = 0;  // largest standard deviations of the pose
   double disagreement_m = 0, disagreement_rad = 0;
   Rigid3d start;  // initial pose of the best registration

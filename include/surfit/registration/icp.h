@@ -35,8 +35,8 @@ struct IcpOptions {
   double min_increment = 1e-5;             // a level ends at smaller steps, rad and m
   bool stop_at_rmse_increase = true;       // end a level if the RMSE rises and the inliers do not
   int min_inliers = 200;                   // minimum of correspondences, halved per coarser level
-  double min_inlier_ratio = 0.1;  // minimum ratio of correspondences to valid source points
-  ObservabilityOptions held;      // thresholds for observable directions
+  double min_inlier_ratio = 0.1;       // minimum ratio of correspondences to valid source points
+  ObservabilityOptions observability;  // thresholds for observable directions
   double max_free_space_violation_ratio = 1;  // IcpResult::free_space_violation_ratio; 1: no limit
 
   void Visit(OptionVisitor& visitor);

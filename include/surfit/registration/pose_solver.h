@@ -18,7 +18,7 @@ struct PoseSolverOptions {
   std::string linear_solver = "dense_qr";  // for ceres_per_point: a name of LinearSolverNames()
   ResidualType residual = ResidualType::kPointToPlane;
   ErrorModel error_model;
-  ObservabilityOptions held;
+  ObservabilityOptions observability;
   // Iterative solvers stop if a step changes the cost by a smaller ratio. 0: the precision of the
   // correspondences.
   double min_relative_cost_change = 0;

@@ -18,7 +18,7 @@ HttpAnswer Bare(int status) {
 }
 
 // Status 204 if there is no data yet.
-HttpAnswer Found(const std::string& type, ShownRun::Text body) {
+HttpAnswer Found(const std::string& type, LiveData::Text body) {
   if (!body) return Bare(204);
   return {200, type, std::move(body), false};
 }
@@ -27,8 +27,8 @@ double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-ShownRun::Text PageText() {
-  static const ShownRun::Text text =
+LiveData::Text PageText() {
+  static const LiveData::Text text =
       std::make_shared<std::string>(std::string(kLivePage.before_data) + kLivePage.after_data);
   return text;
 }
@@ -63,22 +63,22 @@ std::optional<HttpAnswer> LivePages::Get(const std::string& page, const HttpTarg
       {"frame.jpg", Shown::kFrame}, {"model.jpg", Shown::kModel}, {"normals.jpg", Shown::kNormals}};
   if (page.empty()) return Found("text/html; charset=utf-8", PageText());
   if (page == "state") {
-    shown_.Want(Shown::kState);
+    shown_.RecordRequest(Shown::kState);
     for (std::size_t i = 0; i < kShownCount; ++i) {
-      if ((target.Number("want") >> i & 1) != 0) shown_.Want(static_cast<Shown>(i));
+      if ((target.Number("want") >> i & 1) != 0) shown_.RecordRequest(static_cast<Shown>(i));
     }
-    ShownRun::Text state = shown_.StateAfter(must ? 0 : target.Number("after"), run_.is_paused());
+    LiveData::Text state = shown_.StateAfter(must ? 0 : target.Number("after"), run_.is_paused());
     if (!state && !must) return std::nullopt;
     return Found(kJson, std::move(state));
   }
   if (page == "map") return Map(target, must);
   if (page == "path") {
-    shown_.Want(Shown::kPath);
+    shown_.RecordRequest(Shown::kPath);
     return Found(kJson, shown_.Path());
   }
   const auto picture = kPictures.find(page);
   if (picture == kPictures.end()) return Bare(404);
-  shown_.Want(picture->second);
+  shown_.RecordRequest(picture->second);
   return Found("image/jpeg", shown_.Picture(picture->second, target.Number("number")));
 }
 
@@ -86,14 +86,14 @@ std::optional<HttpAnswer> LivePages::Get(const std::string& page, const HttpTarg
 std::optional<HttpAnswer> LivePages::Map(const HttpTarget& target, bool must) {
   constexpr double kBytesPerSecond = 16e6;
   constexpr std::size_t kMost = 16384;  // surfels per answer, 20 bytes each
-  shown_.Want(Shown::kMap);
+  shown_.RecordRequest(Shown::kMap);
   const double now_s = Now_s();
   map_bytes_ = std::min(map_bytes_ + kBytesPerSecond * (now_s - map_bytes_at_s_), kBytesPerSecond);
   map_bytes_at_s_ = now_s;
   if (map_bytes_ <= 0 && !must) return std::nullopt;
   const SamplePlace place = {target.Number("epoch"), target.Number("level"), target.Number("since"),
                              target.Number("slot")};
-  ShownRun::Text changes = shown_.Map(place, kMost);
+  LiveData::Text changes = shown_.Map(place, kMost);
   map_bytes_ -= static_cast<double>(changes->size());
   return Found("application/octet-stream", std::move(changes));
 }
@@ -110,7 +110,7 @@ HttpAnswer LivePages::Post(const std::string& page) {
   } else {
     return Bare(404);
   }
-  shown_.Renew();
+  shown_.MarkChanged();
   return Found(kJson, std::make_shared<std::string>("{}"));
 }
 

@@ -7,14 +7,14 @@
 
 #include "apps/live/http_rules.h"
 #include "apps/live/http_server.h"
+#include "apps/live/live_data.h"
 #include "apps/live/live_run.h"
-#include "apps/live/shown_run.h"
 
 namespace surfit {
 
 class LivePages {
  public:
-  LivePages(std::string token, LiveRun* run, ShownRun* shown)
+  LivePages(std::string token, LiveRun* run, LiveData* shown)
       : token_(std::move(token)), run_(*run), shown_(*shown) {}
 
   // Implements HttpServer::Handler.
@@ -30,7 +30,7 @@ class LivePages {
 
   std::string token_;
   LiveRun& run_;
-  ShownRun& shown_;
+  LiveData& shown_;
   std::atomic<double> answered_at_s_{0};
   // Token bucket: bytes of map data that may be sent now.
   double map_bytes_ = 0;

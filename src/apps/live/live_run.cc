@@ -85,16 +85,16 @@ void LiveRun::NotePath(const SlamRunFrame& frame) {
 }
 
 void LiveRun::NoteLoops(const Backend& backend) {
-  std::map<int, Eigen::Vector3d> places;
+  std::map<int, Eigen::Vector3d> positions;
   loops_.clear();
   for (const LoopRecord& loop : backend.poses().loops()) {
     if (!loop.in_graph) continue;
-    if (places.empty()) {
+    if (positions.empty()) {
       for (const PosedFrame& frame : backend.poses().frames()) {
-        places[frame.index] = frame.world_from_camera.translation;
+        positions[frame.index] = frame.world_from_camera.translation;
       }
     }
-    loops_.push_back({places.at(loop.source_frame), places.at(loop.target_frame)});
+    loops_.push_back({positions.at(loop.source_frame), positions.at(loop.target_frame)});
     last_loop_ = {loop.source_frame, loop.target_frame};
   }
 }

@@ -11,8 +11,8 @@
 
 #include "apps/live/http_rules.h"
 #include "apps/live/http_server.h"
+#include "apps/live/live_data.h"
 #include "apps/live/live_pages.h"
-#include "apps/live/shown_run.h"
 #include "output/pictures/pictures.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -26,16 +26,16 @@ constexpr std::size_t kSlotsAtOnce = 8192;
 constexpr std::array kViews = {Shown::kFrame, Shown::kModel, Shown::kNormals};
 
 // Limits the numbers of poses and loops. Keeps the last pose and the last loops.
-ShownPath Thinned(const LiveRun& run) {
+LivePath Thinned(const LiveRun& run) {
   constexpr std::size_t kMaxPlaces = 2000, kMaxLoops = 1000;
-  ShownPath thin;
+  LivePath thin;
   const Trajectory& path = run.path();
   const std::size_t step = path.size() / kMaxPlaces + 1;
   for (std::size_t i = 0; i < path.size(); i += step) {
-    thin.places.emplace_back(path[i].world_from_camera.translation.cast<float>());
+    thin.positions.emplace_back(path[i].world_from_camera.translation.cast<float>());
   }
   if (!path.empty()) {
-    thin.places.emplace_back(path.back().world_from_camera.translation.cast<float>());
+    thin.positions.emplace_back(path.back().world_from_camera.translation.cast<float>());
   }
   const std::vector<LoopSegment>& loops = run.loops();
   const std::size_t count = std::min(kMaxLoops, loops.size());
@@ -77,7 +77,7 @@ struct LiveServer::Parts {
 
   template <typename Act>
   void Give(Shown what, RateLimiter* pace, bool must, const Act& act);
-  void GiveState(bool must);
+  void UpdateState(bool must);
   void GiveStateIfDue(bool must);
   Image<Rgb8> ModelPicture(const SurfelMap& map, ModelColors colors);
   bool GiveViews(const RgbdFrame& frame, const SurfelMap& map, const std::vector<Shown>& wanted,
@@ -86,7 +86,7 @@ struct LiveServer::Parts {
   void GiveAll(const SlamRunFrame& frame, bool must);
 
   LiveRun& run;
-  ShownRun shown;
+  LiveData shown;
   std::string token;
   LivePages pages;
   std::optional<LivePictures> pictures;  // empty before the first frame
@@ -105,7 +105,7 @@ struct LiveServer::Parts {
 template <typename Act>
 void LiveServer::Parts::Give(Shown what, RateLimiter* pace, bool must, const Act& act) {
   bool& exact = is_exact[static_cast<std::size_t>(what)];
-  if (exact || !shown.IsWanted(what)) return;
+  if (exact || !shown.IsRequested(what)) return;
   pace->ActIfDue(must, [&] { exact = act() && must; });
   if (exact) server.Wake();
 }
@@ -113,10 +113,10 @@ void LiveServer::Parts::Give(Shown what, RateLimiter* pace, bool must, const Act
 // Updates the state even without requests, so that new clients get it at once.
 void LiveServer::Parts::GiveStateIfDue(bool must) {
   const bool is_new = must && !std::exchange(is_state_exact, true);
-  state_pace.ActIfDue(is_new, [&] { GiveState(is_new); });
+  state_pace.ActIfDue(is_new, [&] { UpdateState(is_new); });
 }
 
-void LiveServer::Parts::GiveState(bool must) {
+void LiveServer::Parts::UpdateState(bool must) {
   ShownState state;
   state.status = run.Status();
   state.frame_state = run.state();
@@ -129,7 +129,7 @@ void LiveServer::Parts::GiveState(bool must) {
   state.last_loop = run.last_loop();
   if (!run.path().empty()) state.world_from_camera = run.path().back().world_from_camera;
   state.camera = camera;
-  shown.GiveState(state, must);
+  shown.UpdateState(state, must);
   server.Wake();
 }
 
@@ -152,14 +152,14 @@ bool LiveServer::Parts::GiveViews(const RgbdFrame& frame, const SurfelMap& map,
           ModelPicture(map, which == Shown::kModel ? ModelColors::kColor : ModelColors::kNormals);
     }
   }
-  return shown.GivePictures(views, must);
+  return shown.UpdatePictures(views, must);
 }
 
 void LiveServer::Parts::GiveViewsIfDue(const SlamRunFrame& frame, bool must) {
   std::vector<Shown> wanted;
   bool all_exact = true;
   for (const Shown which : kViews) {
-    if (!shown.IsWanted(which)) continue;
+    if (!shown.IsRequested(which)) continue;
     wanted.push_back(which);
     all_exact &= is_exact[static_cast<std::size_t>(which)];
   }
@@ -179,7 +179,7 @@ void LiveServer::Parts::GiveAll(const SlamRunFrame& frame, bool must) {
     if (shown.UpdateMap(frame.map, kSlotsAtOnce).value_or(false)) ++map_rounds;
     return map_rounds > 1;
   });
-  Give(Shown::kPath, &path_pace, must, [&] { return shown.GivePath(Thinned(run), must); });
+  Give(Shown::kPath, &path_pace, must, [&] { return shown.UpdatePath(Thinned(run), must); });
   GiveViewsIfDue(frame, must);
   camera = frame.sensor.camera;
   GiveStateIfDue(must);
@@ -189,7 +189,7 @@ LiveServer::LiveServer(const ServeOptions& options, LiveRun* run) {
   Validate(options);
   if (options.port < 0) throw InputError("port is -1, must be at least 0 to serve pages");
   parts_ = std::make_unique<Parts>(options, run);
-  parts_->GiveState(/*must=*/true);
+  parts_->UpdateState(/*must=*/true);
 }
 
 LiveServer::~LiveServer() = default;
@@ -222,21 +222,21 @@ void LiveServer::Wait(const SlamRunFrame& frame, int wait_ms) {
 }
 
 void LiveServer::ShowWork() {
-  parts_->state_pace.ActIfDue(/*must=*/false, [&] { parts_->GiveState(/*must=*/false); });
+  parts_->state_pace.ActIfDue(/*must=*/false, [&] { parts_->UpdateState(/*must=*/false); });
 }
 
 // The server thread gets normal priority, because tracking has ended.
 void LiveServer::Keep(const SlamRunResult& result) {
   Parts& parts = *parts_;
   parts.server.TakePriority();
-  const auto is_wanted = [&](Shown which) { return parts.shown.IsWanted(which); };
+  const auto is_wanted = [&](Shown which) { return parts.shown.IsRequested(which); };
   if (parts.pictures && std::any_of(kViews.begin(), kViews.end(), is_wanted)) {
     const RgbdFrame last = {0, 0, 0, {}, parts.run.last_good()};
     parts.GiveViews(last, result.map, {kViews.begin(), kViews.end()}, /*must=*/true);
   }
   parts.shown.ResetMap(result.map);
-  parts.shown.GivePath(Thinned(parts.run), /*must=*/true);
-  parts.GiveState(/*must=*/true);
+  parts.shown.UpdatePath(Thinned(parts.run), /*must=*/true);
+  parts.UpdateState(/*must=*/true);
 }
 
 // Without requests for kWhile_s, all pages have all data and wait for a newer state.
@@ -245,7 +245,7 @@ void LiveServer::Stay() {
   Parts& parts = *parts_;
   const auto begin = Clock::now();
   const auto gone_s = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
-  while (gone_s() < kMost_s && parts.shown.IsWanted(Shown::kState) &&
+  while (gone_s() < kMost_s && parts.shown.IsRequested(Shown::kState) &&
          std::min(gone_s(), parts.pages.SinceLastAnswer_s()) < kWhile_s) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     parts.server.Wake();  // for requests above the data limit

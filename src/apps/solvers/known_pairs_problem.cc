@@ -64,7 +64,7 @@ PoseSolverOptions SolverOptionsOf(const SolverCombination& combination, const Ic
   options.residual = ResidualTypeFromName(combination.residual);
   options.error_model = icp.error_model;
   options.error_model.kernel.type = RobustKernelType::kNone;
-  options.held = icp.held;
+  options.observability = icp.observability;
   return options;
 }
 

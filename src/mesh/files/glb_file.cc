@@ -115,9 +115,10 @@ int AddColors(const std::vector<Rgb8>& colors, Glb* glb) {
   return glb->Add(rows.data(), 8 * rows.size(), accessor, kOfVertices);
 }
 
-int AddPlaces(const std::vector<Eigen::Vector2f>& places, Glb* glb) {
-  const Json accessor = {{"componentType", kFloatType}, {"count", places.size()}, {"type", "VEC2"}};
-  return glb->Add(places.data(), 8 * places.size(), accessor, kOfVertices);
+int AddTextureCoordinates(const std::vector<Eigen::Vector2f>& coordinates, Glb* glb) {
+  const Json accessor = {
+      {"componentType", kFloatType}, {"count", coordinates.size()}, {"type", "VEC2"}};
+  return glb->Add(coordinates.data(), 8 * coordinates.size(), accessor, kOfVertices);
 }
 
 int AddTriangles(const std::vector<TriangleMesh::Triangle>& triangles, Glb* glb) {
@@ -142,7 +143,7 @@ void WriteGlbMesh(const TriangleMesh& mesh, const MeshTexture* texture, std::ost
     Json attributes = {{"POSITION", AddVectors(AtPlaces(mesh.vertices, *texture), &glb)}};
     if (!mesh.normals.empty())
       attributes["NORMAL"] = AddVectors(AtPlaces(mesh.normals, *texture), &glb);
-    attributes["TEXCOORD_0"] = AddPlaces(texture->places, &glb);
+    attributes["TEXCOORD_0"] = AddTextureCoordinates(texture->texture_coordinates, &glb);
     const int indices = AddTriangles(texture->triangles, &glb);
     glb.AddPicture(EncodeTexture(*texture));
     glb.Write(attributes, indices, out);

@@ -88,7 +88,7 @@ void WriteObjMesh(const TriangleMesh& mesh, const MeshTexture* texture, const st
   }
   WriteVertices(mesh, texture == nullptr && !mesh.colors.empty(), &lines);
   if (texture != nullptr) {
-    for (const Eigen::Vector2f& place : texture->places) {
+    for (const Eigen::Vector2f& place : texture->texture_coordinates) {
       lines.Word("vt");
       lines.Number(place.x(), kDigitsOfPlace);
       lines.Number(1 - place.y(), kDigitsOfPlace);

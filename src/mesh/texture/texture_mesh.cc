@@ -190,11 +190,11 @@ MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
   TexturePainter painter(mesh, layout, size);
   PaintFrames(frames, seen, layout.charts, &painter);
   MeshTexture texture;
-  texture.places.resize(layout.pixels.size());
+  texture.texture_coordinates.resize(layout.pixels.size());
   for (const TextureChart& chart : layout.charts) {
     if (chart.view >= summary->frames) painter.PaintColors(chart);
     for (std::uint32_t i = chart.first_place; i < chart.end_place; ++i)
-      texture.places[i] = painter.PlaceOf(chart, layout.pixels[i]);
+      texture.texture_coordinates[i] = painter.CoordinatesOf(chart, layout.pixels[i]);
   }
   texture.vertices = std::move(layout.vertices);
   texture.triangles = std::move(layout.triangles);

@@ -91,8 +91,8 @@ void TexturePainter::PaintColors(const TextureChart& chart) {
   }
 }
 
-Eigen::Vector2f TexturePainter::PlaceOf(const TextureChart& chart,
-                                        const Eigen::Vector2f& pixel) const {
+Eigen::Vector2f TexturePainter::CoordinatesOf(const TextureChart& chart,
+                                              const Eigen::Vector2f& pixel) const {
   const Eigen::Vector2f texel = InChart(chart, pixel) + Eigen::Vector2f(chart.left, chart.top);
   return {(texel.x() + 0.5f) / static_cast<float>(image_.width()),
           (texel.y() + 0.5f) / static_cast<float>(image_.height())};

@@ -18,7 +18,7 @@ class TexturePainter {
   void PaintColors(const TextureChart& chart);
 
   // Texture coordinates (0 to 1) of a pixel of the view.
-  Eigen::Vector2f PlaceOf(const TextureChart& chart, const Eigen::Vector2f& pixel) const;
+  Eigen::Vector2f CoordinatesOf(const TextureChart& chart, const Eigen::Vector2f& pixel) const;
 
   Image<Rgb8>& image() { return image_; }
 

@@ -87,7 +87,7 @@ std::string ViolatedCriterion(const GlobalRegistrationResult& verdict, const Fit
                     ", must be at most ", fit.max_rmse_m, " m and at least ", fit.min_inlier_ratio,
                     " of the overlap share");
     case GlobalRegistrationReason::kAmbiguous:
-      return at_least("score margin over other poses", verdict.lead, fit.min_score_margin);
+      return at_least("score margin over other poses", verdict.score_margin, fit.min_score_margin);
     case GlobalRegistrationReason::kInconsistent:
       return at_most("forward-backward disagreement in m", verdict.disagreement_m,
                      fit.max_disagreement_m);

@@ -61,7 +61,8 @@ class FarRegistration {
     Describe(verdict_.icp);
     if (const auto doubt = CheckRegistration()) return *doubt;
     MeasureScoreMargin(best);
-    if (verdict_.lead < options_.fit.min_score_margin) return GlobalRegistrationReason::kAmbiguous;
+    if (verdict_.score_margin < options_.fit.min_score_margin)
+      return GlobalRegistrationReason::kAmbiguous;
     if (options_.fit.max_disagreement_rad < M_PI) MeasureDisagreement(best.pose());
     if (verdict_.disagreement_m > options_.fit.max_disagreement_m ||
         verdict_.disagreement_rad > options_.fit.max_disagreement_rad) {
@@ -159,7 +160,7 @@ class FarRegistration {
         rival = std::max(rival, pose.score);
       }
     }
-    verdict_.lead = best.view.Score() > 0 ? 1 - rival / best.view.Score() : 0;
+    verdict_.score_margin = best.view.Score() > 0 ? 1 - rival / best.view.Score() : 0;
   }
 
   void MeasureDisagreement(const Rigid3d& start) {

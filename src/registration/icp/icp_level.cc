@@ -27,7 +27,7 @@ class LevelRun {
   void Run() {
     Iterate();
     if (level_.level > 0 || !result_.Succeeded()) return;
-    const Observability held = Observe(last_system_, options_.held);
+    const Observability held = Observe(last_system_, options_.observability);
     if (!held.Degenerate()) return;
     UndoDegenerateMotion(held);
     checks_normal_noise_ = true;
@@ -59,7 +59,7 @@ class LevelRun {
     PoseState state{pose, is_last ? level_.solver.Describe(level_.association, pose)
                                   : level_.solver.Step(level_.association, pose)};
     if (checks_normal_noise_) {
-      state.step.observability = Observe(state.step.system, options_.held);
+      state.step.observability = Observe(state.step.system, options_.observability);
       state.step.increment = state.step.observability.Held(state.step.increment);
     }
     return state;
@@ -129,7 +129,7 @@ class LevelRun {
   const IcpOptions& options_;
   IcpResult& result_;
   int source_count_;
-  bool checks_normal_noise_ = false;  // apply options.held in Iterate()
+  bool checks_normal_noise_ = false;  // apply options.observability in Iterate()
   NormalSystem last_system_;          // at the final pose of the iterations
 };
 
@@ -137,12 +137,13 @@ class LevelRun {
 
 PoseSolverOptions SolverOptions(const IcpOptions& options, const ErrorModel& error_model) {
   constexpr double kShareOfRmseChange = 0.1;
-  return {options.solver,
-          options.linear_solver,
-          ResidualTypeFromName(options.residual),
-          error_model,
-          {std::min(options.held.min_eigenvalue, ObservabilityOptions().min_eigenvalue), 0},
-          kShareOfRmseChange * options.min_relative_rmse_change};
+  return {
+      options.solver,
+      options.linear_solver,
+      ResidualTypeFromName(options.residual),
+      error_model,
+      {std::min(options.observability.min_eigenvalue, ObservabilityOptions().min_eigenvalue), 0},
+      kShareOfRmseChange * options.min_relative_rmse_change};
 }
 
 void RunLevel(const IcpLevel& level, const IcpOptions& options, IcpResult* result) {

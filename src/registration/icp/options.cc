@@ -104,7 +104,7 @@ void IcpOptions::Visit(OptionVisitor& v) {
         AtLeast(6), AsFlag());
   v.Add(min_inlier_ratio, "min_inlier_ratio",
         "minimum ratio of correspondences to valid source points", Share());
-  v.AddPart(held, "held", "thresholds for observable directions");
+  v.AddPart(observability, "observability", "thresholds for observable directions");
   v.Add(max_free_space_violation_ratio, "max_free_space_violation_ratio",
         "maximum ratio of points that violate the free space of the other view; 1 = off", Share(),
         AsFlag());

@@ -36,7 +36,7 @@ class NormalSystemSolver final : public PoseSolver {
     StepResult result;
     result.system = Linearize(pairs, options().residual,
                               KernelFor(pairs, options().residual, options().error_model));
-    result.observability = Observe(result.system, options().held);
+    result.observability = Observe(result.system, options().observability);
     return Solved(linearizing.Milliseconds(), &result);
   }
 

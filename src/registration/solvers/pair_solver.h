@@ -53,7 +53,7 @@ class PairSolver : public PoseSolver {
     if (intensities.size > 0) result.system.Add(Linearize(intensities, *photometric()));
     result.report.linearize_ms = linearizing.Milliseconds();
     result.report.costs = {result.system.JointCost()};
-    result.observability = Observe(result.system, options().held);
+    result.observability = Observe(result.system, options().observability);
     if (result.observability.degenerate_count == 6) return result;
     pairs.SetCapacity(pairs.size);
     result.increment = result.observability.Held(

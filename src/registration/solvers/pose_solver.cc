@@ -97,7 +97,7 @@ StepResult PoseSolver::Describe(const Association& association,
         Linearize(association, target_from_source, options_.residual, error_model.kernel);
   }
   if (photometric_ != nullptr) result.system.Add(Linearize(*photometric_, target_from_source));
-  result.observability = Observe(result.system, options_.held);
+  result.observability = Observe(result.system, options_.observability);
   return result;
 }
 

@@ -77,7 +77,7 @@ class ReducedSolver : public PairSolver<Derived> {
     linearize_ms += linearizing.Milliseconds();
     result.report.linearize_ms = result.report.solve_ms = linearize_ms;
     result.report.costs = {result.system.JointCost()};
-    result.observability = Observe(result.system, options.held);
+    result.observability = Observe(result.system, options.observability);
     if (result.observability.degenerate_count == 6) return result;
     const Stopwatch solving;
     result.increment = result.observability.Held(

@@ -91,7 +91,7 @@ surfit.Live = class {
   async takePath() {
     const number = await this.newer('path');
     this.scene.setPath(await (await this.get('path')).json());
-    this.panel.showPathLength(this.scene.places);
+    this.panel.showPathLength(this.scene.positions);
     this.seen.path = number;
   }
 

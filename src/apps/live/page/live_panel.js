@@ -39,9 +39,9 @@ surfit.Panel = class {
     this.showAdvice(isOver ? [] : state.advice);
   }
 
-  showPathLength(places) {
+  showPathLength(positions) {
     let metres = 0;
-    for (let i = 1; i < places.length; ++i) metres += places[i].distanceTo(places[i - 1]);
+    for (let i = 1; i < positions.length; ++i) metres += positions[i].distanceTo(positions[i - 1]);
     surfit.byId('path-length').textContent = `${metres.toFixed(2)} m`;
   }
 

@@ -20,7 +20,7 @@ surfit.LiveScene = class extends surfit.Scene {
     }
     this.scene.add(this.discs, this.path, this.frustum, this.loops);
     this.ups = new THREE.Vector3();  // sum of the up directions of all poses
-    this.places = [];
+    this.positions = [];
     this.state = {};
     this.follows = false;
     this.isTouched = false;
@@ -34,9 +34,9 @@ surfit.LiveScene = class extends surfit.Scene {
 
   showWhole() {
     this.follows = this.isTouched = false;
-    const points = this.map.places(3000);
-    if (points.length + this.places.length === 0) return;
-    this.lookAtAll(surfit.boundsOf(points, this.places), this.ahead || new THREE.Vector3(0, 0, 1), this.up());
+    const points = this.map.positions(3000);
+    if (points.length + this.positions.length === 0) return;
+    this.lookAtAll(surfit.boundsOf(points, this.positions), this.ahead || new THREE.Vector3(0, 0, 1), this.up());
   }
 
   // View from behind and above the camera of the run. If the user turns the view, its offset to this camera is kept.
@@ -61,17 +61,17 @@ surfit.LiveScene = class extends surfit.Scene {
     this.draw();
   }
 
-  setPath({ places, loops }) {
+  setPath({ positions, loops }) {
     const points = (numbers) => Array.from({ length: numbers.length / 3 }, (_, i) => new THREE.Vector3(
       ...numbers.slice(3 * i, 3 * i + 3)).multiplyScalar(0.001));
-    this.places = points(places);
+    this.positions = points(positions);
     this.showPath();
     surfit.setPoints(this.loops, points(loops));
     this.draw();
   }
 
   // Path and newest position, which the server may not have added to the path yet.
-  showPath() { surfit.setPoints(this.path, [...this.places, ...(this.place ? [this.place] : [])]); }
+  showPath() { surfit.setPoints(this.path, [...this.positions, ...(this.place ? [this.place] : [])]); }
 
   setState(state) {
     this.state = state;

@@ -1,6 +1,6 @@
 'use strict';
 // Part of the map on this page: slots, most of which contain a surfel. Each answer of the server contains changes
-// (ShownRun::Map()). A round goes through all slots. The next round requests the changes since the start of this
+// (LiveData::Map()). A round goes through all slots. The next round requests the changes since the start of this
 // round.
 surfit.headWords = 6;  // epoch, level, slots, version, next, count
 surfit.bytesPerSurfel = 16;
@@ -100,13 +100,13 @@ surfit.ShownMap = class {
   count() { return this.radius.subarray(0, this.slots).filter((radius) => radius > 0).length; }
 
   // Positions of about `most` surfels.
-  places(most) {
+  positions(most) {
     const step = Math.max(1, Math.floor(this.slots / most));
-    const places = [];
+    const positions = [];
     for (let slot = 0; slot < this.slots; slot += step) {
-      if (this.radius[slot] > 0) places.push(new THREE.Vector3().fromArray(this.position, 3 * slot));
+      if (this.radius[slot] > 0) positions.push(new THREE.Vector3().fromArray(this.position, 3 * slot));
     }
-    return places;
+    return positions;
   }
 };
 

@@ -1,4 +1,4 @@
-#include "apps/live/shown_run.h"
+#include "apps/live/live_data.h"
 
 #include <chrono>
 #include <cmath>
@@ -25,7 +25,7 @@ Json ToJson(const std::vector<Advice>& all) {
 
 // Appends the coordinates in millimetres.
 template <typename Vector>
-void AppendPlace(const Vector& place, Json* json) {
+void AppendPosition(const Vector& place, Json* json) {
   for (int i = 0; i < 3; ++i) {
     json->push_back(static_cast<std::int64_t>(std::llround(1000. * place[i])));
   }
@@ -39,7 +39,7 @@ void AppendBytes(const T* values, std::size_t count, std::string* bytes) {
 }  // namespace
 
 template <typename Act>
-bool ShownRun::Give(bool must, const Act& act) {
+bool LiveData::Give(bool must, const Act& act) {
   std::unique_lock<std::mutex> lock(mutex_, std::defer_lock);
   if (must) lock.lock();
   if (!must && !lock.try_lock()) return false;
@@ -47,23 +47,23 @@ bool ShownRun::Give(bool must, const Act& act) {
   return true;
 }
 
-void ShownRun::Number(Shown what) { items_[PlaceOf(what)] = {++number_, nullptr}; }
+void LiveData::Number(Shown what) { items_[PlaceOf(what)] = {++number_, nullptr}; }
 
-bool ShownRun::GiveState(const ShownState& state, bool must) {
+bool LiveData::UpdateState(const ShownState& state, bool must) {
   return Give(must, [&] {
     state_ = state;
     Number(Shown::kState);
   });
 }
 
-bool ShownRun::GivePath(const ShownPath& path, bool must) {
+bool LiveData::UpdatePath(const LivePath& path, bool must) {
   return Give(must, [&] {
     path_ = path;
     Number(Shown::kPath);
   });
 }
 
-bool ShownRun::GivePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool must) {
+bool LiveData::UpdatePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool must) {
   return Give(must, [&] {
     ++number_;
     for (const auto& [which, picture] : pictures) {
@@ -73,7 +73,7 @@ bool ShownRun::GivePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool m
   });
 }
 
-std::optional<bool> ShownRun::UpdateMap(const SurfelMap& map, std::size_t slots) {
+std::optional<bool> LiveData::UpdateMap(const SurfelMap& map, std::size_t slots) {
   std::optional<bool> is_whole;
   Give(/*must=*/false, [&] {
     is_whole = sample_.Update(map, slots);
@@ -83,22 +83,22 @@ std::optional<bool> ShownRun::UpdateMap(const SurfelMap& map, std::size_t slots)
   return is_whole;
 }
 
-void ShownRun::ResetMap(const SurfelMap& map) {
+void LiveData::ResetMap(const SurfelMap& map) {
   const std::lock_guard<std::mutex> lock(mutex_);
   sample_.Reset(map);
   Number(Shown::kMap);
   dust_ = sample_.Dust();
 }
 
-bool ShownRun::IsWanted(Shown what) const {
+bool LiveData::IsRequested(Shown what) const {
   constexpr std::int64_t kLately_ms = 8000;  // longer than HttpLimits::hold_s
   const std::int64_t asked_ms = asked_ms_[PlaceOf(what)];
   return asked_ms > 0 && Now_ms() - asked_ms < kLately_ms;
 }
 
-void ShownRun::Want(Shown what) { asked_ms_[PlaceOf(what)] = Now_ms(); }
+void LiveData::RecordRequest(Shown what) { asked_ms_[PlaceOf(what)] = Now_ms(); }
 
-std::string ShownRun::StateJson(bool is_paused) const {
+std::string LiveData::StateJson(bool is_paused) const {
   const SlamRunProgress& progress = state_.progress;
   Json json = {{"number", number_.load()},
                {"status", state_.status},
@@ -128,7 +128,7 @@ std::string ShownRun::StateJson(bool is_paused) const {
   return json.dump();
 }
 
-ShownRun::Text ShownRun::StateAfter(std::uint32_t number, bool is_paused) {
+LiveData::Text LiveData::StateAfter(std::uint32_t number, bool is_paused) {
   const std::lock_guard<std::mutex> lock(mutex_);
   Item& item = items_[PlaceOf(Shown::kState)];
   const std::uint32_t now = number_;
@@ -139,23 +139,23 @@ ShownRun::Text ShownRun::StateAfter(std::uint32_t number, bool is_paused) {
   return item.text;
 }
 
-ShownRun::Text ShownRun::Path() {
+LiveData::Text LiveData::Path() {
   const std::lock_guard<std::mutex> lock(mutex_);
   Item& item = items_[PlaceOf(Shown::kPath)];
   if (item.number == 0 || item.text) return item.text;
-  Json places = Json::array(), loops = Json::array();
-  for (const Eigen::Vector3f& place : path_.places) AppendPlace(place, &places);
+  Json positions = Json::array(), loops = Json::array();
+  for (const Eigen::Vector3f& place : path_.positions) AppendPosition(place, &positions);
   for (const LoopSegment& loop : path_.loops) {
-    AppendPlace(loop.a, &loops);
-    AppendPlace(loop.b, &loops);
+    AppendPosition(loop.a, &loops);
+    AppendPosition(loop.b, &loops);
   }
-  const Json json = {{"number", item.number}, {"places", places}, {"loops", loops}};
+  const Json json = {{"number", item.number}, {"positions", positions}, {"loops", loops}};
   item.text = std::make_shared<std::string>(json.dump());
   return item.text;
 }
 
 // Encodes without the lock, so that the run can update its data.
-ShownRun::Text ShownRun::Picture(Shown which, std::uint32_t asked) {
+LiveData::Text LiveData::Picture(Shown which, std::uint32_t asked) {
   constexpr int kQuality = 80;
   Image<Rgb8> picture;
   std::uint32_t number = 0;
@@ -174,7 +174,7 @@ ShownRun::Text ShownRun::Picture(Shown which, std::uint32_t asked) {
   return text;
 }
 
-ShownRun::Text ShownRun::Map(const SamplePlace& place, std::size_t most) {
+LiveData::Text LiveData::Map(const SamplePlace& place, std::size_t most) {
   SampleChanges changes;
   {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -36,27 +36,27 @@ struct ShownState {
   std::optional<std::pair<int, int>> last_loop;
 };
 
-struct ShownPath {
-  std::vector<Eigen::Vector3f> places;
+struct LivePath {
+  std::vector<Eigen::Vector3f> positions;
   std::vector<LoopSegment> loops;
 };
 
 // The thread of the run writes, the server thread reads. Without `must`, an update is skipped if
 // the server has the lock, so that the run does not wait. Updates have increasing numbers.
-class ShownRun {
+class LiveData {
  public:
-  explicit ShownRun(std::size_t max_surfels) : sample_(max_surfels) {}
+  explicit LiveData(std::size_t max_surfels) : sample_(max_surfels) {}
 
   // Functions for the run. Return false if the update was skipped. `must`: waits for the lock.
-  bool GiveState(const ShownState& state, bool must);
-  bool GivePath(const ShownPath& path, bool must);
+  bool UpdateState(const ShownState& state, bool must);
+  bool UpdatePath(const LivePath& path, bool must);
   // Pictures of the same frame get the same number.
-  bool GivePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool must);
+  bool UpdatePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool must);
   // Returns the result of MapSample::Update(); std::nullopt if the update was skipped.
   std::optional<bool> UpdateMap(const SurfelMap& map, std::size_t slots);
   void ResetMap(const SurfelMap& map);
   // Returns whether a page has requested this kind of data in the last 8 s.
-  bool IsWanted(Shown what) const;
+  bool IsRequested(Shown what) const;
 
   // Functions for the server. StateAfter(): JSON; null if the state is not newer than
   // `number`.
@@ -69,9 +69,9 @@ class ShownRun {
   // SampleChanges, little endian: epoch, level, slots, version, next and count as uint32, then
   // `count` slots as uint32, then `count` PackedSurfel.
   Text Map(const SamplePlace& place, std::size_t most);
-  void Want(Shown what);
+  void RecordRequest(Shown what);
   // Marks the state as changed.
-  void Renew() { ++number_; }
+  void MarkChanged() { ++number_; }
 
  private:
   struct Item {
@@ -86,7 +86,7 @@ class ShownRun {
 
   std::mutex mutex_;  // guards all members that are not atomic
   ShownState state_;
-  ShownPath path_;
+  LivePath path_;
   std::array<Image<Rgb8>, kShownCount> pictures_;
   std::array<Item, kShownCount> items_;
   MapSample sample_;
