@@ -21,9 +21,9 @@ class ReducedBlock : public ceres::CostFunction {
 // Ceres residual block of N functors of one type (point_functor.h), reduced to seven rows.
 //
 // The residual rows are the triangular factor [R q; 0 e] of all rows [J r]. It satisfies R^T R =
-// J^T J, R^T q = J^T r and |q|^2 + e^2 = |r|^2. Cost, gradient and Gauss-Newton matrix equal
-// those of all N rows, and so do the Levenberg-Marquardt steps. With a robust kernel, rows have
-// the weight rho'(s), and |q|^2 + e^2 = sum rho(s). The factor is a Cholesky decomposition of
+// J^T J, R^T q = J^T r and |q|^2 + e^2 = |r|^2. Cost, gradient, Gauss-Newton matrix and
+// Levenberg-Marquardt steps equal those of all N rows. With a robust kernel, rows have the weight
+// rho'(s), and |q|^2 + e^2 = sum rho(s). The factor is a Cholesky decomposition of
 // sums of products, computed by SIMD autodiff.
 //
 // S: precision of residuals and products; sums are double. The errors of cost and gradient are

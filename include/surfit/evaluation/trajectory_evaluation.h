@@ -168,9 +168,9 @@ struct MountFit {
   AbsoluteTrajectoryError ate;  // residuals of the fit; alignment: R, t
 };
 
-// Fits the lever arm m: minimises sum |q_i - R (s p_i + R_i m) - t|^2 over R, t, m and, with
-// `fit_scale`, the scale s. p_i and R_i: position and rotation of the estimate. q_i: position of
-// the ground truth, whose rotations are not used. Returns std::nullopt for fewer than 3 poses.
+// Fits the lever arm m. Minimises sum |q_i - R (s p_i + R_i m) - t|^2 over R, t, m and, with
+// `fit_scale`, the scale s. The estimate has positions p_i and rotations R_i. The ground truth has
+// positions q_i. Its rotations are not used. Returns std::nullopt for fewer than 3 poses.
 std::optional<MountFit> FitMount(const std::vector<MatchedPose>& poses, bool fit_scale);
 
 // Warning text if the lever arm is longer than 5 cm or not unique. Empty otherwise.

@@ -33,9 +33,9 @@ ChainedPoses ChainPoses(const PoseGraph& graph);
 std::optional<std::vector<Rigid3d>> ChordalPoses(const PoseGraph& graph,
                                                  const std::vector<bool>& held);
 
-// Initial trust-region radii of Levenberg-Marquardt. kFarFromMinimum: default of Ceres, faster
-// from odometry poses. kNearMinimum: almost undamped, saves ten iterations from chordal poses of
-// a sphere graph with 10,000 poses.
+// Initial trust-region radii of Levenberg-Marquardt. kFarFromMinimum is the default of Ceres, and
+// faster from odometry poses. kNearMinimum is almost undamped. It saves ten iterations from
+// chordal poses of a sphere graph with 10,000 poses.
 inline constexpr double kFarFromMinimum = 1e4, kNearMinimum = 1e10;
 
 class PoseGraphProblem {
