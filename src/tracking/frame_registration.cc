@@ -15,6 +15,21 @@ namespace {
 // 2, the bound is 1 g.
 constexpr double kMaxSigmas = 5;
 
+// Maximum eigenvalue of weak directions, as a factor of TrackingOptions::min_turn_eigenvalue. It is
+// above 1, because a slide has components along the next stronger directions.
+constexpr double kWeakDirections = 2.5;
+
+// Moves the pose of `by_shape` towards `with_intensities`, along weak directions only. Colour with
+// an inaccurate timestamp or inaccurate extrinsics thus does not change the other directions.
+Rigid3d MovedAlongWeakDirections(const IcpResult& by_shape, const Rigid3d& with_intensities,
+                                 double max_eigenvalue) {
+  ObservabilityOptions weak;
+  weak.min_eigenvalue = max_eigenvalue;
+  const Vector6d motion = FirstOrderIncrement(by_shape.target_from_source, with_intensities);
+  const Vector6d along_weak = motion - Observe(by_shape.system, weak).Held(motion);
+  return LeftIncrement<double>(along_weak, by_shape.target_from_source);
+}
+
 }  // namespace
 
 bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_options) {
@@ -69,7 +84,13 @@ FrameRegistration::Estimate FrameRegistration::FromData(
   if (!estimate.is_weakly_constrained || !can_help) return estimate;
   IcpOptions with_intensities = target.icp;
   with_intensities.error_model.photometric_weight = options_.weakly_constrained_photometric_weight;
-  estimate.icp = surfit::Register(frame, model, reference_from_initial, with_intensities);
+  IcpResult textured = surfit::Register(frame, model, reference_from_initial, with_intensities);
+  if (!textured.Succeeded()) return estimate;
+  if (estimate.icp.Succeeded()) {
+    textured.target_from_source = MovedAlongWeakDirections(
+        estimate.icp, textured.target_from_source, kWeakDirections * options_.min_turn_eigenvalue);
+  }
+  estimate.icp = std::move(textured);
   return estimate;
 }
 

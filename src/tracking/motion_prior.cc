@@ -21,9 +21,7 @@ ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected
 
 ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
                         const Matrix6d& information, double most_sigmas) {
-  const Rigid3d moved = registered * expected.target_from_source.Inverse();
-  Vector6d motion;  // as one perturbation, to first order
-  motion << QuaternionLog<double>(moved.rotation), moved.translation;
+  const Vector6d motion = FirstOrderIncrement(expected.target_from_source, registered);
   const Matrix6d of_expected = SymmetricInverse(expected.covariance);
   const GeneralizedEigen both = EigenOf(information, of_expected);
   const Vector6d away = both.vectors.transpose() * (of_expected * motion);

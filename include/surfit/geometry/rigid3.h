@@ -104,6 +104,16 @@ Rigid3<Scalar> LeftIncrement(const typename Rigid3<Scalar>::Vector6& increment,
   return delta * pose;
 }
 
+// Increment (w [rad], v [m]) with LeftIncrement(increment, from) = to, to first order in (w, v).
+template <typename Scalar>
+typename Rigid3<Scalar>::Vector6 FirstOrderIncrement(const Rigid3<Scalar>& from,
+                                                     const Rigid3<Scalar>& to) {
+  const Rigid3<Scalar> moved = to * from.Inverse();
+  typename Rigid3<Scalar>::Vector6 increment;
+  increment << QuaternionLog<Scalar>(moved.rotation), moved.translation;
+  return increment;
+}
+
 // Adjoint of a_from_b: maps left perturbations (w, v) of b_from_c to those of a_from_c, w' = R w,
 // v' = R v + t x R w.
 template <typename Scalar>

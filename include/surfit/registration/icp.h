@@ -82,6 +82,7 @@ struct IcpResult {
   // Covariance (rad, m): the inverse of `information`, times the variance factor of the residuals.
   // Assumes independent residuals. std::nullopt if a direction is unobservable.
   std::optional<Matrix6d> covariance;
+  NormalSystem system;  // for Observe() with other thresholds than those of the options
   Vector6d eigenvalues = Vector6d::Zero();  // of Observability: ascending, dimensionless
   // Unobservable left perturbations (rad, m). Each moves the points by about 1 m.
   std::vector<Vector6d> degenerate_directions;

@@ -37,8 +37,9 @@ struct TrackingOptions {
   // never.
   double min_turn_eigenvalue = 2e-3;
   // ErrorModel::photometric_weight for weakly constrained frames; 0: geometric residuals only.
-  // Ignored if icp.error_model has a photometric weight.
-  double weakly_constrained_photometric_weight = 0;
+  // Photometric residuals move these frames only along directions with an eigenvalue below
+  // 2.5 min_turn_eigenvalue. Ignored if icp.error_model has a photometric weight.
+  double weakly_constrained_photometric_weight = 0.3;
   // Initial pose of the registration: "constant_velocity", "constant_pose" or "so3". "so3" is
   // the last pose, rotated by AlignRotation().
   std::string motion_model = "constant_velocity";

@@ -27,7 +27,7 @@ class LevelRun {
   void Run() {
     Iterate();
     if (level_.level > 0 || !result_.Succeeded()) return;
-    const Observability held = Observe(last_system_, options_.observability);
+    const Observability held = Observe(result_.system, options_.observability);
     if (!held.Degenerate()) return;
     UndoDegenerateMotion(held);
     checks_normal_noise_ = true;
@@ -66,9 +66,7 @@ class LevelRun {
   }
 
   void UndoDegenerateMotion(const Observability& held) {
-    const Rigid3d moved = result_.target_from_source * level_.start.Inverse();
-    Vector6d motion;  // first-order increment
-    motion << QuaternionLog<double>(moved.rotation), moved.translation;
+    const Vector6d motion = FirstOrderIncrement(level_.start, result_.target_from_source);
     result_.target_from_source = LeftIncrement(held.Held(motion), level_.start);
   }
 
@@ -105,7 +103,6 @@ class LevelRun {
   void Finish(const PoseState& state, Termination termination) {
     const NormalSystem& system = state.step.system;
     const Observability& observability = state.step.observability;
-    last_system_ = system;
     result_.termination = termination;
     result_.target_from_source = state.pose;
     result_.inlier_count = system.inlier_count;
@@ -114,6 +111,7 @@ class LevelRun {
     result_.rmse_m = std::sqrt(system.AverageLoss());
     result_.intensity_count = system.photometric.row_count;
     result_.information = system.hessian;
+    result_.system = system;
     result_.trusted_information =
         ConservativeInformation(system, options_.error_model.TrustedPhotometricRatio());
     result_.eigenvalues = observability.eigenvalues;
@@ -130,7 +128,6 @@ class LevelRun {
   IcpResult& result_;
   int source_count_;
   bool checks_normal_noise_ = false;  // apply options.observability in Iterate()
-  NormalSystem last_system_;          // at the final pose of the iterations
 };
 
 }  // namespace
