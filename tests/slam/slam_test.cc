@@ -101,7 +101,7 @@ TEST(Slam, UsesIntensitiesIfGeometryIsWeaklyConstrained) {
 // The view has a floor, a chair and a corner. By shapes alone the camera slides by 0.7 m.
 TEST(Slam, DoesNotSlideAlongFloorIfTextureConstrainsPose) {
   RgbdCamera camera;
-  camera.depth = SimulatedCamera().Subsampled(2);
+  camera.depth = {320, 240, 262.5, 262.5, 159.5, 119.5, {}};
   const SimulatedSequence floor =
       Simulate("three_rooms", 5, 600, Sensor::kKinect, camera, {}, 1, 380);
   const SlamRun run = RunSlam(floor, SlamOptions(), floor.world_from_camera[0]);
