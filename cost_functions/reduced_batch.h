@@ -14,24 +14,28 @@ namespace surfit {
 
 class ReducedBlock : public ceres::CostFunction {
  public:
-  // Computes the sums over all rows at the identity, and caches them for Evaluate().
+  // Computes the sums over all rows at the identity, and caches them for Evaluate(). Optional. Must
+  // not run at the same time as Evaluate(). The result is valid until the next call.
   virtual const RowSums& Prepare() = 0;
 };
 
-// Ceres residual block of N functors of one type (point_functor.h), reduced to seven rows.
+// Ceres residual block of N points, reduced to seven rows. One functor (point_functor.h) is
+// evaluated with the data of each point.
 //
 // The residual rows are the triangular factor [R q; 0 e] of all rows [J r]. It satisfies R^T R =
 // J^T J, R^T q = J^T r and |q|^2 + e^2 = |r|^2. Cost, gradient, Gauss-Newton matrix and
-// Levenberg-Marquardt steps equal those of all N rows. With a robust kernel, rows have the weight
-// rho'(s), and |q|^2 + e^2 = sum rho(s). The factor is a Cholesky decomposition of
-// sums of products, computed by SIMD autodiff.
+// Levenberg-Marquardt steps equal those of all rows. With a robust kernel, rows have the weight
+// rho'(s), and |q|^2 + e^2 = sum rho(s), with s = |r|^2 per point. The factor is a Cholesky
+// decomposition of sums of products, computed by SIMD autodiff.
 //
 // S: precision of residuals and products; sums are double. The errors of cost and gradient are
 // 1e-5 (float) or 1e-9 (double) of the sum of absolute terms. Evaluation is parallel and bitwise
 // identical for any number of threads.
 //
 // The parameter block is a pose (pose.h) on LeftPoseManifold or ProductPoseManifold. Do not add
-// a loss function, because it would apply to the sum. Evaluation fails if a cost is not finite.
+// a loss function, because it would apply to the sum. Evaluate() returns false if the cost
+// is not finite. Without Jacobians, the residuals are (sqrt(sum rho(s)), 0, ..., 0). Only their
+// norm then equals the norm of the residuals with Jacobians.
 template <typename Functor, typename S = float>
 class ReducedBatch final : public ReducedBlock {
  public:

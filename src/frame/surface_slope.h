@@ -9,8 +9,10 @@
 namespace surfit {
 
 // Maximum change of inverse depth r (1/m) between neighbouring pixels of a surface; larger changes
-// are depth edges. It is 3 sigma plus the slope r tan(slant) / f of a surface with the angle
-// max_slant_rad.
+// are depth edges. It is 3 sigma plus r tan(max_slant_rad) / f, the slope of a surface whose
+// normal has this angle to the viewing ray. A pixel has the bounds noise + slant_u r along u and
+// noise
+// + slant_v r along v.
 struct EdgeBounds {
   EdgeBounds(const DepthSensor& sensor, const PreprocessOptions& options)
       : noise(static_cast<float>(3 * sensor.noise.inverse_depth_sigma)) {
@@ -24,7 +26,8 @@ struct EdgeBounds {
 };
 
 // True, per lane, if the step from offset k - 1 to offset k is within `bound` on both sides. Offset
-// k is k * stride values away.
+// k is k * stride values away. k >= 1. All lanes must be readable at +k and -k. Missing pixels must
+// be InverseDepthBand::kMissing, which is never within the bound.
 template <typename V>
 typename V::Mask Continues(const float* at, std::ptrdiff_t stride, int k, const V& bound) {
   const V ahead = V::Load(at + k * stride) - V::Load(at + (k - 1) * stride);
@@ -34,7 +37,7 @@ typename V::Mask Continues(const float* at, std::ptrdiff_t stride, int k, const 
 
 template <typename V>
 struct SurfaceSlope {
-  V value;
+  V value;                 // 1/m per pixel; NaN if not valid
   typename V::Mask valid;  // false: depth edge at the nearest offset
 };
 

@@ -98,7 +98,7 @@ TEST(Slam, UsesIntensitiesIfGeometryIsWeaklyConstrained) {
   }
 }
 
-// The view has a floor, a chair and a corner. By shapes alone the camera slides by 0.7 m.
+// The view has a floor, a chair and a corner. Without intensities the camera slides by 0.7 m.
 TEST(Slam, DoesNotSlideAlongFloorIfTextureConstrainsPose) {
   RgbdCamera camera;
   camera.depth = {320, 240, 262.5, 262.5, 159.5, 119.5, {}};

@@ -30,8 +30,8 @@ struct DepthNoise {
 // counts_per_px in px, triangulation gives z = focal_px baseline_m / d:
 //   1 / z = (count - count_at_infinity) / (counts_per_px focal_px baseline_m).
 // Raw counts of a Kinect v1 decrease with the disparity. It has counts_per_px = -8,
-// count_at_infinity of about 1090 and baseline_m = 0.075 (Khoshelham and Elberink 2012). focal_px is the focal length of
-// the disparity computation. It can differ from fx of the camera.
+// count_at_infinity of about 1090 and baseline_m = 0.075 (Khoshelham and Elberink 2012). focal_px
+// is the focal length of the disparity computation. It can differ from fx of the camera.
 struct Disparity {
   double focal_px = 0;
   double baseline_m = 0;  // 0: depth images are not disparities

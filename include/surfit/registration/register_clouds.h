@@ -14,8 +14,10 @@ class OptionVisitor;
 
 // Options of the registration of two point clouds.
 struct RegisterCloudsOptions {
-  IcpOptions icp = DefaultIcp();  // options for images have no effect
-  bool reciprocal = false;        // on the finest level, use mutual nearest neighbours only
+  // Options for images have no effect, nor does error_model.floor_sigma_m: the weights are
+  // 1 / PointSet::sigma_m^2.
+  IcpOptions icp = DefaultIcp();
+  bool reciprocal = false;  // on the finest level, use mutual nearest neighbours only
   // Number of levels. Level l uses every 4^l-th source point. Coarse levels with fewer than
   // kMinPoints source points are skipped.
   int levels = 4;
@@ -29,24 +31,31 @@ struct RegisterCloudsOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Registers source to target with ICP and nearest neighbours, coarse to fine. Throws InputError for
-// invalid options. A failed registration is a termination, not an error.
+// Registers source to target with ICP and nearest neighbours, coarse to fine.
+// `target_from_source_initial` maps the frame of `source` to the frame of `target`, m.
+// point_to_plane needs target normals. A normal gate, symmetric_point_to_plane and plane_to_plane
+// need the normals of both clouds. An empty cloud gives kTooFewInliers. Throws InputError for
+// invalid options. Aborts if the vectors of a PointSet have different sizes. Keeps no reference.
+// The result is the same for any number of threads.
 IcpResult RegisterClouds(const PointSet& source, const PointSet& target,
                          const Rigid3d& target_from_source_initial,
                          const RegisterCloudsOptions& options);
 
 // Options for normals of point clouds.
 //
-// A plane is fitted to all N neighbours of a point within a radius. With the eigenvalues l0 <= l1
+// A plane is fitted to the N neighbours of a point within a radius. Above 4 radius_m, each doubling
+// of the radius uses a quarter of the points. With the eigenvalues l0 <= l1
 // <= l2 of their covariance:
 // - s = sqrt(l0 N / (N - 3)): deviation of the points from the plane,
 // - sqrt(l0 / l1): relative thickness of the plane,
 // - sqrt(l0 / ((N - 3) l1)) rad: standard deviation of the normal.
-// The radius grows until all three limits hold: neighbours, thickness and normal (compare Mitra and
-// Nguyen 2003). It is small for accurate data and larger for noisy data. Points without a suitable
-// radius, for example at edges and in foliage, get no normal.
+// The radius grows until all limits hold: neighbours, thickness, normal, and sqrt(l1 / l2) > 0.01,
+// because narrower neighbourhoods are lines (compare Mitra and Nguyen 2003). It is small for
+// accurate data and larger for noisy data. Points without a suitable radius, for example at edges
+// and in foliage, get no normal.
 //
-// The initial radius is at least 2 sigma / max_thickness, with the known noise sigma, because near
+// The search starts at radius_m, or at 2 sigma / max_thickness if that is larger. sigma is the
+// known noise. A smaller start would be wrong, because near
 // neighbours can hide the noise. Depth cameras quantise depth, so distant surfaces consist of
 // layers that look like exact planes across the viewing direction. The deviation of the points
 // along the plane is half the radius, so a plane of noisy points is just thin enough at this
@@ -76,7 +85,7 @@ struct CloudNormals {
   std::vector<Eigen::Vector3f> normals;  // unit length; (0, 0, 0): none
   std::vector<float> deviation_m;        // s, the noise of the points; 0: no normal
   int missing = 0;                       // points without a normal
-  double radius_m = 0;                   // initial radius
+  double radius_m = 0;  // smallest radius of all points; 0: too few points or all equal
 };
 
 // Estimates normals. The points are finite, in m, and fewer than 2^31. Throws InputError for

@@ -13,27 +13,35 @@
 
 namespace surfit {
 
+// Results of SLAM on the recording. A positive latency correction means that the image was captured
+// earlier than its timestamp minus the configured latency.
 struct TrackedRecording {
   int frames = 0, lost = 0;
   std::string calibration_warning;              // CalibrationWarning(); may be empty
   std::optional<DepthCalibration> calibration;  // std::nullopt: no new estimate
-  // Estimated latency minus configured latency; std::nullopt: unknown.
+  // Estimated latency of colour relative to depth, minus the configured latency. std::nullopt: no
+  // colour, no estimate, or a wrong calibration.
   std::optional<double> color_latency_s;
-  // Depth latency by ground truth minus configured latency; std::nullopt: unknown.
+  // Depth latency by ground truth minus configured latency. std::nullopt: no ground truth, no
+  // common clock, or a wrong calibration. 0: a time offset hardly reduces the ATE.
   std::optional<double> late_s;
 };
 
-// Does not own the referenced objects.
+// Results of reading a recording. The checks below judge them. The referenced objects must outlive
+// this object.
 struct RecordingEvidence {
   const SequenceInfo& info;
   const std::vector<FrameStatistics>& frames;
   int sampled_depths = 0;                       // number of frames with a check of the depth scale
   std::vector<std::string> doubted_scales;      // DepthScaleWarning() of these frames
-  std::optional<double> inverse_depth_step;     // RecordingStatistics::InverseDepthStep()
+  std::optional<double> inverse_depth_step;     // RecordingStatistics::InverseDepthStep(), 1/m
   std::optional<RegistrationFit> registration;  // std::nullopt: not observable
   std::optional<TrackedRecording> tracked;      // std::nullopt: tracking is off
 };
 
+// Checks of images, of timestamps, and of sensor and calibration, in a fixed order. A check without
+// data has no value and passes. ChecksOfSensor() adds the tracking checks if `tracked` is set. A
+// recording without frames is valid input.
 std::vector<RecordingCheck> ChecksOfFrames(const RecordingEvidence& evidence);
 std::vector<RecordingCheck> ChecksOfStamps(const RecordingEvidence& evidence);
 std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence);

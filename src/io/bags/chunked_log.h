@@ -14,7 +14,9 @@
 
 namespace surfit {
 
-// Common base of formats with chunks: ROS 1 bags and MCAP.
+// Common base of formats with chunks: ROS 1 bags and MCAP. The constructor of a subclass reads the
+// file and adds its messages. The part of a message is its chunk number, or -1 outside of chunks.
+// Not thread-safe.
 class ChunkedLog : public MessageLog {
  public:
   explicit ChunkedLog(const std::string& path) : file_(path) {}
@@ -32,21 +34,24 @@ class ChunkedLog : public MessageLog {
   };
 
   const BinaryFile& file() const { return file_; }
-  // Calls `take` with the chunk number and the decompressed bytes until no bytes are left. If
+  // Adds a chunk. Calls `take` with its number and the decompressed bytes until no bytes are left.
+  // `name` names the bytes in error messages. If
   // decompression or `take` throws InputError, skips the remaining messages of the chunk with a
-  // warning that names byte `at`.
+  // warning. The warning names byte `at`, the position of the record in the file.
   void AddChunk(const Chunk& chunk, std::uint64_t at, const std::string& name,
                 const std::function<void(int, Cursor*)>& take);
-  // Adds a message with the given bytes at position `at` of the part.
+  // Adds a message with the given bytes at position `at` of the part. Stores position, size and the
+  // first 16 bytes (MessageLocation).
   void AddMessage(std::size_t topic, std::int64_t recorded_ns, int part, std::uint64_t at,
                   std::string_view bytes);
   // Index of a topic, which is added if it does not exist.
   std::size_t AddTopic(const std::string& name, const std::string& type,
                        Serialization serialization);
+  // Adds a warning: the path, then `sentence`, which begins with a colon or a space.
   void Warn(const std::string& sentence) { warnings_.push_back(path() + sentence); }
 
  private:
-  // Decompressed bytes of a chunk, valid until two other chunks are read.
+  // Decompressed bytes of a chunk, valid until another chunk is read.
   const std::string& ChunkBytes(int number) const;
 
   BinaryFile file_;

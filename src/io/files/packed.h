@@ -16,7 +16,9 @@
 
 namespace surfit {
 
-// Serialises values in little-endian byte order and images in the zlib format.
+// Serialises values in the byte order of the processor, which is little-endian on all supported
+// processors, and images in the zlib format. The caller writes the signature. Counts must be below
+// 2^32. The reader rejects images of more than 16384 px in width or height, or of more than 64 MiB.
 class Packer {
  public:
   template <typename T>
@@ -47,7 +49,8 @@ class Packer {
   std::string bytes_;
 };
 
-// Deserialises the values in the same order. All functions throw InputError with `from`.
+// Deserialises the values in the same order. All functions throw InputError with `from` if the
+// bytes end too early or are invalid. The order is: TakeMagic() first, End() last.
 class Unpacker {
  public:
   // `from`: source of the bytes, for error messages.
@@ -127,8 +130,9 @@ class Unpacker {
   std::size_t at_ = 0;
 };
 
-// Serialisation of a view. TakeView() throws InputError for an invalid view. With
-// PlacesPart::kFeatures, its images are empty.
+// Serialisation of a view. TakeView() throws InputError for damaged bytes, and for an invalid
+// camera or noise. With PlacesPart::kFeatures its images are empty, and camera and noise are not
+// checked.
 void PutView(const PlaceView& view, Packer* packer);
 PlaceView TakeView(PlacesPart part, Unpacker* unpacker);
 

@@ -15,8 +15,8 @@ namespace surfit {
 // Depth image or colour image of a device; the other image is empty.
 struct DeviceImage {
   std::uint64_t stamp_us = 0;  // device clock
-  int number = 0;              // image number of the stream, in steps of 1
-  Image<std::uint16_t> depth;  // counts of the device, 1 or 0.1 mm
+  int number = 0;              // of the stream, in steps of 1; repeats in each loop of a recording
+  Image<std::uint16_t> depth;  // counts of the device, 1 or 0.1 mm; 0: missing
   Image<Rgb8> color;
 
   bool is_depth() const { return !depth.empty(); }
@@ -26,7 +26,9 @@ struct DeviceImage {
 double SecondsOf(std::uint64_t stamp_us);
 
 // Camera or recording opened with OpenNI2, with a depth stream and an optional colour stream.
-// Mirroring of images is undone. All calls throw InputError with the name of the device.
+// Mirroring of images is undone. Failures throw InputError with the name of the device, unless
+// stated otherwise. Mirroring and colour synchronisation are skipped if the device lacks them. Not
+// thread-safe. Call SetUp() or PlayOnRequest() first, then Start(), then Next() and Camera().
 class OpenNiDevice {
  public:
   OpenNiDevice(std::shared_ptr<const OpenNiLibrary> library, const std::string& uri);
@@ -41,16 +43,19 @@ class OpenNiDevice {
 
   const OniDeviceInfo& info() const { return info_; }
   bool has_color() const { return color_.stream != nullptr; }
+  // The device registers depth to colour. For a recording: SequenceOptions::device_registration.
   bool is_registered() const { return is_registered_; }
-  // Number of images of a recording.
+  // Number of images of a recording. 0 for a camera.
   int depth_count() const { return CountOf(depth_); }
   int color_count() const { return CountOf(color_); }
 
-  // Waits for the next image; std::nullopt after a timeout of `wait_ms`.
+  // Waits for the next image. Returns std::nullopt after `wait_ms`, or at once if OpenNI2 cannot
+  // wait, for example without a device. Throws InputError for a cropped or unreadable image.
   std::optional<DeviceImage> Next(int wait_ms);
 
-  // Camera with intrinsics from the fields of view. Devices do not report color_from_depth: if
-  // colour is not registered, the options must set it, or it throws InputError.
+  // Camera with intrinsics from the fields of view. Call after Start(). Devices do not report
+  // color_from_depth: if colour is not registered, the options must set it, or it throws
+  // InputError.
   RgbdCamera Camera(const SequenceOptions& options) const;
 
   // Disables automatic exposure and white balance; the current values stay. Returns false if the

@@ -16,11 +16,12 @@ struct SharedSurfels;
 
 // Parameters of the joint problem, except the surfel parameters.
 struct JointState {
-  std::vector<Rigid3d> world_from_camera;
+  std::vector<Rigid3d> world_from_camera;  // of the keyframes: depth camera, m
   DepthCalibration calibration;
 };
 
-// State with precomputed rotation matrices. Keeps a reference to the state.
+// State with precomputed rotation matrices. Keeps a reference to the state, which must not
+// change.
 struct PlacedPoses {
   explicit PlacedPoses(const JointState& joint) : state(joint) {
     for (const Rigid3d& pose : joint.world_from_camera) {
@@ -49,7 +50,7 @@ inline void CalibrationFromBlock(const double* block, DepthCalibration* calibrat
 }
 
 // Robust kernels of all residuals. The photometric weight W scales the texture residuals and
-// their kernel width: W rho(s) = rho(W s) with the width k sqrt(W).
+// their kernel width by sqrt(W): W rho(s) = rho(W s) with the width k sqrt(W).
 struct JointKernels {
   RobustKernel plane, texture;
 
@@ -81,12 +82,13 @@ inline double InverseTextureSigma(const ErrorModel& model) {
 
 // Sums over observations, at the optimal surfel parameters.
 struct JointFit {
-  double rho = 0;                  // sum of rho: twice the cost
-  double weight = 0;               // sum of the kernel weights rho' of plane residuals
-  double squared_sigmas = 0;       // weighted sum of r^2
-  double squared_metres = 0;       // weighted sum of the squared point-to-plane distances
-  double texture_weight = 0;       // sum of the kernel weights rho' of texture residuals
-  double squared_differences = 0;  // weighted sum of squared intensity differences
+  double rho = 0;             // sum of rho of all residuals: twice the cost
+  double weight = 0;          // sum of the kernel weights rho' of plane residuals
+  double squared_sigmas = 0;  // weighted sum of r^2 of plane residuals
+  double squared_metres = 0;  // weighted sum of squared point-to-plane distances, m^2
+  double texture_weight = 0;  // sum of the kernel weights rho' of texture residuals
+  double squared_differences =
+      0;  // weighted sum of squared intensity differences, without W and sigma
 
   JointFit& operator+=(const JointFit& other) {
     rho += other.rho;
@@ -99,6 +101,7 @@ struct JointFit {
   }
 };
 
+// Root mean squares of a fit. All are 0 without plane residuals of positive weight.
 RefinementFit Agreement(const JointFit& fit);
 
 // Variance factor: weighted mean square of the plane residuals, corrected for degrees of freedom
@@ -106,11 +109,13 @@ RefinementFit Agreement(const JointFit& fit);
 double VarianceOf(const JointFit& fit, const SharedSurfels& shared, const JointState& state,
                   const RefinementOptions& options);
 
-// Diagonal covariance (11 x 11) of the model error, see RefinementOptions::model_error_ratio. 0
-// for fixed parameters.
+// Diagonal covariance (11 x 11) of the model error, see RefinementOptions::model_error_ratio. 0 for
+// fixed parameters: `held` has kCalibrationSize values.
 Eigen::MatrixXd ModelErrorOf(const DepthCalibration& calibration, const std::vector<bool>& held,
                              const RefinementOptions& options);
 
+// Squared Mahalanobis distance of `calibration` from `given`, over the `free` parameters: those
+// with a positive variance.
 struct CalibrationChange {
   double squared_distance = 0;
   int free = 0;
