@@ -66,7 +66,7 @@ struct ThreadLimit::State {
 
 ThreadLimit::ThreadLimit(int threads) {
   ThrowIf(threads < 1 || threads > 1024, "threads is ", threads, ", must be from 1 to 1024");
-  // Its threads would exceed the limit.
+  // OpenCV's own threads would exceed the limit.
   cv::setNumThreads(1);
   state_ = std::make_unique<State>(threads);
 }

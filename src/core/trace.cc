@@ -64,7 +64,8 @@ class TraceFile {
     text_.str("");
   }
 
-  // Nanoseconds, so that slices nest in the file.
+  // Microseconds with three decimals. Whole microseconds could end a slice after its enclosing
+  // slice.
   static std::string Microseconds(Clock::duration duration) {
     const long long ns = std::chrono::nanoseconds(duration).count();
     char text[40];

@@ -10,8 +10,8 @@
 namespace surfit {
 
 // Scaled inverse depth of some rows of a depth image, with a margin for filter windows and SIMD
-// lanes. Missing pixels and the margin are kMissing. kMissing exceeds every threshold, so windows
-// need no branch.
+// lanes. Missing pixels and the margin are kMissing. The difference between kMissing and any
+// inverse depth exceeds every threshold. Filters need no test for missing pixels.
 class InverseDepthBand {
  public:
   static constexpr float kMissing = -1e30f;

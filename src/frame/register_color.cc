@@ -18,7 +18,8 @@ struct TapPositions {
   std::vector<std::int32_t> u, v;
 };
 
-// Row of points d (first + column step) + t of depth d, in the frame of the colour camera.
+// Points of a row of depth pixels, in the frame of the colour camera. The pixel in column c with
+// depth d has the point d (first + c step) + t.
 struct PointRow {
   Eigen::Vector3f first, step, t;
 };

@@ -11,8 +11,8 @@
 namespace surfit {
 namespace {
 
-// Maximum second difference of inverse depth on a surface, in sigmas of inverse depth. Noise has a
-// standard deviation of 2.4 sigmas.
+// Maximum second difference of inverse depth on a surface, in sigmas of inverse depth. Depth noise
+// gives this difference a standard deviation of sqrt(6) = 2.4 sigmas.
 constexpr double kMaxBendSigmas = 6;
 
 constexpr double kMinScale = 0.1;
@@ -94,8 +94,9 @@ class OriginFinder {
     V u, v, du, dv, scale, inverse, left, right, above, below;
   };
 
-  // The displacement is proportional to the distance of the row from the middle. The source row v0
-  // satisfies v0 + dv(v) rows(v0) / rows(v) = v.
+  // The displacement is proportional to the distance of the row from the middle. rows(v) is the
+  // distance of row v from the middle of the image. The source row v0 satisfies v0 + dv(v) rows(v0)
+  // / rows(v) = v.
   V FindLanes(int u, int v, int count, std::int32_t* pixels) const {
     const float rows = static_cast<float>(v) + 0.5f - 0.5f * static_cast<float>(height_);
     const V at_u = V::LoadUpTo(columns_.data() + u, count), at_v(v);

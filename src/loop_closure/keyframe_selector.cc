@@ -6,10 +6,11 @@ namespace surfit {
 namespace {
 
 constexpr int kStridePx = 8;
-// Minimum depth behind a surface of an occluded point, relative to its depth.
+// A point is occluded if it is behind the measured surface by at least this ratio of the measured
+// depth.
 constexpr double kHiddenRatio = 0.1;
-// Minimum motion of a keyframe by overlap or number of frames. Relative to `max_distance_m` and
-// `max_angle_rad`.
+// Minimum motion since the last keyframe if low overlap or the number of frames triggers a new
+// keyframe. Relative to `max_distance_m` and `max_angle_rad`.
 constexpr double kLittleMotion = 0.1;
 
 bool IsSeen(const Eigen::Vector3d& point, const FrameLevel& surface) {

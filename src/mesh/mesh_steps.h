@@ -19,7 +19,8 @@ void FindSigmas(std::vector<MeshSurfel>* surfels);
 // Moves surfels along their normals into local planes, and replaces their normals. Planes are
 // fitted to neighbours with similar normals and heights, weighted by 1 / sigma^2. The radius of the
 // neighbourhood gives normals with the standard deviation normal_noise_rad. `done` is called from
-// several threads with the completed ratio of a part.
+// several threads. Each call passes the fraction of the work completed since the previous call. The
+// fractions add up to 1.
 void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& done,
                    std::vector<MeshSurfel>* surfels);
 
@@ -27,7 +28,8 @@ void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& d
 // becomes a vertex with normal and colour of nearby surfels.
 //
 // A vertex needs a nearby surfel whose normal agrees with the sign of the field. `done` is called
-// from several threads with the completed ratio.
+// from several threads. Each call passes the fraction of the work completed since the previous
+// call. The fractions add up to 1.
 TriangleMesh ExtractSurface(const DistanceField& field, const SurfelCubes& surfels,
                             const std::function<void(double)>& done);
 

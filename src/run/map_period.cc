@@ -10,7 +10,7 @@ int MapPeriod::For(double queued_ms) {
   constexpr int kMaxTimes = 8;  // maximum period / given_; longer periods save little time
   // Number of frames until a change has an effect.
   constexpr int kUntilSeen = 4, kUntilDone = 30;
-  // A late frame cancels kOneLate frames in time.
+  // A frame that is not in time reduces the count of frames in time by kOneLate.
   constexpr int kLateInARow = 3, kOneLate = 5;
   constexpr int kMaxPatience = 16 * kInTime;
   ++since_change_;

@@ -21,9 +21,9 @@ class MapPeriod {
   int given_, period_;
   int longest_ = 0, hurried_ = 0;
   int since_change_ = 0;
-  double queued_ms_ = 0;      // queue time of the frame that doubled the period; 0: after halving
-  int late_ = 0;              // consecutive late frames
-  int in_time_ = 0;           // frames in time, minus kOneLate per late frame; at least 0
+  double queued_ms_ = 0;  // queue time of the frame that doubled the period; 0: after halving
+  int late_ = 0;          // consecutive late frames
+  int in_time_ = 0;  // frames in time, minus kOneLate per frame that is not in time; at least 0
   int patience_ = kInTime;    // number of frames in time that halves the period
   bool was_shorter_ = false;  // the last change halved the period
   static constexpr int kInTime = 90;

@@ -31,7 +31,7 @@ bool AreSame(const PosedFrame& a, const PosedFrame& b) {
          a.stamp_s == b.stamp_s && a.world_from_camera == b.world_from_camera;
 }
 
-// An edge changes only with a calibration, which changes a_from_b.
+// Only two members of an edge change: in_graph and, after a calibration, a_from_b.
 bool AreSame(const StoredEdge& a, const StoredEdge& b) {
   return a.in_graph == b.in_graph && a.edge.a_from_b == b.edge.a_from_b;
 }

@@ -24,7 +24,7 @@ struct SessionContent {
   std::vector<StoredEdge> edges;
   std::size_t settled_keyframes = 0;
   bool is_calibrating = false;                  // Backend::is_calibrating()
-  std::optional<DepthCalibration> calibration;  // none: as given
+  std::optional<DepthCalibration> calibration;  // std::nullopt: input calibration
   double color_latency_s = 0;
   const SurfelMap& map;
   int map_corrections = 0;

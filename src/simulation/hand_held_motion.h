@@ -84,7 +84,7 @@ class Loop {
  public:
   explicit Loop(std::vector<Eigen::Vector3d> corners) : corners_(std::move(corners)) {}
 
-  // Point at corner i for place = i. Periodic.
+  // Point of the curve at the parameter `place`. At(i) is corner i. Periodic.
   Eigen::Vector3d At(double place) const {
     const double whole = std::floor(place), s = place - whole;
     const Eigen::Vector3d a = Corner(whole - 1), b = Corner(whole), c = Corner(whole + 1),

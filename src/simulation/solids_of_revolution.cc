@@ -89,7 +89,8 @@ class Torus : public Shape {
   std::optional<ShapeHit> Intersect(const Vector3d& origin,
                                     const Vector3d& direction) const override {
     constexpr double kOnSurface_m = 1e-10;
-    constexpr int kMostSteps = 2000;  // limit of a miss; typically below 100 steps
+    constexpr int kMostSteps =
+        2000;  // rays without a hit after these steps are misses; typically below 100 steps
     const double speed = direction.norm(), bound = BoundingRadius();
     const double middle = -origin.dot(direction) / (speed * speed);
     const double chord2 = bound * bound - (origin + middle * direction).squaredNorm();

@@ -92,7 +92,8 @@ Texture Mottled(const Color& color, double scale_m, float contrast, std::uint64_
 
 Texture Checks(const Color& a, const Color& b, double size_m) {
   return [=](const Vector3d& p) {
-    // Offset against faces of centred solids on the borders of cubes.
+    // Faces of centred solids often lie on cube borders, where rounding would select the colour.
+    // The offset avoids this.
     const int sum =
         Cell(p.x() + 1e-3, size_m) + Cell(p.y() + 1e-3, size_m) + Cell(p.z() + 1e-3, size_m);
     return (sum & 1) != 0 ? a : b;

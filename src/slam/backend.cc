@@ -213,8 +213,8 @@ void Backend::FinishLoops(std::vector<WorldCorrection>* corrections) {
   }
 }
 
-// Adds the calibration result to all corrections since the task started. Requires that no loop task
-// is running.
+// Applies the pose changes of the calibration to the corrections since its task started. Appends
+// the result to `corrections`. Requires that no loop task is running.
 void Backend::TakeCalibration(std::vector<WorldCorrection>* corrections) {
   const DepthCalibration from = calibrator_->calibration();
   Calibrator::Outcome outcome = calibrator_->Take();

@@ -71,7 +71,7 @@ class Mapper : public ModelViews {
   Rigid3d world_from_fused_;
   std::size_t merged_duplicates_ = 0;
   int corrections_ = 0;
-  int merged_until_ = 0;  // all older frames have no duplicate surfels
+  int merged_until_ = 0;  // duplicates are merged for all surfels first seen before this frame
 };
 
 }  // namespace surfit

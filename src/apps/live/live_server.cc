@@ -239,7 +239,8 @@ void LiveServer::Keep(const SlamRunResult& result) {
   parts.UpdateState(/*must=*/true);
 }
 
-// Without requests for kWhile_s, all pages have all data and wait for a newer state.
+// Waits until the pages have fetched the final data, at most kMost_s. If no request was answered
+// for kWhile_s, all pages are up to date: their pending requests wait for a newer state.
 void LiveServer::Stay() {
   constexpr double kMost_s = 10, kWhile_s = 2;
   Parts& parts = *parts_;

@@ -55,8 +55,8 @@ class ComparisonRunner {
   }
 
  private:
-  // Combinations alternate. Slow combinations run only on the first problem, from the initial poses
-  // on the diagonal of the grid.
+  // Combinations alternate. Slow combinations run only on the first problem, from initial poses
+  // with equal indices of rotation and translation.
   template <typename F>
   void ForEach(const F& f) {
     for (int i = 0; i < problems_.count; ++i) {

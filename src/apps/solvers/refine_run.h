@@ -33,7 +33,7 @@ struct RefineRunOptions {
 // Results. refinement.json contains them as well.
 struct RefineRunSummary {
   RefinementSummary refinement;
-  // Input and estimated calibration of the undistorted, downsampled images, y down. Equal
+  // Input and estimated calibration of the undistorted, downsampled images, with fy > 0. Equal
   // after a failure.
   DepthCalibration given, calibration;
   std::size_t poses = 0, keyframes = 0;

@@ -102,7 +102,8 @@ std::vector<SolverCombination> SolverCombinations(const CompareOptions& options)
       }
     }
   }
-  if (combinations.empty()) {  // svd is the only solver, and point_to_point is not a residual
+  if (combinations.empty()) {  // svd is the only chosen solver, and point_to_point is not among the
+                               // chosen residuals
     RequirePossible(solvers.front(), residuals.front());
   }
   return combinations;

@@ -113,8 +113,8 @@ SequenceFiles ListIclNuimSequence(const std::string& folder);
 SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_per_second);
 
 // Lists a Redwood folder: numbered images in depth/, and in the folder of FindColorFolder(). Poses
-// are in trajectory.log, with the position of the frame as the first number. Timestamps are
-// position / frames_per_second.
+// are in trajectory.log. The first number of a pose is the index of its frame. Timestamps are index
+// / frames_per_second. Timestamps are position / frames_per_second.
 //
 // If all file names in depth/ are times in seconds (1763820000.134.png), these are the timestamps.
 // Colour is then paired by time, and poses are in groundtruth.txt.

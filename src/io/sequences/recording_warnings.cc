@@ -85,9 +85,9 @@ constexpr std::array kScales = {.8,    .83,  .86,  .89,  .92,  .95, .975, 1.,
 constexpr int kGiven = 7;       // index of scale 1
 constexpr float kJump = 0.08F;  // minimum relative depth difference at a depth edge
 constexpr std::size_t kFewestJumps = 200, kEnoughJumps = 2000;  // depth edge pixels per frame
-// Minimum advantage of an alignment over the given registration, in standard deviations over all
-// alignments: for all frames, and for each half of the frames. The halves must agree, because fast
-// rotation shifts colour with another capture time in changing directions.
+// Minimum Advantage() of the best alignment over the given registration: over all frames, and over
+// each half of the frames. The halves must agree, because fast rotation shifts colour with another
+// capture time in changing directions.
 constexpr double kMargin = 1, kMarginOfHalf = 0.5;
 
 struct Pixel {

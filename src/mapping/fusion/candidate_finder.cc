@@ -109,7 +109,8 @@ void CandidateFinder::Judge(std::uint64_t inside, std::int32_t first_id, SurfelB
 
 void CandidateFinder::Find(const std::vector<std::int32_t>& blocks, SurfelMap* map,
                            std::vector<Candidate>* candidates) const {
-  BlockPixels two[2] = {};  // initialised: lanes without a pixel are computed
+  BlockPixels two[2] =
+      {};  // initialised: vectorised code also reads the lanes of surfels without a pixel
   std::uint64_t inside[2];
   const std::size_t count = blocks.size();
   for (std::size_t i = 0; i <= count; ++i) {

@@ -61,7 +61,7 @@ FrameObservations::Counts FrameObservations::Gather(
       for (int u = 0; u < width; ++u) {
         const int soon = std::min(u + kPixelsSoon, width - 1);
         if (choosing[soon] != 0) __builtin_prefetch(choice.OfPixel(v * width + soon));
-        if (choosing[u] == 0) continue;  // assigned to another surfel
+        if (choosing[u] == 0) continue;  // no point is assigned to the candidate of this pixel
         Candidate* const candidate = choice.OfPixel(v * width + u);
         PointAverage sum(max_radius_ratio_ * candidate->radius_m);
         ForEachBit(choosing[u], [&](int k) {

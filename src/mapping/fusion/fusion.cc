@@ -82,7 +82,7 @@ struct Fusion::Workspace {
   SurfelAssignment choice;
   FrameObservations sightings;
   const RgbdFrame* frame = nullptr;
-  FrameWindow awake;  // older surfels can be noise
+  FrameWindow awake;  // surfels last seen before this window are removed if their confidence is low
   FrameWindow active;
   Image<float> weights;
   double weights_cx = 0, weights_cy = 0;

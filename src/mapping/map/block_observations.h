@@ -22,7 +22,7 @@ class BlockObservations {
   void MergeShapes(SurfelBlock* block) const;
   void MergeColors(SurfelBlock* block) const;
 
-  // Surfels with an observation, and surfels not only observed at depth edges.
+  // Bit masks of surfels: with an observation, and with an observation that is not at a depth edge.
   std::uint64_t mask_ = 0, within_mask_ = 0;
   // Members of SurfelObservation. Without observation, weights are 0 and other values are
   // unspecified.

@@ -18,8 +18,9 @@ using Patch = PatchOf<float>;
 
 // Tests if a point and a surfel belong to the same surface. Number is float or Lanes.
 //
-// Depth noise moves a point p along its ray, so also across a slanted surface. Therefore, distances
-// use the intersection of the ray with the surfel plane (centre s, normal n):
+// Depth noise moves a point p along its ray. On a slanted surface, this motion has a tangential
+// component. Therefore, distances use the intersection of the ray with the surfel plane (centre s,
+// normal n):
 //   h = n . (p - s) along the normal,  a = p - s - h / (n . p) p across the surface.
 class MergeGate {
  public:

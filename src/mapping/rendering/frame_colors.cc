@@ -31,7 +31,8 @@ FrameColors::FrameColors(const RgbdFrame& frame, const PosedCamera& camera,
 }
 
 void FrameColors::FindBorders() {
-  // Ranges of each line and the next one. is_black(i, j): pixel i of line j is black.
+  // For each row or column, the intersection of its range and the range of the next one.
+  // is_black(i, j): pixel i of line j is black.
   const auto ranges_of = [](int lines, int size, const auto& is_black) {
     std::vector<Range> ranges;
     for (int j = 0; j < lines; ++j) {

@@ -48,8 +48,8 @@ class FrameColors {
   SeenColor At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
 
  private:
-  // Range of pixels without black border, in two neighbouring rows or columns: index of the first
-  // of two pixels.
+  // Pixels inside the black border in two neighbouring rows or columns. `begin` and `end` are
+  // indices of the first pixel of a pair. Pairs serve bilinear interpolation.
   struct Range {
     int begin, end;
     bool Has(int i) const { return i >= begin && i < end; }

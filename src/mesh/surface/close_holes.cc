@@ -97,7 +97,8 @@ void SeparateFans(const Sides& sides, TriangleMesh* mesh) {
   }
 }
 
-// Vertices of the rims of holes, in the direction of the filling.
+// Boundary loops of the holes. The vertices have the order of the filling triangles, which is
+// opposite to the adjacent triangles.
 std::vector<std::vector<std::uint32_t>> FindRims(const Sides& sides, const TriangleMesh& mesh) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> before(mesh.vertices.size(), kNone);

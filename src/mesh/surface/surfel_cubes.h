@@ -12,7 +12,7 @@ struct MeshSurfel {
   Eigen::Vector3f position;  // m
   Eigen::Vector3f normal;    // unit length
   float spacing_m = 0;       // spacing of the surfels around it
-  float reach_m = 0;         // extent of the surface beside it
+  float reach_m = 0;         // tangential radius within which the surfel supports the surface
   float sigma_m = 0;         // standard deviation along the normal
   Rgb8 color;
 };

@@ -29,8 +29,8 @@ class TexturePainter {
     return share_ * (pixel - chart.low) + Eigen::Vector2f::Constant(kChartMargin_px);
   }
   void Smooth(const TextureChart& chart, Colors* of_places) const;
-  // Interpolates colours of places to texels. `is_painted` 1: the texel has a colour, also in the
-  // margin.
+  // Interpolates colours of chart vertices to texels. `is_painted` 1: the texel has a colour, also
+  // in the margin.
   Colors Spread(const TextureChart& chart, const Colors& of_places,
                 std::vector<std::uint8_t>* is_painted) const;
 

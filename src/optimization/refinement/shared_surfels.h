@@ -54,7 +54,8 @@ SharedSurfels MakeSharedSurfels(const std::vector<RefinementKeyframe>& keyframes
                                 const DepthCalibration& calibration,
                                 const RefinementOptions& options);
 
-// Image distance of TexturePoints() in the keyframe that created the surfel.
+// Distance of TexturePoints() from the surfel centre, in the image of the keyframe that created the
+// surfel.
 inline constexpr double kTextureRadiusPx = 4;
 
 // Moves each surfel to its optimal displacement, and adds texture observations of keyframes that

@@ -39,7 +39,8 @@ void WriteTrajectoryPicture(const Trajectory& estimate, const Trajectory& ground
 // Writes a PNG of two point clouds from two directions: source in orange, target in blue. Points
 // are in the target camera frame (x right, y down, z forward), m. One view is from the target
 // camera, the second view is oblique. If the target is not in front of the camera, the first view
-// is along z from outside. Throws InputError if writing fails.
+// looks along z from a point in front of the whole target cloud. Throws InputError if writing
+// fails.
 void WriteTwoCloudPicture(const std::vector<Eigen::Vector3f>& source,
                           const std::vector<Eigen::Vector3f>& target, const std::string& path);
 

@@ -198,8 +198,8 @@ bool AreSame(const Rigid3d& a, const Rigid3d& b) {
 
 Matrix6d RealisticCovariance(const Matrix6d& covariance, double disagreement_rad,
                              double disagreement_m) {
-  // All loops in simulated rooms are within three sigmas of this covariance, most far within. Loops
-  // of a real Kinect differ by about the same amount.
+  // All loops in simulated rooms are within three sigmas of this covariance, most far within. Loop
+  // closures of a real Kinect differ from each other by about as much.
   constexpr double kFloorRad = 0.002, kFloorM = 0.004;
   Matrix6d realistic = kSharedPoints * covariance;
   realistic.diagonal().head<3>().array() +=

@@ -22,7 +22,8 @@ BrightnessLevel BrightnessOf(Image<float> value);
 std::vector<BrightnessLevel> BrightnessPyramid(const Image<Rgb8>& color, int width, int height,
                                                int levels);
 
-// Brightness at 1 / 2^halvings of the resolution of `color`, without detail. Empty without colour.
+// Brightness at 1 / 2^halvings of the resolution of `color`. `detail` is empty. Empty without
+// colour.
 BrightnessLevel CoarseBrightness(const Image<Rgb8>& color, int halvings);
 
 // One pyramid level: geometry and brightness of the same pixels. Keeps references.
@@ -42,8 +43,8 @@ struct ProjectedPixel {
   Eigen::Vector3f point;  // p' = R p + t in the target frame, m
 };
 
-// Calls visit(landing) row by row for every stride-th source row and column. Skips pixels without
-// depth and projections outside the target image.
+// Calls visit(projected_pixel) row by row for every stride-th source row and column. Skips pixels
+// without depth and projections outside the target image.
 template <typename Visit>
 void ForEachProjection(const FrameLevel& source, const FrameLevel& target,
                        const Rigid3d& target_from_source, const Visit& visit, int stride = 1) {

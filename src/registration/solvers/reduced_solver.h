@@ -13,7 +13,8 @@
 namespace surfit {
 
 // All pairs as one ReducedBatch of the residual's functor, in the precision of the pairs. The
-// arrays must have exact size. The pose block starts at the identity, see functor_batch.h.
+// arrays of `pairs` must have exactly `pairs.size` elements. The pose block starts at the identity,
+// see functor_batch.h.
 template <typename S>
 std::unique_ptr<ReducedBlock> MakeReducedCost(Pairs<S> pairs, ResidualType residual,
                                               const RobustKernel& kernel);

@@ -21,7 +21,7 @@ struct KeptView {
   int index = 0;
   double stamp_s = 0;
   std::string why;                // reasons of selection, separated by ", "
-  std::vector<Picture> pictures;  // no colour pictures without colour
+  std::vector<Picture> pictures;  // depth pictures only, if the frame has no colour
 };
 
 // Keeps the views of a few frames of a run of unknown length:
