@@ -36,7 +36,7 @@ table() {
   } >>"$scratch/tables"
 }
 
-for sequence in seven_scenes_kitchen icl_office icl_office_kinect; do
+for sequence in seven_scenes_kitchen icl_office_kinect; do
   if [[ -d $data/$sequence ]]; then
     table "Frames of $sequence" "$benchmarks/frame_time" "$data/$sequence" "$scratch/run"
   fi
@@ -47,7 +47,7 @@ if [[ -d $data/seven_scenes_kitchen ]]; then
       --sequence="$data/seven_scenes_kitchen" --output="$scratch/run" --pictures=false \
       --offered_fps=30 "$loops"
   done
-  for solver in closed_form_ldlt ceres closed_form_ldlt ceres; do
+  for solver in closed_form_ldlt ceres; do
     table "First 200 frames of seven_scenes_kitchen, solver $solver" \
       "$benchmarks/frame_time" "$data/seven_scenes_kitchen" "$scratch/run" 200 1e9 "$solver"
   done
