@@ -11,14 +11,16 @@ namespace {
 constexpr float kColumns[] = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr double kOutside = -1;
 
-// Colour pixels of a row of depth pixels, in 1/256 px. u is kOutside if the point is not visible.
+// Colour image coordinates for a row of depth pixels, in 1/256 px. u is kOutside if the colour
+// camera does not see the point.
 struct TapPositions {
   explicit TapPositions(int width)
       : u(width + Lanes<float>::kCount), v(width + Lanes<float>::kCount) {}
   std::vector<std::int32_t> u, v;
 };
 
-// Row of points d (first + column step) + t of depth d, in the frame of the colour camera.
+// The depth pixel of a column with depth d, m, has the point d (first + column step) + t. Frame:
+// colour camera.
 struct PointRow {
   Eigen::Vector3f first, step, t;
 };
