@@ -64,8 +64,8 @@ class Tracer {
   }
 
   int pattern_;
-  std::array<std::array<int, 2>, CellPatches::kEdges>
-      next_;  // for each cut edge: its neighbour on each of its two faces; -1: none
+  // Neighbours of each cut edge on its two faces; -1: the edge is not cut.
+  std::array<std::array<int, 2>, CellPatches::kEdges> next_;
 };
 
 }  // namespace

@@ -214,8 +214,8 @@ class QuadBuilder {
       corners[i] = Find(cells[i], 4 * axis + kEdgeOf[i], values);
       if (corners[i].vertex == nullptr) return;
     }
-    if (!(from < 0))
-      std::swap(corners[1], corners[3]);  // turns the quad to face the non-negative end
+    // The quad must face the grid point with the non-negative value.
+    if (!(from < 0)) std::swap(corners[1], corners[3]);
     AddQuad(corners, mesh);
   }
 

@@ -18,8 +18,8 @@ constexpr int kFewestPairs = 100;  // minimum for an exposure estimate
 // points without a normal: the gradient at depth edges depends on the background. Skips unknown
 // intensities.
 TexturedPoints PointsOfRows(const FrameLevel& level, int begin, int end, double min_slope) {
-  const auto min_square =
-      static_cast<float>(4 * min_slope * min_slope);  // a central difference spans 2 px
+  // The central differences below span 2 px.
+  const auto min_square = static_cast<float>(4 * min_slope * min_slope);
   TexturedPoints points;
   const Image<float>& image = level.intensity;
   for (int v = std::max(begin, 1); v < std::min(end, image.height() - 1); ++v) {
