@@ -37,7 +37,7 @@ void MatchByTime(const std::vector<StampedFile>& images, std::vector<FrameFiles>
 struct NamedImages {
   std::map<std::string, std::string> by_stem;
   std::vector<StampedFile> by_time;
-  std::map<long, std::vector<std::string>> by_number;  // without images of by_time
+  std::map<long, std::vector<std::string>> by_number;  // excludes images in by_time
 };
 
 NamedImages ListNamedImages(const std::string& folder) {
@@ -58,8 +58,8 @@ NamedImages ListNamedImages(const std::string& folder) {
   return images;
 }
 
-// Reads up to eight images of the first 120 frames. Unreadable images are skipped here: they are
-// errors of their frames.
+// Confidence range of the recording, from up to eight images of the first 120 frames. Unreadable
+// images are skipped. Reading of their frames reports the error.
 int RangeOfFirst(const std::vector<FrameFiles>& frames) {
   constexpr std::size_t kImages = 8, kMaxApart = 15;
   std::vector<std::string> paths;
