@@ -34,7 +34,7 @@ struct Loop {
   bool IsDone() const { return !HasMore() && running == 0; }
 };
 
-// Thread of the lowest priority, shared by all tasks, until the process ends.
+// Thread of the lowest priority. All tasks share this thread, which ends with the process.
 class LowPriorityThread {
  public:
   LowPriorityThread() : thread_([this] { Work(); }) { thread_.detach(); }
@@ -64,7 +64,7 @@ class LowPriorityThread {
   [[noreturn]] void Work() {
 #ifdef __linux__
     constexpr int kThisThread = 0, kMinPriority = 19;
-    setpriority(PRIO_PROCESS, kThisThread, kMinPriority);  // Linux: per thread
+    setpriority(PRIO_PROCESS, kThisThread, kMinPriority);  // Linux: only this thread
 #endif
     is_least_thread = true;
     std::unique_lock<std::mutex> lock(mutex_);
