@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-// prior standard deviations, for unobservable directions
+// prior standard deviations of unobservable directions
 constexpr double kLooseM = 0.1, kLooseRad = 0.1;
 
 Matrix6d InverseOf(const Matrix6d& symmetric) {

@@ -6,10 +6,10 @@ namespace surfit {
 namespace {
 
 constexpr int kStridePx = 8;
-// Minimum depth behind a surface of an occluded point, relative to its depth.
+// A point is occluded if its depth exceeds the surface depth by this ratio.
 constexpr double kHiddenRatio = 0.1;
-// Minimum motion of a keyframe by overlap or number of frames. Relative to `max_distance_m` and
-// `max_angle_rad`.
+// Minimum motion for a new keyframe because of overlap or number of frames. The motion is relative
+// to `max_distance_m` and `max_angle_rad`.
 constexpr double kLittleMotion = 0.1;
 
 bool IsSeen(const Eigen::Vector3d& point, const FrameLevel& surface) {
