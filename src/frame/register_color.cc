@@ -19,8 +19,8 @@ struct TapPositions {
   std::vector<std::int32_t> u, v;
 };
 
-// The depth pixel of a column with depth d, m, has the point d (first + column step) + t. Frame:
-// colour camera.
+// Points of a row of depth pixels in the frame of the colour camera. A pixel in column u with depth
+// d has the point d (first + u step) + t.
 struct PointRow {
   Eigen::Vector3f first, step, t;
 };

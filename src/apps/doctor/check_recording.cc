@@ -19,7 +19,7 @@ namespace surfit {
 namespace {
 
 constexpr int kSamples = 24;  // frames sampled for the checks of depth scale and registration
-constexpr double kFitsBetter = 0.7;  // maximum of ATE with time offset / ATE without
+constexpr double kFitsBetter = 0.7;  // maximum ratio of the ATE with to the ATE without time offset
 
 class RecordingTracker {
  public:

@@ -11,8 +11,8 @@ namespace surfit {
 namespace {
 
 constexpr int kBrightest = 250;  // minimum channel value of a saturated pixel
-// A raw depth value is a sensor value if it has more pixels per frame on average. Rarer values are
-// the result of depth averaging.
+// A raw depth value is a sensor value if it has more than kFewestPixels pixels per frame on
+// average. Rarer values are the result of depth averaging.
 constexpr double kFewestPixels = 0.2;
 // Minimum difference of raw depth values that is a step of the sensor. Smaller differences are the
 // rounding unit of the file.

@@ -48,7 +48,7 @@ std::chrono::steady_clock::duration Seconds(double seconds) {
 
 class HttpSession;
 
-// The server thread owns all members except `io`.
+// Only the server thread uses these members, except `io`.
 struct HttpServer::State {
   State(const HttpLimits& of_clients, Handler of_requests)
       : limits(of_clients), handler(std::move(of_requests)) {}

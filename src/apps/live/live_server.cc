@@ -96,7 +96,7 @@ struct LiveServer::Parts {
       map_pace{0, 0.008};
   std::array<bool, kShownCount> is_exact{};  // true: the shown data belong to the last frame
   bool is_state_exact = false;
-  int map_rounds = 0;  // complete rounds since the last frame
+  int map_rounds = 0;  // complete map updates since the last frame
   std::optional<Clock::time_point> last_turn;
   HttpServer server;  // last member: it uses the members above
 };

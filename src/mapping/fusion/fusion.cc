@@ -83,7 +83,7 @@ struct Fusion::Workspace {
   SurfelAssignment choice;
   FrameObservations sightings;
   const RgbdFrame* frame = nullptr;
-  FrameWindow awake;  // minimum age of removed low-confidence surfels
+  FrameWindow awake;  // low-confidence surfels unseen in this window are removed
   FrameWindow active;
   Image<float> weights;
   double weights_cx = 0, weights_cy = 0;

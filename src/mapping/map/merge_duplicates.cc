@@ -80,7 +80,7 @@ class SurfelGrid {
   using Cube = Eigen::Vector3i;
   static constexpr int kMaxCubes = 64;  // along each axis
   static constexpr int kPadding = 8;
-  // Padding positions. NaN fails every comparison.
+  // Value of padding entries. NaN fails every comparison.
   static constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
 
   void Set(int place, const GridSurfel& surfel) {
@@ -224,7 +224,7 @@ class DuplicateFinder {
     });
   }
 
-  // Id of the nearest older duplicate. If distances are equal, the first surfel in grid order.
+  // Id of the nearest older duplicate. If distances are equal, the first surfel in grid order wins.
   template <typename Number>
   std::int32_t NearestTo(const NewerSurfel& newer, const SurfelGrid& grid) const {
     const Patch& p = newer.patch;

@@ -56,15 +56,15 @@ void FrameColors::FindBorders() {
 template <typename V>
 struct FrameColors::Samples {
   V color[3];
-  V weight;  // 1; 0: no colour
+  V weight;  // 0: no colour, else 1
 };
 
 template <typename V>
 struct FrameColors::Corners {
   float u[V::kCount], v[V::kCount];
-  float is_seen[V::kCount];  // 1; 0: a pixel is part of a black border
+  float is_seen[V::kCount];  // 0: a pixel is in a black border, else 1
   float color[4][3][V::kCount];
-  float is_lit[4][V::kCount];  // 1; 0: black pixel
+  float is_lit[4][V::kCount];  // 0: the pixel is black, else 1
 };
 
 SeenColor FrameColors::At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {

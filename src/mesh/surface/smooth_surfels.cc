@@ -11,8 +11,8 @@ namespace {
 constexpr int kCubesPerTask = 16;
 constexpr int kFewest = 6;
 constexpr float kFacingSameWay = 0.5f;
-constexpr double kFlat = 4;         // minimum of middle over smallest variance
-constexpr float kMinSigma = 5e-4f;  // m; added in quadrature for correlated errors
+constexpr double kFlat = 4;         // minimum ratio of middle to smallest variance
+constexpr float kMinSigma = 5e-4f;  // m; correlated error, added in quadrature
 constexpr float kMaxSpacings = 8;   // maximum neighbourhood radius, in spacings
 constexpr float kFewestSpacings = 2.5f;
 constexpr float kPlaneSpacings = 4;
@@ -92,7 +92,7 @@ class PlaneFitter {
         if (square >= squared_reach) continue;
         const float cosine = surfel.normal.dot(other.normal);
         if (cosine < kFacingSameWay) continue;
-        // the second term allows a normal error of 0.25 rad
+        // The term 0.25 * distance allows a normal error of 0.25 rad.
         const float height = std::abs(surfel.normal.dot(offset));
         if (height > gates * (surfel.sigma_m + other.sigma_m) + 0.25f * std::sqrt(square)) continue;
         const float share = 1 - square * per_square;
@@ -124,7 +124,7 @@ float MedianSpacing(const std::vector<MeshSurfel>& surfels) {
 
 void FindSigmas(std::vector<MeshSurfel>* surfels) {
   constexpr float kAllHeights = 1e6f;
-  constexpr float kMaxTimes = 4;  // maximum of measured over scaled standard deviation
+  constexpr float kMaxTimes = 4;  // maximum ratio of measured to scaled standard deviation
   const SurfelCubes cubes(*surfels, kPlaneSpacings * MedianSpacing(*surfels));
   std::vector<float> shown_m(surfels->size(), -1.f);  // RMS plane distance per surfel; -1: no plane
   ParallelFor(0, cubes.cube_count(), kCubesPerTask, [&](int begin, int end) {
@@ -154,7 +154,7 @@ void FindSigmas(std::vector<MeshSurfel>* surfels) {
 
 void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& done,
                    std::vector<MeshSurfel>* surfels) {
-  constexpr float kGates = 3;  // standard deviations
+  constexpr float kGates = 3;  // association gate in standard deviations
   // A plane within the radius `reach` has n = pi reach^2 / spacing^2 surfels. The standard
   // deviation of its slope is 2 sigma / (reach sqrt(n)) = 2 sigma spacing / (sqrt(pi) reach^2).
   const auto factor = static_cast<float>(2 * 1.7 / (std::sqrt(M_PI) * normal_noise_rad));

@@ -174,8 +174,8 @@ CandidatePose InitialPoseSearch::Improve(const CandidatePose& start) const {
 }
 
 // Geometry may not constrain a direction, for example with only two walls. Then the pose along this
-// direction is arbitrary. This function returns shifted poses along the direction with the best
-// scores, which include brightness.
+// direction is arbitrary. This function tests poses along the weakest direction and returns the
+// best poses. Their scores include brightness.
 std::vector<CandidatePose> InitialPoseSearch::AlongWeakestDirection(const Rigid3d& pose) const {
   constexpr double kReachM = 1, kStepM = 0.05;
   constexpr std::size_t kBest = 6;

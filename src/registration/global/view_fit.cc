@@ -145,7 +145,7 @@ OneWayFit MeasureOneWay(const ViewLevel& source, const ViewLevel& target,
 
 // Mutual information of two brightness images with this correlation, in nats per pixel.
 double Information(double correlation) {
-  constexpr double kLargest = 0.98;  // bound for the effect of image noise
+  constexpr double kLargest = 0.98;  // maximum correlation, because images have noise
   const double rho = std::clamp(correlation, 0., kLargest);
   return -0.5 * std::log(1 - rho * rho);
 }

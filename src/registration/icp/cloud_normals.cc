@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kGrain = 512;
 constexpr double kRadiusStep = M_SQRT2;
-constexpr double kLeastWidth = 0.01;  // minimum ratio of width to length; smaller: a line
+constexpr double kLeastWidth = 0.01;  // minimum width / length of a neighbourhood; below: line
 
 // Point `to` relative to point `from`. The difference avoids cancellation far from the origin.
 Eigen::Vector3d Offset(const KdTree& tree, std::uint32_t from, std::uint32_t to) {

@@ -32,7 +32,7 @@ class JointPairs {
     kNormalY,
     kNormalZ,
     kHeight,
-    kShapes,  // number of columns without brightness
+    kShapes,  // number of geometric columns
     kFrom = kShapes,
     kTo,
     kSlopeU,
