@@ -36,8 +36,8 @@ std::vector<PerturbationCell> AllCells(int rotations, int translations) {
 
 Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double translation_m,
                   std::uint64_t seed) {
-  if (rotation_rad == 0 && translation_m == 0)
-    return target_from_source;  // without rounding errors
+  // The unperturbed pose has no rounding errors.
+  if (rotation_rad == 0 && translation_m == 0) return target_from_source;
   std::mt19937_64 rng(seed);
   Eigen::Matrix<double, 6, 1> increment;
   increment.head<3>() = rotation_rad * RandomUnitVector(&rng);
