@@ -39,8 +39,9 @@ class LowPriorityThread {
  public:
   LowPriorityThread() : thread_([this] { Work(); }) { thread_.detach(); }
 
-  // Returns false if the task is awaited. If Await() is called during the loop, the calling thread
-  // runs the remaining blocks.
+  // Runs a loop on the thread and waits for its end. Returns false at once if Await() was already
+  // called for the task. After a call of Await() during the loop, the thread that called Run() runs
+  // the remaining blocks.
   bool Run(Loop* loop) {
     std::unique_lock<std::mutex> lock(mutex_);
     if (loop->is_awaited) return false;

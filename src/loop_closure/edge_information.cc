@@ -25,8 +25,9 @@ Matrix6d InformationOf(const IcpResult& icp) {
 
 }  // namespace
 
-// The map was rendered near pose b, so the registration covariance is in the frame of b. The last
-// registration represents all registrations between the keyframes.
+// Information of the odometry edge from keyframe b to keyframe a. The map was rendered near pose b,
+// so the registration covariance is in the frame of b. `icp`: last registration, which represents
+// all registrations between the keyframes.
 Matrix6d OdometryInformation(const IcpResult& icp, int frames, const Rigid3d& a_from_b,
                              const EdgeNoise& noise) {
   const Matrix6d transform = IncrementTransform(a_from_b);

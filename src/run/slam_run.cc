@@ -401,7 +401,7 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
   Validate(options);
   const ThreadLimit limit(options.threads);
   SlamRunOptions run = options;
-  // If frames do not wait for processing, only lost frames are registered globally.
+  // In real-time operation, only lost frames are registered globally.
   if (options.OffersFrames()) {
     run.slam.confident_inlier_ratio = 0;
     run.slam.real_time = true;

@@ -31,7 +31,7 @@ bool AreSame(const PosedFrame& a, const PosedFrame& b) {
          a.stamp_s == b.stamp_s && a.world_from_camera == b.world_from_camera;
 }
 
-// A stored edge changes only by a calibration, and a calibration changes a_from_b.
+// Measurements of stored edges change only by calibrations, and each calibration changes a_from_b.
 bool AreSame(const StoredEdge& a, const StoredEdge& b) {
   return a.in_graph == b.in_graph && a.edge.a_from_b == b.edge.a_from_b;
 }

@@ -38,8 +38,8 @@ bool IsStillAt(const std::string& path, int file) {
          opened.st_ino == there.st_ino && opened.st_dev == there.st_dev;
 }
 
-// Locks the file `path` and returns its descriptor. The operating system releases the lock when the
-// process ends, even after a crash.
+// Locks the file `path` and returns its descriptor. Throws InputError if another process has the
+// lock. The operating system releases the lock when the process ends, even after a crash.
 int Lock(const std::string& folder, const std::string& path) {
   for (;;) {
     const int lock = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);

@@ -52,7 +52,7 @@ class FrameQueue {
   }
 
   // Waits for the next frame. Returns std::nullopt if `stop` is true. Rethrows an exception of the
-  // thread.
+  // reading thread.
   std::optional<CameraFrame> Next(const std::atomic<bool>& stop) {
     constexpr std::chrono::milliseconds kWakeUp(20);  // polling interval of `stop`
     std::unique_lock<std::mutex> lock(mutex_);

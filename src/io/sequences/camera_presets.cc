@@ -7,7 +7,7 @@ namespace {
 
 using Distortion = std::array<double, 5>;
 
-constexpr double kKinectReadout_s = 1. / 30;  // RgbdCamera::readout_s
+constexpr double kKinectReadout_s = 1. / 30;  // readout time, see RgbdCamera::readout_s
 
 PinholeCamera Vga(double fx, double fy, double cx, double cy, const Distortion& distortion = {}) {
   return {640, 480, fx, fy, cx, cy, distortion};

@@ -14,9 +14,9 @@ namespace surfit {
 
 namespace {
 
-// Depth cameras measure from 0.4 m to about 5 m. Indoors, the median depth is usually 1 to 3 m.
-// Outside of the first range, a warning requires a scale that fits better. Outside of the second
-// range, the scale is always reported.
+// Depth cameras measure from 0.4 m to about 5 m. Indoors, the median depth is usually 1 to 3 m. A
+// median depth beyond kNearest_m or kFarthest_m causes a warning if another scale fits better. A
+// median depth beyond kAbsurdlyNear_m or kAbsurdlyFar_m always causes a warning.
 constexpr double kNearest_m = 0.4, kFarthest_m = 5;
 constexpr double kAbsurdlyNear_m = 0.2, kAbsurdlyFar_m = 20;
 constexpr double kUsual_m = 1.8;

@@ -54,8 +54,9 @@ class WatchedFolder {
   // Reads the images of a frame. A missing confidence image is an error, except in the last try.
   // Throws InputError that names the file.
   FrameImages Read(FrameFiles files, bool is_last_try);
-  // Removes and returns the first waiting frame if it is complete or the timeout has passed.
-  // Otherwise, returns std::nullopt.
+  // Removes and returns the first waiting frame if it is complete. After the timeout, or if a later
+  // frame was already read, returns an error instead. Otherwise, returns std::nullopt. `ended`: no
+  // further images will appear.
   std::optional<Arrival> TakeFirst(bool ended);
 
   std::string path_;
