@@ -25,7 +25,7 @@ Matrix6d InformationOf(const IcpResult& icp) {
 
 }  // namespace
 
-// Information of the odometry edge from keyframe b to keyframe a. The map was rendered near pose b,
+// Information of the odometry edge between keyframes a and b. The map was rendered near pose b,
 // so the registration covariance is in the frame of b. `icp`: last registration, which represents
 // all registrations between the keyframes.
 Matrix6d OdometryInformation(const IcpResult& icp, int frames, const Rigid3d& a_from_b,
