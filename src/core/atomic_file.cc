@@ -25,7 +25,8 @@ void Fill(int file, const std::string& path, bool to_disk,
   if (!buffer.Close(to_disk)) ThrowCannotWrite(path);
 }
 
-// Creates a temporary file with a unique name.
+// Creates a temporary file with a unique name beside `path`. Returns its path and sets *file to its
+// descriptor.
 std::string MakePartial(const std::string& path, int* file) {
   static std::atomic<int> count{0};
   std::string partial;

@@ -34,13 +34,14 @@ struct Loop {
   bool IsDone() const { return !HasMore() && running == 0; }
 };
 
-// Thread of the lowest priority, shared by all tasks, until the process ends.
+// Thread of the lowest priority. All tasks share this thread, which ends with the process.
 class LowPriorityThread {
  public:
   LowPriorityThread() : thread_([this] { Work(); }) { thread_.detach(); }
 
-  // Returns false if the task is awaited. If Await() is called during the loop, the calling thread
-  // runs the remaining blocks.
+  // Runs a loop on the thread and waits for its end. Returns false at once if Await() was already
+  // called for the task. After a call of Await() during the loop, the thread that called Run() runs
+  // the remaining blocks.
   bool Run(Loop* loop) {
     std::unique_lock<std::mutex> lock(mutex_);
     if (loop->is_awaited) return false;
@@ -64,7 +65,7 @@ class LowPriorityThread {
   [[noreturn]] void Work() {
 #ifdef __linux__
     constexpr int kThisThread = 0, kMinPriority = 19;
-    setpriority(PRIO_PROCESS, kThisThread, kMinPriority);  // Linux: per thread
+    setpriority(PRIO_PROCESS, kThisThread, kMinPriority);  // Linux: only this thread
 #endif
     is_least_thread = true;
     std::unique_lock<std::mutex> lock(mutex_);

@@ -21,8 +21,9 @@ namespace surfit {
 
 namespace {
 
-// The prebuilt oneTBB is not instrumented, so ThreadSanitizer does not see its synchronisation. A
-// fence reports the synchronisation to ThreadSanitizer. In other builds, it is empty.
+// ThreadSanitizer does not see the synchronisation of the prebuilt oneTBB, which is not
+// instrumented. A fence reports this synchronisation to ThreadSanitizer. The fence is empty in
+// other builds.
 class SanitizerFence {
  public:
 #if defined(SURFIT_THREAD_SANITIZER)
@@ -66,7 +67,7 @@ struct ThreadLimit::State {
 
 ThreadLimit::ThreadLimit(int threads) {
   ThrowIf(threads < 1 || threads > 1024, "threads is ", threads, ", must be from 1 to 1024");
-  // OpenCV's own threads would exceed the limit.
+  // OpenCV must not create threads, because they would exceed the limit.
   cv::setNumThreads(1);
   state_ = std::make_unique<State>(threads);
 }

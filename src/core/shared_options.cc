@@ -11,7 +11,7 @@ struct RenamedOption {
   const char *old_name, *name;
 };
 
-// In alphabetical order.
+// Former names of options and result values, sorted by the former name.
 constexpr std::array kRenamedOptions = {
     RenamedOption{"FarVerdict", "GlobalRegistrationResult"},
     RenamedOption{"HeldOptions", "ObservabilityOptions"},

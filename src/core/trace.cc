@@ -54,7 +54,7 @@ class TraceFile {
     text_.str("");
   }
 
-  // Write errors do not stop the program. Close() throws them.
+  // Write errors do not stop the program. Close() throws the first error.
   void WriteUnlessItFailed() {
     try {
       if (!failure_) Write();
@@ -64,8 +64,8 @@ class TraceFile {
     text_.str("");
   }
 
-  // Microseconds with three decimals. Whole microseconds could end a slice after its enclosing
-  // slice.
+  // Text in microseconds with nanosecond resolution. Coarser times could break the nesting of
+  // slices.
   static std::string Microseconds(Clock::duration duration) {
     const long long ns = std::chrono::nanoseconds(duration).count();
     char text[40];
@@ -88,7 +88,7 @@ class TraceFile {
 
   std::mutex mutex_;
   AppendedFile file_;
-  std::ostringstream text_;  // not yet written
+  std::ostringstream text_;  // text that is not yet written
   std::exception_ptr failure_;
   const Clock::time_point start_;
   std::map<std::thread::id, int> threads_;

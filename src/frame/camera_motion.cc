@@ -12,7 +12,7 @@ CameraMotion MotionOver(const Rigid3d& first_from_second, double seconds) {
 }
 
 CameraMotion MotionAt(const Trajectory& trajectory, double stamp_s, double max_gap_s) {
-  constexpr double kSameStamp = 1e-5;  // s; timestamps in files have 6 decimals
+  constexpr double kSameStamp = 1e-5;  // s; files round timestamps to 6 decimals
   const auto at =
       std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kSameStamp,
                        [](const StampedPose& pose, double stamp) { return pose.stamp_s < stamp; });

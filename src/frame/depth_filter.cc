@@ -20,8 +20,8 @@ std::vector<float> TriangleWeights(int radius) {
   return weights;
 }
 
-// Filtered inverse depth in units of the cut-off. Sums differences to the centre, because sums of
-// values lose precision.
+// Returns the filtered inverse depth, divided by the cut-off. The sums contain differences to the
+// centre pixel, because sums of values would lose precision.
 template <typename V>
 V FilteredInverse(const float* at, std::ptrdiff_t stride, int radius, const float* weights) {
   const V center = V::Load(at);

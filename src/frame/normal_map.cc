@@ -33,7 +33,7 @@ class NormalRows {
       const auto along_u = SlopeAlong<V>(row + u, 1, radius_, bounds_.noise + bounds_.slant_u * r);
       const auto along_v =
           SlopeAlong<V>(row + u, band.stride(), radius_, bounds_.noise + bounds_.slant_v * r);
-      // negative of the formula in the header: n points towards the camera
+      // The formula of NormalMap() with the sign that turns the normal towards the camera.
       const V nx = -fx_ * along_u.value, ny = -fy_ * along_v.value;
       const V nz = V::Load(du_.data() + u) * along_u.value + dv * along_v.value - r;
       const V scale = 1. / sqrt(nx * nx + ny * ny + nz * nz);

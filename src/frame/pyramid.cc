@@ -16,7 +16,7 @@ struct Block {
   V pixel[4];
 };
 
-// Loads at most `count` blocks, from block (u, v) to the right.
+// Loads up to `count` blocks of 2 x 2 pixels. (u, v): column and row of the first block.
 template <typename V>
 Block<V> LoadBlocks(const Image<float>& image, int u, int v, int count) {
   Block<V> block;
@@ -31,7 +31,8 @@ Block<V> LoadBlocks(const Image<float>& image, int u, int v, int count) {
   return block;
 }
 
-// Averages the pixels of the nearest surface of each block.
+// Computes row v of the coarse level. Each coarse pixel is the mean of the fine pixels that lie on
+// the nearest surface of its 2 x 2 block.
 template <typename V>
 void HalveRow(const FrameLevel& fine, const EdgeBounds& bounds, int v, Image<float>* depth_m,
               VectorImage* normal) {

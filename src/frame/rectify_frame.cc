@@ -32,13 +32,13 @@ float Metres(std::uint16_t raw, float units_per_metre, float max_m) {
   return raw != kMissing && metres <= max_m ? metres : 0;
 }
 
-// false for NaN
+// Returns 0 for NaN, because comparisons with NaN are false.
 float Metres(float raw, float /*units_per_metre*/, float max_m) {
   return raw > 0 && raw <= max_m ? raw : 0;
 }
 
 bool IsMissing(std::uint16_t raw) { return raw == 0 || raw == kMissing; }
-bool IsMissing(float raw) { return !(raw > 0); }  // also NaN
+bool IsMissing(float raw) { return !(raw > 0); }  // true for NaN as well
 
 template <typename T>
 float MetresOf(const Disparity& disparity, T raw, float max_m) {
@@ -48,7 +48,8 @@ float MetresOf(const Disparity& disparity, T raw, float max_m) {
   return metres <= max_m ? metres : 0;
 }
 
-// Index of the nearest raw pixel per undistorted, downsampled pixel; -1: not visible.
+// For each undistorted, downsampled pixel: index of the nearest raw pixel; -1: outside the raw
+// image.
 Image<std::int32_t> NearestPixels(const PinholeCamera& camera, int downsample) {
   const PinholeCamera out = camera.Subsampled(downsample);
   const Lens<double> lens(camera);
@@ -64,7 +65,8 @@ Image<std::int32_t> NearestPixels(const PinholeCamera& camera, int downsample) {
   return pixels;
 }
 
-// Depth in m at these raw pixels; 0: missing or beyond max_depth_m.
+// Depth in m per output pixel; 0: missing or larger than `max_depth_m`. `pixels`: result of
+// NearestPixels().
 Image<float> DepthAt(const Image<std::int32_t>& pixels, const RawDepth& raw,
                      const RgbdCamera& camera, double max_depth_m) {
   const float units = static_cast<float>(camera.depth_units_per_metre);

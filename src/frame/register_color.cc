@@ -11,15 +11,16 @@ namespace {
 constexpr float kColumns[] = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr double kOutside = -1;
 
-// Colour pixels of a row of depth pixels, in 1/256 px. u is kOutside if the point is not visible.
+// Colour image coordinates for a row of depth pixels, in 1/256 px. u is kOutside if the colour
+// camera does not see the point.
 struct TapPositions {
   explicit TapPositions(int width)
       : u(width + Lanes<float>::kCount), v(width + Lanes<float>::kCount) {}
   std::vector<std::int32_t> u, v;
 };
 
-// Points of a row of depth pixels, in the frame of the colour camera. The pixel in column c with
-// depth d has the point d (first + c step) + t.
+// Points of a row of depth pixels in the frame of the colour camera. A pixel in column u with depth
+// d has the point d (first + u step) + t.
 struct PointRow {
   Eigen::Vector3f first, step, t;
 };

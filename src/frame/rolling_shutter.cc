@@ -11,14 +11,15 @@
 namespace surfit {
 namespace {
 
-// Maximum second difference of inverse depth on a surface, in sigmas of inverse depth. Depth noise
-// gives this difference a standard deviation of sqrt(6) = 2.4 sigmas.
+// Maximum second difference of inverse depth on one surface, in standard deviations of inverse
+// depth. Noise alone causes a standard deviation of sqrt(6) = 2.4.
 constexpr double kMaxBendSigmas = 6;
 
 constexpr double kMinScale = 0.1;
 
-// Displacement to the middle of the readout in px, ratio of new to old depth, and old inverse depth
-// (1/m; 0: missing). Missing pixels move like points at infinity.
+// Motion of each pixel to the middle of the readout. Displacement (du, dv), px. The scale is new
+// depth over old depth. The inverse depth is the old value, 1/m; 0: missing. Pixels without depth
+// move like points at infinity.
 struct MovedPixels {
   Image<float> du, dv, scale, inverse_depth;
 };
@@ -29,7 +30,8 @@ std::vector<float> ColumnsOf(int width) {
   return columns;
 }
 
-// Moves the points X of row v to X + tau (turn x X + velocity).
+// Moves the points X of row v to X + tau (w x X + velocity). w: angular velocity. tau: capture time
+// of the row, relative to the middle of the readout.
 template <typename V>
 void MoveRow(const Image<float>& depth_m, const DepthSensor& sensor, const CameraMotion& motion,
              const std::vector<float>& columns, int v, MovedPixels* moved) {
@@ -76,8 +78,8 @@ class OriginFinder {
   OriginFinder(const MovedPixels& moved, const std::vector<float>& columns, double max_bend)
       : moved_(moved), columns_(columns), max_bend_(max_bend) {}
 
-  // Writes depth in m (0: missing) and indices of source pixels (-1: outside the image). `origin`
-  // may be null.
+  // Writes corrected depths, m (0: missing), and the indices of their source pixels (-1: outside
+  // the image). `origin` may be null.
   void FindRow(int v, float* depth_m, std::int32_t* origin) const {
     for (int u = 0; u < width_; u += V::kCount) {
       const int count = std::min(width_ - u, V::kCount);
@@ -94,9 +96,8 @@ class OriginFinder {
     V u, v, du, dv, scale, inverse, left, right, above, below;
   };
 
-  // The displacement is proportional to the distance of the row from the middle. rows(v) is the
-  // distance of row v from the middle of the image. The source row v0 satisfies v0 + dv(v) rows(v0)
-  // / rows(v) = v.
+  // rows(v) is the distance of row v from the middle row. The displacement dv is proportional to
+  // rows(v). So the source row v0 satisfies v0 + dv rows(v0) / rows(v) = v.
   V FindLanes(int u, int v, int count, std::int32_t* pixels) const {
     const float rows = static_cast<float>(v) + 0.5f - 0.5f * static_cast<float>(height_);
     const V at_u = V::LoadUpTo(columns_.data() + u, count), at_v(v);

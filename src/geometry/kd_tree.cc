@@ -36,8 +36,7 @@ class KdTree::Sorter {
   Sorter(const KdTree& tree, std::vector<Item>* items) : tree_(tree), items_(items->data()) {}
 
   void Run() const {
-    // One task splits each node of the first six levels. Then one task sorts each remaining
-    // subtree.
+    // Each node near the root is one task. Each subtree below these nodes is one task.
     const int levels = std::min(tree_.depth_, 6);
     int subtree_leaves = 1 << tree_.depth_;
     for (int level = 0; level < levels; ++level, subtree_leaves /= 2) {

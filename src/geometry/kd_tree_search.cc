@@ -11,7 +11,8 @@ class KdTree::Search {
 
   bool IsLeaf(std::size_t level) const { return level == tree_.levels_.size(); }
 
-  // Squared distances to the children of a node. Returns the mask of the children within `bound`.
+  // Computes squared distances to the children of a node. Bit c of the result is set if child c is
+  // within `bound`.
   unsigned ChildrenWithin(std::size_t level, std::uint32_t index, float bound,
                           float* distances) const {
     const Node& node = tree_.levels_[level][index];
@@ -26,7 +27,8 @@ class KdTree::Search {
     return bits;
   }
 
-  // Squared distances to four points from `rank`. Returns the mask of the points within `bound`.
+  // Computes squared distances to four points with consecutive ranks. Bit i of the result is set if
+  // point `rank` + i is within `bound`.
   unsigned PointsWithin(std::uint32_t rank, float bound, float* distances) const {
     const Float4 distance = Square(x_ - Load4(&tree_.x_[rank])) +
                             Square(y_ - Load4(&tree_.y_[rank])) +
@@ -74,7 +76,8 @@ class KdTree::NearestSearch : private Search {
     }
   }
 
-  // After the end of the leaf, lanes have points of the next leaf. These are valid candidates.
+  // Vector lanes after the end of the leaf contain points of the next leaf, which are valid
+  // candidates.
   void VisitLeaf(std::uint32_t leaf) {
     alignas(16) float distances[kWidth];
     const std::uint32_t end = tree_.LeafBegin(std::uint64_t{leaf} + 1);

@@ -12,7 +12,7 @@ void DepthNoise::Visit(OptionVisitor& v) {
   v.Add(inverse_depth_sigma, SharedOption("inverse_depth_sigma"));
 }
 
-// Thresholds are in sigmas, so sigma must not be 0.
+// Thresholds are multiples of inverse_depth_sigma, so its value must not be 0.
 void DepthNoise::Validate(const std::string& what) const {
   ThrowIf(!(inverse_depth_sigma > 0 && inverse_depth_sigma < 1), what, ": inverse_depth_sigma is ",
           inverse_depth_sigma, ", must be positive and below 1 (1/m)");

@@ -37,8 +37,8 @@ class KeyframeCorrections {
   const std::vector<Rigid3d>& of_keyframe_;
 };
 
-// Values of all indices from the first to the last frame. Indices without a frame have the value of
-// the previous frame.
+// Values for all frame indices from the first to the last frame. An index without a frame has the
+// value of the previous frame.
 template <typename ValueOf>
 std::vector<Rigid3d> OfIndices(const std::vector<PosedFrame>& frames, const ValueOf& value_of) {
   std::vector<Rigid3d> of_index;

@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-// prior standard deviations, for unobservable directions
+// prior standard deviations of unobservable directions
 constexpr double kLooseM = 0.1, kLooseRad = 0.1;
 
 Matrix6d InverseOf(const Matrix6d& symmetric) {
@@ -25,8 +25,9 @@ Matrix6d InformationOf(const IcpResult& icp) {
 
 }  // namespace
 
-// The map was rendered near pose b, so the registration covariance is in the frame of b. The last
-// registration represents all registrations between the keyframes.
+// Information of the odometry edge between keyframes a and b. The map was rendered near pose b,
+// so the registration covariance is in the frame of b. `icp`: last registration, which represents
+// all registrations between the keyframes.
 Matrix6d OdometryInformation(const IcpResult& icp, int frames, const Rigid3d& a_from_b,
                              const EdgeNoise& noise) {
   const Matrix6d transform = IncrementTransform(a_from_b);

@@ -10,7 +10,7 @@ namespace {
 
 struct Neighbour {
   int keyframe;
-  double relative_distance;  // relative to the bounds of the options
+  double relative_distance;  // 1: at the limits of FindLoopsOptions
   Rigid3d target_from_source;
 };
 

@@ -30,7 +30,8 @@ Image<float> DepthOf(const PlaceView& view) {
   return depth_m;
 }
 
-// NaN: unknown. HalfResolution() makes blocks with an unknown pixel unknown.
+// Grey image with NaN for pixels without colour. HalfResolution() returns NaN for blocks with a NaN
+// pixel.
 Image<float> GreyImage(const Image<Rgb8>& color) {
   Image<float> grey(color.width(), color.height());
   for (std::size_t i = 0; i < color.size(); ++i) {

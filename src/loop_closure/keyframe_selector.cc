@@ -6,11 +6,10 @@ namespace surfit {
 namespace {
 
 constexpr int kStridePx = 8;
-// A point is occluded if it is behind the measured surface by at least this ratio of the measured
-// depth.
+// A point is occluded if its depth exceeds the surface depth by this ratio.
 constexpr double kHiddenRatio = 0.1;
-// Minimum motion since the last keyframe if low overlap or the number of frames triggers a new
-// keyframe. Relative to `max_distance_m` and `max_angle_rad`.
+// Minimum motion for a new keyframe because of overlap or number of frames. The motion is relative
+// to `max_distance_m` and `max_angle_rad`.
 constexpr double kLittleMotion = 0.1;
 
 bool IsSeen(const Eigen::Vector3d& point, const FrameLevel& surface) {

@@ -28,8 +28,8 @@ std::vector<bool> LoopsInGraph(const PoseGraph& graph, const PoseGraphSummary& s
   return in_graph;
 }
 
-// Computes a view at the first call, then releases its source. Two threads may both compute the
-// view: waiting for a thread of lower priority would take longer.
+// Computes a view at the first call, then releases the source data. Two threads can compute the
+// same view. A wait for a thread of lower priority would take longer.
 class LazyView {
  public:
   LazyView(ColoredView source, const PlaceViewOptions& options)

@@ -110,7 +110,7 @@ std::size_t PlaceIndex::Bytes() const {
 
 namespace {
 
-// Difference of two poses, m: the translation, plus the rotation times 2 m.
+// Difference of two poses, m: translation plus 2 m times the rotation angle.
 double Difference(const Keyframe& a, const Keyframe& b) {
   constexpr double kDistanceM = 2;
   const Rigid3d motion = a.world_from_camera.Inverse() * b.world_from_camera;

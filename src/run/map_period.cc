@@ -5,12 +5,15 @@
 namespace surfit {
 
 int MapPeriod::For(double queued_ms) {
-  // At 30 Hz, the time of two frames and of one frame.
+  // Limits of the waiting time of a frame. At 30 Hz, two frames take 67 ms and one frame takes 33
+  // ms.
   constexpr double kLate_ms = 67, kInTime_ms = 33;
   constexpr int kMaxTimes = 8;  // maximum period / given_; longer periods save little time
-  // Number of frames until a change has an effect.
+  // Frames to wait for the effect of a period change. kUntilSeen: waiting times still grow.
+  // kUntilDone: they do not grow.
   constexpr int kUntilSeen = 4, kUntilDone = 30;
-  // A frame that is not in time reduces the count of frames in time by kOneLate.
+  // kLateInARow late frames double the period. A frame that is not in time cancels kOneLate frames
+  // in time.
   constexpr int kLateInARow = 3, kOneLate = 5;
   constexpr int kMaxPatience = 16 * kInTime;
   ++since_change_;

@@ -44,7 +44,8 @@ std::vector<Rigid3d> PosesOfKeyframes(const std::vector<PosedFrame>& frames,
   return poses;
 }
 
-// Sets the poses in `world_from_camera`. Other frames move rigidly with the previous frame.
+// Sets the poses of the frames in `world_from_camera`. Other frames move rigidly with the previous
+// frame.
 void MoveFrames(const std::map<int, Rigid3d>& world_from_camera, std::vector<PosedFrame>* frames) {
   Rigid3d new_from_old;
   for (PosedFrame& frame : *frames) {

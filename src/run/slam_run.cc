@@ -39,7 +39,7 @@ namespace {
 
 using ProgressCall = std::function<void(const SlamRunProgress&)>;
 
-// Live sequences are not read ahead: waiting for a frame would block a worker thread.
+// Live sequences are not read ahead, because a wait for the camera would block a worker thread.
 std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
                                         const std::atomic<bool>& interrupted) {
   if (IsLive(options.sequence)) {
@@ -129,7 +129,7 @@ class SlamRun {
     }
   }
 
-  // the callback may block, for example to pause the run
+  // Excluded from the run time: the callback can block, for example to pause the run.
   void Tell(const SlamRunFrame* frame, const ProgressCall& progress) {
     statistics_.LeaveOut([&] {
       SlamRunProgress now = Progress();
@@ -261,8 +261,8 @@ class SlamRun {
     }
     std::optional<RefinedSequence> refined;
     const PosedSequence known = Known(trajectory_->poses(), found_);
-    // Without a new calibration, the poses of tracking are more accurate: refinement uses keyframes
-    // only.
+    // Without a new calibration, tracking poses are more accurate than refined poses. Refinement
+    // only uses keyframes.
     if (options_.refine && known.found.calibration) refined = Refine(known, interrupted, progress);
     if (interrupted) return;
     FuseFinalMap(refined ? Known(refined->trajectory, refined->found) : known, interrupted,
@@ -401,7 +401,7 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
   Validate(options);
   const ThreadLimit limit(options.threads);
   SlamRunOptions run = options;
-  // Only lost frames are registered globally.
+  // In real-time operation, only lost frames are registered globally.
   if (options.OffersFrames()) {
     run.slam.confident_inlier_ratio = 0;
     run.slam.real_time = true;

@@ -79,7 +79,7 @@ std::uint32_t Crc(const void* bytes, std::size_t size, std::uint32_t before) {
 
 void Database::Finalizer::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
-// settings for untrusted files (sqlite.org/security.html)
+// Opens the database with the settings for untrusted files (sqlite.org/security.html).
 Database::Database(const std::string& path, Mode mode) : path_(path) {
   const int flags = mode == Mode::kRead    ? SQLITE_OPEN_READONLY
                     : mode == Mode::kWrite ? SQLITE_OPEN_READWRITE

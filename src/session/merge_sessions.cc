@@ -32,7 +32,7 @@ void Shift(int shift, int keyframes, int stretches, int submaps, SlamState* stat
   }
 }
 
-// Transforms all poses. Returns the correction of the surfels.
+// Transforms all poses of a session. Returns the correction for its surfels.
 FrameCorrections MoveTo(const Rigid3d& new_from_old, SlamState* state) {
   for (PosedFrame& frame : state->frames) {
     frame.world_from_camera = new_from_old * frame.world_from_camera;
@@ -139,7 +139,7 @@ class Merger {
   std::vector<int> first_frame_;
 };
 
-// Gap that exceeds the frame range of each session.
+// Gap between the frame indices of two sessions. The gap exceeds the index range of each session.
 int GapBetween(const std::vector<Session>& sessions, const LoopOptions& options) {
   int gap = SessionGap(options);
   for (const Session& session : sessions) {
@@ -176,7 +176,7 @@ MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOp
   const std::vector<PlaceView> views = merger.all().state.views;
   SlamOptions slam_options = options;
   slam_options.loops.enabled = true;
-  // Finds loops between sessions only.
+  // The gap limits the search to loop closures between sessions.
   slam_options.loops.find.min_gap = gap;
   Slam slam(sensor, slam_options, std::move(merger.all().state), StateUse::kContinue);
   writer.Begin(runs, sensor, &slam);

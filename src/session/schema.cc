@@ -40,8 +40,8 @@ class RowWriter {
   Row row_;
 };
 
-// PassColumns() lists the columns of a table for RowWriter and RowReader. Keys that are no members
-// are passed separately.
+// PassColumns() lists the columns of a table for RowWriter and RowReader. Keys that are not members
+// of the row type are passed separately.
 template <typename Io>
 void PassColumns(SessionRow& session, Io* io) {
   PinholeCamera& camera = session.sensor.camera;

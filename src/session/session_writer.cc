@@ -31,7 +31,7 @@ bool AreSame(const PosedFrame& a, const PosedFrame& b) {
          a.stamp_s == b.stamp_s && a.world_from_camera == b.world_from_camera;
 }
 
-// Only two members of an edge change: in_graph and, after a calibration, a_from_b.
+// Measurements of stored edges change only by calibrations, and each calibration changes a_from_b.
 bool AreSame(const StoredEdge& a, const StoredEdge& b) {
   return a.in_graph == b.in_graph && a.edge.a_from_b == b.edge.a_from_b;
 }
@@ -86,7 +86,7 @@ SessionContent ContentOf(const Slam& slam) {
 struct SessionWriter::Update {
   SessionRow facts;  // without the counts of views and tiles
   std::vector<Row> runs, frames, keyframes, edges;
-  std::vector<std::pair<std::int64_t, UnsavedView>> views;  // by keyframe
+  std::vector<std::pair<std::int64_t, UnsavedView>> views;  // key: keyframe index
   bool keeps_calibration = true;
   std::vector<ChangedTile> tiles;
   bool is_all = false;  // `tiles` has all tiles

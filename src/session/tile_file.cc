@@ -47,7 +47,8 @@ std::string TileName(std::int64_t key, std::int64_t save) {
   return Concat(axis(0), "_", axis(1), "_", axis(2), ".", save, ".tile");
 }
 
-// Format: signature, number of blocks, then per block: count, edge bits, columns.
+// Format: signature, number of blocks, blocks. A block has the surfel count, the bit mask of
+// surfels at depth edges, and the surfel columns.
 std::string PackTile(const SurfelMap& map, const std::vector<std::int32_t>& cells) {
   std::string bytes(kMagic);
   std::uint32_t blocks = 0;

@@ -1,5 +1,5 @@
-// Half space, box, and three solids of points within a radius of a core: sphere (point), capsule
-// (segment), rounded box (box).
+// Shapes: half space, box, sphere, capsule and rounded box. The last three contain all points
+// within a radius of a core. The core is a point, a segment or a box.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,8 +26,8 @@ class Box : public Shape {
  public:
   explicit Box(const Vector3d& size) : half_(size / 2) {}
 
-  // Slab method: between each pair of parallel faces, the ray has an interval of t. It hits the box
-  // if the last entry is before the first exit.
+  // Slab method: the ray is between two parallel faces in an interval of t. The ray hits the box if
+  // the last entry is before the first exit.
   std::optional<ShapeHit> Intersect(const Vector3d& origin,
                                     const Vector3d& direction) const override {
     double enter = 0, exit = std::numeric_limits<double>::infinity();
@@ -71,12 +71,12 @@ class RoundShape : public Shape {
   // The core is the box |x_i| <= core_half_i, where half sizes may be 0.
   RoundShape(const Vector3d& core_half, double radius) : core_half_(core_half), radius_(radius) {}
 
-  // Newton's method on the distance along the ray. The distance is convex, so no step passes the
-  // root. The ray misses if the distance grows.
+  // Newton's method finds the zero of the surface distance along the ray. This distance is convex,
+  // so no step passes the zero. If the distance grows, the ray misses the shape.
   std::optional<ShapeHit> Intersect(const Vector3d& origin,
                                     const Vector3d& direction) const override {
     constexpr double kOnSurface_m = 1e-10;
-    constexpr int kMostSteps = 200;  // for tangent rays, each step halves the distance
+    constexpr int kMostSteps = 200;  // steps of tangent rays only halve the distance
     const double speed = direction.norm();
     const double bound = BoundingRadius();
     const double middle = -origin.dot(direction) / (speed * speed);

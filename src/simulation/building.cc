@@ -15,8 +15,8 @@ using Row = BuildingPlan::Row;
 
 constexpr int kRows = 4;
 
-// Independent random streams of one seed: one for the structure, one per pair of rooms for
-// furniture, one per room for pictures.
+// Random streams of one seed are independent. The structure has one stream. Furniture has one
+// stream per two rooms, and pictures have one stream per room.
 constexpr int kMaxRooms = 2000;
 enum Stream : std::uint64_t { kStructure = 1, kFurniture = 1000, kPictures = 2000 };
 static_assert(kFurniture + kMaxRooms / 2 <= kPictures, "streams must not overlap");
@@ -52,7 +52,7 @@ struct Site {
   }
 };
 
-// Calls `furnish`, and adds a SceneCell with the new targets.
+// Calls `furnish`, and adds a SceneCell with the gaze targets that `furnish` created.
 template <typename Furnish>
 void AddCell(const RoomPlan& cell, Furnish furnish) {
   Scene& scene = *cell.scene;
@@ -66,7 +66,7 @@ void AddCell(const RoomPlan& cell, Furnish furnish) {
   scene.cells.push_back(std::move(added));
 }
 
-// Rooms 2 k and 2 k + 1 have equal furniture and different pictures.
+// Furnishes a room. Rooms 2 k and 2 k + 1 have equal furniture and different pictures.
 void AddRoom(const Site& site, int index) {
   const BuildingPlan::Place& place = site.plan.rooms[index];
   Random furniture(site.seed, kFurniture + index / 2), pictures(site.seed, kPictures + index);

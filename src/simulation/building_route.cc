@@ -33,7 +33,8 @@ class RouteMaker {
     Along(0, false, false, false);
   }
 
-  // Splits the route into pieces of about 1 m, so that the curve does not overshoot at corners.
+  // Route points about 1 m apart. Small distances keep the interpolating curve from overshooting at
+  // corners.
   std::vector<Vector3d> Corners() const {
     constexpr double kPiece_m = 1.0;
     std::vector<Vector3d> corners;
@@ -55,7 +56,8 @@ class RouteMaker {
     route_.emplace_back(x, y, floor * BuildingPlan::kStorey_m + kEye_m);
   }
 
-  // Walks from the south landing to the north landing one floor above, or back.
+  // Appends the way up the stairs from `floor` to the next floor, or down. Stairs lead from the
+  // south end to the north end.
   void Climb(int floor, bool east, bool upwards) {
     const double x = plan_.StaircaseAisle(east), edge = BuildingPlan::kCorridor_m;
     std::vector<Vector3d> way = {
@@ -68,7 +70,7 @@ class RouteMaker {
     if (upwards) GoTo(plan_.WestAisle(), plan_.NorthAisle(), floor + 1);
   }
 
-  // Enters through the doorway, circles the middle once, and leaves.
+  // Appends a visit of a room: in through the doorway, once around the centre, and out.
   void Visit(const BuildingPlan::Place& room) {
     constexpr double kMiddle_m = BuildingPlan::kRoomWidth_m / 2, kAside_m = 0.8;
     for (const Vector3d& corner :

@@ -15,7 +15,7 @@
 namespace surfit {
 namespace {
 
-// Numbers of random candidates and lengths of pieces.
+// Selects the value for a single room or for a building.
 int Attempts(const Scene& scene, int in_a_room, int in_a_building) {
   return scene.cells.empty() ? in_a_room : in_a_building;
 }
@@ -30,8 +30,8 @@ double LeastDistance(const Scene& scene, Walk walk, int frames, double step_m) {
   return least;
 }
 
-// Returns the first random walk that keeps 0.5 m from all objects, or the walk with the largest
-// distance.
+// Returns the first random walk that keeps 0.5 m from all objects. If no walk does, returns the
+// walk with the largest minimum distance.
 Walk ChooseWalk(const Scene& scene, int frames, double step_m, Random* random) {
   const int candidates = Attempts(scene, 24, 2);
   constexpr double kFarEnough_m = 0.5;
@@ -71,7 +71,8 @@ double PathCost(const Scene& scene, const PathQuality& quality) {
          std::max(0.0, quality.planar_ratio - kMaxPlanar) + 2 * quality.degenerate_ratio;
 }
 
-// Returns the first random gaze without cost, or the best gaze.
+// Appends poses for the frames [begin, end). Uses the first random gaze whose PathCost() is 0, or
+// the gaze of minimum cost.
 void FilmPiece(const Scene& scene, int begin, int end, double frames_per_second, Random* random,
                Operator* person, Trajectory* path) {
   const int candidates = Attempts(scene, 16, 12);
@@ -120,7 +121,7 @@ Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
   Trajectory best;
   double least_shortfall = std::numeric_limits<double>::infinity();
   for (int i = 1; i <= walks && least_shortfall > kGoodEnough; ++i) {
-    Trajectory path = FilmPath(scene, frames, options, Random(seed, i));  // stream 0: scene
+    Trajectory path = FilmPath(scene, frames, options, Random(seed, i));  // the scene uses stream 0
     const double shortfall = PathCost(scene, EvaluatePath(scene, path));
     if (shortfall >= least_shortfall) continue;
     least_shortfall = shortfall;
@@ -140,7 +141,7 @@ SmoothPath::SmoothPath(Trajectory poses) : poses_(std::move(poses)) {
     if (!values_.empty() && knot.tail<4>().dot(values_.back().tail<4>()) < 0) knot.tail<4>() *= -1;
     values_.push_back(knot);
   }
-  // Natural cubic spline. The second derivatives m with steps h satisfy
+  // Natural cubic spline through the values y with the steps h. The second derivatives m satisfy
   //   h0 m0 + 2 (h0 + h1) m1 + h1 m2 = 6 ((y2 - y1) / h1 - (y1 - y0) / h0),
   // with m = 0 at both ends.
   second_derivatives_.assign(count, Knot::Zero());
@@ -167,7 +168,7 @@ Rigid3d SmoothPath::At(double stamp_s) const {
   const auto i = std::clamp<std::ptrdiff_t>(next - poses_.begin() - 1, 0, last - 1);
   const double h = poses_[i + 1].stamp_s - poses_[i].stamp_s;
   const double a = (poses_[i + 1].stamp_s - stamp_s) / h, b = 1 - a;
-  // linear extrapolation
+  // negative x: linear extrapolation
   const auto cubic = [](double x) { return x < 0 ? -x : x * x * x - x; };
   const Knot bend = cubic(a) * second_derivatives_[i] + cubic(b) * second_derivatives_[i + 1];
   const Knot value = a * values_[i] + b * values_[i + 1] + h * h / 6 * bend;

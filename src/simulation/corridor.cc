@@ -49,7 +49,7 @@ WallItem RandomStretch(const RoomPlan& corridor) {
   }
 }
 
-// Fills 75 % of the wall, so that registration is constrained everywhere.
+// Fills 75 % of the wall length with items, so that registration is constrained everywhere.
 void FurnishWallPart(const RoomPlan& corridor, int wall, double from_m, double to_m) {
   constexpr double kShareOfWall = 0.75;
   double free = kShareOfWall * (to_m - from_m);
@@ -70,7 +70,7 @@ void AddFurnishedCorridor(const RoomPlan& corridor) {
   AddLamps(corridor);
   for (int wall = 0; wall < 4; ++wall) {
     const double length = corridor.WallLength(wall);
-    if (length < std::max(corridor.width_m, corridor.depth_m)) continue;  // end walls
+    if (length < std::max(corridor.width_m, corridor.depth_m)) continue;  // end walls stay empty
     double from = kCorner_m;
     for (const Doorway& doorway : corridor.DoorwaysIn(wall)) {
       FurnishWallPart(corridor, wall, from, doorway.at_m - kBesideDoorway_m);

@@ -12,7 +12,7 @@
 namespace surfit {
 
 ViewQuality EvaluateView(const Scene& scene, const Rigid3d& world_from_camera) {
-  PinholeCamera camera;  // 640 x 480 reduced by 32
+  PinholeCamera camera;  // 640 x 480 px at 1/32 of the resolution
   camera.width = 20;
   camera.height = 15;
   camera.fx = camera.fy = 525.0 / 32;
@@ -62,7 +62,7 @@ double Angle(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// True if the target is not too near, and at an elevation with a level horizon.
+// True if the target is farther than 0.6 m and its elevation allows a level horizon.
 bool InSight(const Vector3d& to_target) {
   const double elevation = std::asin(to_target.z() / to_target.norm());
   return to_target.norm() > 0.6 && elevation > -52 * kRadPerDeg && elevation < 25 * kRadPerDeg;
@@ -89,7 +89,8 @@ void Gaze::Advance(const Vector3d& position, double turn_rad) {
     ChooseTarget(position);
   }
   Steer((scene_->targets[target_] - position).normalized());
-  // At high or low elevations, the camera rotates more than the gaze direction.
+  // Finds the arc for which the camera rotates by turn_rad. At high or low elevations, the camera
+  // rotates more than its viewing direction.
   constexpr int kIterations = 10;
   const Eigen::Quaterniond before = Orientation();
   const Vector3d direction = direction_, heading = heading_;
@@ -107,7 +108,7 @@ bool Gaze::MayTurnTo(const Vector3d& to_target) const {
          Angle(direction_, to_target) < kFarthestTurn_rad;
 }
 
-// Targets of the cells within 0.5 m, or all targets of the scene.
+// Indices of the targets in cells within 0.5 m. If there are none, indices of all targets.
 std::vector<int> Gaze::TargetsFrom(const Vector3d& position) const {
   constexpr double kAtDoorway_m = 0.5;
   std::vector<int> targets;
@@ -121,7 +122,8 @@ std::vector<int> Gaze::TargetsFrom(const Vector3d& position) const {
   return targets;
 }
 
-// Prefers targets in front of the camera, and views of the wanted kind (planar or not).
+// Chooses the next target. Prefers targets in front of the camera, and views of a random kind
+// (planar or not).
 void Gaze::ChooseTarget(const Vector3d& position) {
   const double planar_choices = scene_->cells.empty() ? 0.8 : 0;
   constexpr int kAttempts = 40, kMaxViews = 12;

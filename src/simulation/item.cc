@@ -9,8 +9,8 @@ namespace surfit {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// Half-angle formulas: (1 + cos a, sin a * axis) = 2 cos(a/2) (cos(a/2), sin(a/2) * axis), with
-// cos a = z . d and sin a * axis = z x d.
+// Rotation by the angle a from the z axis to the direction d. cos a = z . d, and sin a * axis = z x
+// d. Half-angle formulas: (1 + cos a, sin a * axis) = 2 cos(a/2) (cos(a/2), sin(a/2) * axis).
 Eigen::Quaterniond TurnZInto(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d d = direction.normalized();
   if (d.z() < -1 + 1e-12) return {0, 1, 0, 0};  // half a turn about the x axis

@@ -93,7 +93,7 @@ void AddClutter(const Item& item, double width_m, double depth_m, Random* random
   using Adder = void (*)(const Item&, Random*);
   constexpr Adder kThings[] = {&AddCup, &AddPileOfBooks, &AddBowlOfFruit,
                                &AddCup, &AddRing,        &AddVase};
-  // A grid without intersections of items; 30 % of the cells are empty.
+  // Each grid cell has at most one item, so items do not intersect. 30 % of the cells are empty.
   const int columns = std::max(1, static_cast<int>(width_m / 0.33));
   const int rows = std::max(1, static_cast<int>(depth_m / 0.33));
   const double column = width_m / columns, row = depth_m / rows;

@@ -17,8 +17,8 @@ class Lagged {
  public:
   Lagged(double lag_s, double frame_s) : is_on_(lag_s > 0), share_(-std::expm1(-frame_s / lag_s)) {}
 
-  // Returns the value for the current frame. `wish` takes effect in the next frame, or at once in
-  // the first frame.
+  // Returns the filtered value for the current frame. `wish`: unfiltered value, which takes effect
+  // in the next frame. In the first frame, it takes effect at once.
   double Next(double wish) {
     if (!is_on_) return 0;
     if (!has_begun_) next_ = wish;

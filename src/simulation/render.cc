@@ -84,7 +84,8 @@ struct PixelHit {
   SceneHit hit;
 };
 
-// Hits of the rays of the tile. Ray directions have z = 1, so the ray parameter is the depth.
+// Hits of the rays of the tile. Ray directions have z = 1 in the camera frame, so the ray parameter
+// is the depth.
 std::vector<PixelHit> TraceTile(const View& view, const Tile& tile) {
   const std::vector<RayCandidate> candidates = ObjectsInTile(view, tile);
   std::vector<PixelHit> hits;

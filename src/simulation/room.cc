@@ -137,7 +137,7 @@ void AddMiddle(const RoomPlan& room) {
   AddChair(place.At({width / 2 + 0.3, random->Uniform(-0.1, 0.1), 0}, turn), random);
 }
 
-// Adds an item beside the doorway that differs between rooms of equal furniture.
+// Adds a random item beside the doorway. This item distinguishes rooms with equal furniture.
 void AddKeepsake(const RoomPlan& room) {
   constexpr std::array<void (*)(const Item&, Random*), 3> kThings = {&AddBall, &AddBin, &AddRing};
   const Item at = room.WallFrame(0).At({room.pictures->Uniform(0.9, 1.4), 0.4, 0});

@@ -79,7 +79,7 @@ void RoomPlan::OpenAt(const Vector3d& point_in_world) {
   const double to_wall[] = {point.y(), width_m - point.x(), depth_m - point.y(), point.x()};
   const double along[] = {point.x(), point.y(), width_m - point.x(), depth_m - point.y()};
   const auto wall = std::min_element(std::begin(to_wall), std::end(to_wall)) - to_wall;
-  constexpr double kGrid_m = 1e-6;  // doorways above each other must have equal at_m
+  constexpr double kGrid_m = 1e-6;  // m; rounding step, so that stacked doorways have equal at_m
   doorways.push_back({static_cast<int>(wall), kGrid_m * std::round(along[wall] / kGrid_m),
                       kGrid_m * std::round(point.z() / kGrid_m)});
 }

@@ -22,7 +22,7 @@ Sphere BoundingSphere(const std::vector<ScenePoint>& points) {
   return {box.center(), box.diagonal().norm() / 2};
 }
 
-// Start of a shadow ray, offset from the surface against self-intersection.
+// Start of a shadow ray. The offset from the surface prevents a self-intersection.
 Vector3d OffSurface(const ScenePoint& point) {
   constexpr double kOffSurface_m = 1e-4;
   return point.point_in_world + kOffSurface_m * point.hit.normal_in_world;
@@ -40,7 +40,8 @@ float Daylight(const Vector3d& normal_in_world) {
   return 0.26f + 0.1f * static_cast<float>(normal_in_world.z());
 }
 
-// Light per unit reflectance. Decreases slower than 1/r^2, as in a room with bright walls.
+// Light that a surface of reflectance 1 reflects. It decreases more slowly than 1 / distance^2,
+// because the bright walls of a room reflect light.
 float LightFrom(const PointLight& light, const Vector3d& normal, const Vector3d& to_light) {
   constexpr double kReach_m = 2.5;
   const double distance = to_light.norm();
@@ -112,7 +113,7 @@ std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d&
   return Intersect(origin, direction, all);
 }
 
-// For equal t, the object that was added first is hit.
+// If two objects have equal t, the ray hits the object that was added first.
 std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d& direction,
                                          const std::vector<RayCandidate>& candidates) const {
   constexpr double kRounding = 1 + 1e-9;
@@ -167,8 +168,8 @@ std::vector<RayCandidate> Scene::ObjectsInCone(const Vector3d& apex, const Vecto
   return inside;
 }
 
-// Objects that can occlude the light: in the cone from the light to the points, and in their
-// bounding box.
+// Objects that can occlude the light. They intersect the cone from the light to the points, and the
+// bounding box of light and points.
 std::vector<RayCandidate> Scene::Occluders(const PointLight& light,
                                            const std::vector<ScenePoint>& points) const {
   const Sphere sphere = BoundingSphere(points);

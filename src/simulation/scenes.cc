@@ -16,8 +16,9 @@ using Eigen::Vector3d;
 constexpr double kDoorwayY_m = 2.4;
 constexpr double kCameraZ_m = 1.4;
 
-// Closed route through the doorways at x = first and x = second. It passes each room on one side,
-// and returns on the other side. The length is about 22.5 m: 1500 frames at 15 mm.
+// Closed route through the doorways at x = first and x = second. The route passes each room on one
+// side, and returns on the other side. The length is about 22.5 m, for 1500 frames with steps of 15
+// mm.
 std::vector<Vector3d> Route(double first, double second) {
   constexpr double kLength_m = 21, kSide_m = 0.8, kBesideDoorway_m = 0.7;
   const double reach = (kLength_m - 2 * (second - first)) / 4 - 0.15;

@@ -12,7 +12,7 @@ namespace surfit {
 namespace {
 
 // Depth at (u, v) by bilinear interpolation of inverse depth, which is exact on planes. Returns
-// `here` if one of the four neighbours is on another surface.
+// `here` at the image border, or if one of the four neighbours is on another surface.
 double ShiftedDepth(const Image<float>& depth_m, double u, double v, double here,
                     double max_edge_ratio) {
   const int u0 = static_cast<int>(std::floor(u)), v0 = static_cast<int>(std::floor(v));
@@ -31,7 +31,7 @@ double ShiftedDepth(const Image<float>& depth_m, double u, double v, double here
 }
 
 double CosineOfIncidence(const Image<float>& depth_m, const PinholeCamera& camera, int u, int v) {
-  // Point of another pixel, or of this pixel if the other one has no depth.
+  // Point at pixel (other_u, other_v). If this pixel has no depth, the point at (u, v).
   const auto point = [&](int other_u, int other_v) -> Eigen::Vector3d {
     const bool inside = other_u >= 0 && other_v >= 0 && other_u < depth_m.width() &&
                         other_v < depth_m.height() && depth_m(other_u, other_v) > 0;

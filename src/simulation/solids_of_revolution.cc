@@ -15,7 +15,7 @@ double DistanceToSegment(const Vector2d& point, const Vector2d& a, const Vector2
   return (point - a - share * along).norm();
 }
 
-// Solid x^2 + y^2 <= r(z)^2, |z| <= h / 2, with r(z) = r_middle + slope * z.
+// Solid x^2 + y^2 <= r(z)^2, |z| <= height / 2, with r(z) = r_middle + slope * z.
 class Frustum : public Shape {
  public:
   Frustum(double bottom_radius, double top_radius, double height)
@@ -57,7 +57,7 @@ class Frustum : public Shape {
     return ShapeHit{t, {0, 0, side}, side > 0 ? 1 : 0};
   }
 
-  // Solves x^2 + y^2 - r(z)^2 = a t^2 + 2 b t + c = 0 along the ray.
+  // Intersects the ray with the side. Along the ray, x^2 + y^2 - r(z)^2 = a t^2 + 2 b t + c = 0.
   std::optional<ShapeHit> IntersectSide(const Vector3d& origin, const Vector3d& direction) const {
     const double radius = RadiusAt(origin.z()), growth = slope_ * direction.z();
     const double a = direction.head<2>().squaredNorm() - growth * growth;
@@ -89,8 +89,7 @@ class Torus : public Shape {
   std::optional<ShapeHit> Intersect(const Vector3d& origin,
                                     const Vector3d& direction) const override {
     constexpr double kOnSurface_m = 1e-10;
-    constexpr int kMostSteps =
-        2000;  // rays without a hit after these steps are misses; typically below 100 steps
+    constexpr int kMostSteps = 2000;  // typically below 100; limit for rays that miss
     const double speed = direction.norm(), bound = BoundingRadius();
     const double middle = -origin.dot(direction) / (speed * speed);
     const double chord2 = bound * bound - (origin + middle * direction).squaredNorm();

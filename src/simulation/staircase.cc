@@ -44,7 +44,7 @@ void AddWallThings(const RoomPlan& staircase, const Item& flight) {
     for (double y = begin + random->Uniform(0.3, 0.9); y < end - 0.3;
          y += kApart_m * random->Uniform(0.8, 1.2)) {
       const double floor = (y - begin) / (end - begin) * BuildingPlan::kStorey_m;
-      // Wall frame with y into the staircase.
+      // Frame on the wall. Its y axis points into the staircase.
       const Item at = flight.At({x, y, floor}, -inward * M_PI / 2);
       const double height = random->Uniform(0.4, 0.8), width = random->Uniform(0.4, 0.8);
       AddPoster(at.At({0, 0, random->Uniform(1.2, 1.4)}), width, height, random);

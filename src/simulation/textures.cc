@@ -92,8 +92,7 @@ Texture Mottled(const Color& color, double scale_m, float contrast, std::uint64_
 
 Texture Checks(const Color& a, const Color& b, double size_m) {
   return [=](const Vector3d& p) {
-    // Faces of centred solids often lie on cube borders, where rounding would select the colour.
-    // The offset avoids this.
+    // Without the offset, faces of centred solids lie on borders of checker cubes.
     const int sum =
         Cell(p.x() + 1e-3, size_m) + Cell(p.y() + 1e-3, size_m) + Cell(p.z() + 1e-3, size_m);
     return (sum & 1) != 0 ? a : b;
@@ -158,7 +157,7 @@ Texture Rug(double width_m, double depth_m, std::uint64_t seed) {
     const float weave = 0.85f + 0.3f * FractalNoise(p / 0.02, seed);
     constexpr double kBorder_m = 0.12, kPattern_m = 0.3;
     if (to_edge < kBorder_m) return Color(weave * (to_edge < kBorder_m / 2 ? border : figure));
-    // Diamonds: |x| + |y| within each cell.
+    // Diamond pattern: |x| + |y| < 0.28 in each cell.
     const Vector2d cell = p.head<2>() / kPattern_m;
     const Vector2d in_cell = (cell.array() - cell.array().floor() - 0.5).abs();
     return Color(weave * (in_cell.sum() < 0.28 ? figure : field));

@@ -17,7 +17,7 @@ const LoopOptions& Validated(const LoopOptions& options) {
   return options;
 }
 
-// Displacement of the camera, plus that of a point 2 m away by the rotation, m.
+// Displacement by a correction, m: camera translation plus 2 m times the rotation angle.
 double Displacement(const Rigid3d& new_from_old, const Eigen::Vector3d& camera) {
   constexpr double kDistanceM = 2;
   return (new_from_old * camera - camera).norm() +
@@ -55,7 +55,8 @@ void Backend::ContinueFrom(SlamState* state, StateUse use) {
   }
 }
 
-// Keyframes without a completed loop search wait for a task.
+// Adds keyframes of a saved state. The loop search is complete for the first `settled` keyframes.
+// All other keyframes wait for a loop task.
 void Backend::TakeViews(std::vector<PlaceView> views, std::size_t settled) {
   std::vector<Keyframe> keyframes;
   for (std::size_t k = 0; k < views.size(); ++k) {
@@ -71,8 +72,8 @@ void Backend::TakeViews(std::vector<PlaceView> views, std::size_t settled) {
   closer_->AddSettled(std::move(keyframes));
 }
 
-// Loop and calibration tasks count frames separately. No loop task may run while a calibration is
-// applied.
+// Applies due tasks and returns their corrections. Loop and calibration tasks count frames
+// separately. A loop task must not run while a calibration is applied.
 std::vector<WorldCorrection> Backend::BeginFrame() {
   const auto is_due = [&](auto* task) {
     return real_time_ ? task->IsReadyAfterStep() : task->IsDueAfterStep();
@@ -213,8 +214,8 @@ void Backend::FinishLoops(std::vector<WorldCorrection>* corrections) {
   }
 }
 
-// Applies the pose changes of the calibration to the corrections since its task started. Appends
-// the result to `corrections`. Requires that no loop task is running.
+// Applies the calibration result on top of all corrections since the task started. No loop task may
+// be running.
 void Backend::TakeCalibration(std::vector<WorldCorrection>* corrections) {
   const DepthCalibration from = calibrator_->calibration();
   Calibrator::Outcome outcome = calibrator_->Take();
@@ -274,7 +275,8 @@ WorldCorrection Backend::Move(const std::vector<Rigid3d>& new_from_old_of_keyfra
   return correction;
 }
 
-// Keyframes that are newer than the task move with their parents.
+// Corrections of all keyframes. Keyframes that were added after the task started move with their
+// parents.
 std::vector<Rigid3d> Backend::CorrectionsOfKeyframes(
     const std::vector<Rigid3d>& world_from_keyframe) const {
   std::vector<Rigid3d> corrections;

@@ -10,7 +10,7 @@
 namespace surfit {
 namespace {
 
-// Intensities of the visible surfels, one per cell.
+// Intensities of the visible surfels, one per ViewGrid cell. 0: no surfel.
 Image<float> GreyOfCells(const ModelView& seen, const SurfelMap& map) {
   const ViewGrid grid(seen.surface.camera);
   Image<float> grey(grid.width, grid.height, 0.f);
@@ -63,8 +63,8 @@ ReferenceView Mapper::Render(ModelRenderer* renderer, const Rigid3d& world_from_
                              world_from_view,
                              std::move(grey)};
   if (with_intensities) {
-    // Colours of the map, because colours of the last frame increase drift. They increase the ATE
-    // by 14 % in simulated rooms, and up to 8 times in simple scenes.
+    // Uses colours of the map. Colours of the last frame would increase the ATE by 14 % in
+    // simulated rooms, and up to 8 times in simple scenes.
     reference.view.color = ColorsOf(seen, map_);
     AddIntensity(reference.view.color, &reference.view.pyramid);
   }

@@ -23,7 +23,7 @@ SlamOptions Validated(SlamOptions options) {
   return options;
 }
 
-// A saved calibration enables calibration.
+// Enables calibration if the saved state has a calibration.
 SlamOptions WithCalibrationOf(const SlamState& state, SlamOptions options) {
   options.calibration.enabled |= state.calibration.has_value();
   return options;
@@ -229,7 +229,7 @@ FrameReport Slam::Integrate(PreprocessedFrame frame, Tracked tracked, StageTimes
   return report;
 }
 
-// Adds the tentative frame whose pose is now confirmed. It is not fused.
+// Adds the tentative frame whose pose is now confirmed. This frame is not fused.
 std::optional<PosedFrame> Slam::AddConfirmed(const Tracked& tracked) {
   if (!tracked.confirmed) return std::nullopt;
   const TentativePose& confirmed = *tracked.confirmed;

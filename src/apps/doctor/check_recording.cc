@@ -19,7 +19,7 @@ namespace surfit {
 namespace {
 
 constexpr int kSamples = 24;  // frames sampled for the checks of depth scale and registration
-constexpr double kFitsBetter = 0.7;  // maximum ratio of ATE with and without time offset
+constexpr double kFitsBetter = 0.7;  // maximum ratio of the ATE with to the ATE without time offset
 
 class RecordingTracker {
  public:
@@ -48,8 +48,8 @@ class RecordingTracker {
   }
 
  private:
-  // Correction of the configured depth latency. std::nullopt without ground truth or a common
-  // clock. 0 if the best time offset hardly reduces the ATE.
+  // Correction of the configured depth latency, s. std::nullopt if there is no ground truth, or if
+  // its clock is not the clock of the frames. 0 if the best time offset hardly reduces the ATE.
   std::optional<double> LatenessByTruth(const Trajectory& estimate) const {
     if (!info_.has_clock) return std::nullopt;
     const auto as_it_is = EvaluateTimeOffset(info_.ground_truth, estimate, 0, {});
@@ -75,7 +75,7 @@ class RecordingChecker {
     if (options.track) tracker_ = std::make_unique<RecordingTracker>(sequence_.info);
   }
 
-  // Returns false at the end of the recording.
+  // Reads and evaluates the next frame. Returns false at the end of the recording.
   bool Next() {
     const std::optional<RawFrame> raw = sequence_.frames->Next();
     if (!raw) return false;

@@ -24,7 +24,8 @@ Image<float> SmallGrey(const Image<Rgb8>& color, int factor) {
 }
 
 struct EdgeSums {
-  // Absolute intensity differences of adjacent pixels, and their decrease by averaging.
+  // Sum of absolute intensity differences of adjacent pixels at edges. `lost`: reduction of this
+  // sum if lines are averaged over kWindow pixels.
   double differences = 0, lost = 0;
   std::size_t edges = 0;
 };

@@ -15,8 +15,8 @@ constexpr double kNear_m = 0.5, kFar_m = 4, kMaxOff = 0.2;
 constexpr double kDark = 0.12, kMaxSaturated = 0.25;
 // Relative brightness change that counts as a jump, and maximum ratio of jumps.
 constexpr double kJump = 0.1, kMaxJumps = 0.05;
-// Minimum edge width of a blurred frame (7 px of 640 px), and maximum ratio of blurred frames. A
-// static Kinect has 4 px.
+// Minimum edge width of a blurred frame, relative to the image width (7 px of 640 px). Maximum
+// ratio of blurred frames. Edges of a static Kinect are 4 px wide.
 constexpr double kBlurred = 0.011, kMaxBlurred = 0.25;
 constexpr int kMinWidth_px = 300, kMinHeight_px = 220;
 

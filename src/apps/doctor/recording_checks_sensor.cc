@@ -34,8 +34,9 @@ RecordingCheck DepthScale(const RecordingEvidence& evidence) {
   return check;
 }
 
-// Returns the common depth scale with which `step` is the step of a Kinect. std::nullopt if
-// `scale` matches, or if no common scale matches.
+// Returns the common depth scale that makes the measured step equal to the step of a Kinect.
+// `step`: measured with the configured `scale`. std::nullopt if `scale` is correct, or if no common
+// scale matches.
 std::optional<double> ScaleOfKinect(double step, double scale) {
   if (std::abs(step / kStepOfKinect - 1) < kStepTolerance) return std::nullopt;
   for (const double other : kScales) {

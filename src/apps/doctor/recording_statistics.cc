@@ -11,11 +11,11 @@ namespace surfit {
 namespace {
 
 constexpr int kBrightest = 250;  // minimum channel value of a saturated pixel
-// Minimum mean number of pixels per frame with a raw depth value of the sensor. Averaging of
-// depth causes rarer values.
+// A raw depth value is a sensor value if it has more than kFewestPixels pixels per frame on
+// average. Rarer values are the result of depth averaging.
 constexpr double kFewestPixels = 0.2;
-// Minimum step of the sensor in raw depth values. Smaller steps are rounding to the unit of the
-// file.
+// Minimum difference of raw depth values that is a step of the sensor. Smaller differences are the
+// rounding unit of the file.
 constexpr int kFewestCounts = 4;
 constexpr std::size_t kFewestSteps = 30;
 

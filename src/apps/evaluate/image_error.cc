@@ -23,7 +23,7 @@ std::array<cv::Mat, 3> ChannelsOf(const Image<Rgb8>& image) {
   return channels;
 }
 
-// Sums over the compared pixels, per channel. Exact, because all terms are integers.
+// Sums over the compared pixels, per channel. The sums are exact, because all terms are integers.
 struct ChannelMoments {
   ChannelMoments(const Image<Rgb8>& image, const Image<Rgb8>& reference,
                  const PixelMask& compared) {
@@ -72,7 +72,8 @@ double Psnr(const Image<Rgb8>& image, const Image<Rgb8>& reference, const PixelM
   return PsnrOf((sums.xx - 2 * sums.xy + sums.yy).sum(), CountOf(compared));
 }
 
-// With the best gain, sum (g x - y)^2 = sum y^2 - (sum x y)^2 / sum x^2.
+// x: image value. y: reference value. The best gain g reduces sum (g x - y)^2 to sum y^2 - (sum x
+// y)^2 / sum x^2.
 double PsnrByGain(const Image<Rgb8>& image, const Image<Rgb8>& reference,
                   const PixelMask& compared) {
   const ChannelMoments sums(image, reference, compared);

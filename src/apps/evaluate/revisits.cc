@@ -82,7 +82,8 @@ IcpOptions ThoroughIcp() {
   return options;
 }
 
-// Returns std::nullopt without overlap, or if ICP fails.
+// Measures the surface distance at the given relative pose, and the correction of this pose by ICP.
+// Returns std::nullopt if the views do not overlap or ICP fails.
 std::optional<PairErrors> Measure(const FramePyramid& source, const FramePyramid& target,
                                   const Rigid3d& target_from_source) {
   const auto surface_m =

@@ -8,7 +8,8 @@
 namespace surfit {
 namespace {
 
-// Fixed-point iterations: the motion depends on the depth at the result.
+// Number of fixed-point iterations. The displacement depends on the depth at the unknown source
+// pixel.
 constexpr int kPasses = 3;
 
 struct PixelPosition {
@@ -21,7 +22,8 @@ class RollingShutterSampler {
                         const CameraMotion& motion)
       : view_(view), camera_(camera), motion_(motion) {}
 
-  // Position in the view of the point that is at pixel (u, v) at time t.
+  // Source position in the view of the scene point that reaches pixel (u, v) at time t, s. The view
+  // shows time 0.
   PixelPosition OriginOf(int u, int v, double t) const {
     PixelPosition at = {1. * u, 1. * v};
     for (int pass = 0; pass < kPasses; ++pass) {

@@ -33,7 +33,7 @@ std::string Caption(const EvaluatedView& view) {
   return text.data();
 }
 
-// Amplified difference: 128 is equal.
+// Twice the colour difference, plus 128 per channel. Equal colours give 128.
 Rgb8 Difference(Rgb8 a, Rgb8 b) {
   const auto of = [](int x, int y) {
     return static_cast<std::uint8_t>(std::clamp(128 + 2 * (x - y), 0, 255));

@@ -37,11 +37,12 @@ double ImageShift(const Rigid3d& before, const Rigid3d& now, const PinholeCamera
 }  // namespace
 
 std::vector<Advice> Advise(const SlamRunFrame& frame, const Rigid3d* world_from_camera_before) {
-  // Half of the default of max_view_shift, above which registrations become unreliable.
+  // Maximum image motion per frame, relative to the image width. Half of the default of
+  // max_view_shift. Registration is unreliable above max_view_shift.
   constexpr double kFast = 0.05;
   constexpr double kClose_m = 0.45;     // minimum distance of most sensors
-  constexpr double kLittleDepth = 0.3;  // ratio of pixels
-  constexpr double kMuchMotion = 0.1;   // ratio of points
+  constexpr double kLittleDepth = 0.3;  // minimum ratio of pixels with depth
+  constexpr double kMuchMotion = 0.1;   // maximum ratio of moving points
   const FrameReport& report = frame.report;
   const DepthStatistics depth = LookAtDepth(frame.frame.depth_m);
   std::vector<Advice> all;

@@ -48,7 +48,7 @@ std::chrono::steady_clock::duration Seconds(double seconds) {
 
 class HttpSession;
 
-// The server thread owns all members except `io`.
+// Only the server thread uses these members, except `io`.
 struct HttpServer::State {
   State(const HttpLimits& of_clients, Handler of_requests)
       : limits(of_clients), handler(std::move(of_requests)) {}
@@ -61,7 +61,7 @@ struct HttpServer::State {
 
   HttpLimits limits;
   Handler handler;
-  // Declared before `io`, which owns the sessions.
+  // Declared before `io`, because the sessions in `io` are destroyed first.
   std::map<std::uint64_t, std::weak_ptr<HttpSession>> sessions;
   std::uint64_t next_session = 0;
   asio::io_context io{1};
@@ -150,7 +150,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     Write(status, "text/plain; charset=utf-8", nullptr);
   }
 
-  // The headers forbid caching, frames and access by other origins.
+  // Sends the response. Its headers forbid caching, embedding in other pages, and access by other
+  // origins.
   void Write(http::status status, const std::string& type,
              std::shared_ptr<const std::string> body) {
     const bool has_body = status != http::status::no_content;
@@ -233,7 +234,8 @@ void HttpServer::State::WakeAll() {
   for (const auto& session : Open()) session->Wake();
 }
 
-// Continues for the other connections after an exception, for example std::bad_alloc.
+// Runs the event loop until the server stops. After an exception, for example std::bad_alloc, the
+// loop continues for the other connections.
 void HttpServer::State::Run() {
   for (bool is_over = false; !is_over;) {
     try {
@@ -282,7 +284,8 @@ void HttpServer::Wake() {
   asio::post(state_->io, [state = state_.get()] { state->WakeAll(); });
 }
 
-// A thread cannot raise its priority, so a new thread replaces it.
+// Replaces the server thread by a new thread of normal priority. A thread cannot raise its own
+// priority.
 void HttpServer::TakePriority() {
   std::promise<void> handed_over;
   std::thread other;

@@ -23,7 +23,7 @@ Json ToJson(const std::vector<Advice>& all) {
   return json;
 }
 
-// Appends the coordinates in millimetres.
+// Appends the three coordinates, rounded to millimetres.
 template <typename Vector>
 void AppendPosition(const Vector& place, Json* json) {
   for (int i = 0; i < 3; ++i) {
@@ -154,7 +154,7 @@ LiveData::Text LiveData::Path() {
   return item.text;
 }
 
-// Encodes without the lock, so that the run can update its data.
+// Encodes the picture without holding the lock, so that the run is not blocked.
 LiveData::Text LiveData::Picture(Shown which, std::uint32_t asked) {
   constexpr int kQuality = 80;
   Image<Rgb8> picture;

@@ -82,7 +82,7 @@ std::optional<HttpAnswer> LivePages::Get(const std::string& page, const HttpTarg
   return Found("image/jpeg", shown_.Picture(picture->second, target.Number("number")));
 }
 
-// Limits the data rate of all clients together.
+// Returns map data. All clients together get at most kBytesPerSecond.
 std::optional<HttpAnswer> LivePages::Map(const HttpTarget& target, bool must) {
   constexpr double kBytesPerSecond = 16e6;
   constexpr std::size_t kMost = 16384;  // surfels per answer, 20 bytes each

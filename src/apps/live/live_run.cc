@@ -50,13 +50,13 @@ void LiveRun::Step() {
   steps_ = true;
 }
 
-// A second interruption could end the run without results.
+// Interrupts the run at most once. A second interruption could end the run without results.
 void LiveRun::Stop() {
   if (!stops_.exchange(true) && !interrupted_) interrupt_();
 }
 
 void LiveRun::Note(const SlamRunFrame& frame) {
-  constexpr double kNew = 0.1;  // weight of the last frame in the mean
+  constexpr double kNew = 0.1;  // weight of the newest frame in the mean
   const double seconds = std::chrono::duration<double>(Clock::now() - left_).count();
   frame_s_ = frame_s_ == 0 ? seconds : frame_s_ + kNew * (seconds - frame_s_);
   state_ = frame.report.state;
@@ -68,7 +68,8 @@ void LiveRun::Note(const SlamRunFrame& frame) {
   NotePath(frame);
 }
 
-// Copies the whole path only after a correction.
+// Appends the pose of the frame to the path. Copies the whole path only after a correction of
+// earlier poses.
 void LiveRun::NotePath(const SlamRunFrame& frame) {
   const FrameReport& report = frame.report;
   if (!frame.backend) return path_.push_back({report.stamp_s, report.world_from_camera});

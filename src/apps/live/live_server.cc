@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kSlotsAtOnce = 8192;
 constexpr std::array kViews = {Shown::kFrame, Shown::kModel, Shown::kNormals};
 
-// Limits the numbers of poses and loops. Keeps the last pose and the last loops.
+// Subsampled path with its last pose, and the last kMaxLoops loop closures.
 LivePath Thinned(const LiveRun& run) {
   constexpr std::size_t kMaxPlaces = 2000, kMaxLoops = 1000;
   LivePath thin;
@@ -91,17 +91,17 @@ struct LiveServer::Parts {
   LivePages pages;
   std::optional<LivePictures> pictures;  // empty before the first frame
   PinholeCamera camera;
-  // Together at most 4 % of the run time, and only for requested data.
+  // Limits of update intervals, s, and of the ratio of run time. The ratios sum to 4 %.
   RateLimiter state_pace{0.1, 0.005}, path_pace{1, 0.003}, views_pace{0.1, 0.024},
       map_pace{0, 0.008};
-  std::array<bool, kShownCount> is_exact{};  // data are those of the last frame
+  std::array<bool, kShownCount> is_exact{};  // true: the shown data belong to the last frame
   bool is_state_exact = false;
-  int map_rounds = 0;  // complete rounds since the last frame
+  int map_rounds = 0;  // complete map updates since the last frame
   std::optional<Clock::time_point> last_turn;
   HttpServer server;  // last member: it uses the members above
 };
 
-// During a pause (`must`), updates each kind of data once.
+// Updates requested data if an update is due. During a pause (`must`), the data are updated once.
 template <typename Act>
 void LiveServer::Parts::Give(Shown what, RateLimiter* pace, bool must, const Act& act) {
   bool& exact = is_exact[static_cast<std::size_t>(what)];
@@ -133,7 +133,8 @@ void LiveServer::Parts::UpdateState(bool must) {
   server.Wake();
 }
 
-// If the camera is lost, the last frame with a pose, which helps the operator to find it again.
+// Model view at the last pose. If tracking is lost, the last frame with a pose, which shows the
+// operator where to return.
 Image<Rgb8> LiveServer::Parts::ModelPicture(const SurfelMap& map, ModelColors colors) {
   if (run.is_lost() && !run.is_done()) return pictures->OfLost(run.last_good());
   const Trajectory& path = run.path();
@@ -171,8 +172,8 @@ void LiveServer::Parts::GiveViewsIfDue(const SlamRunFrame& frame, bool must) {
   });
 }
 
-// Updates a part of the map per frame. The map is exact after a complete round since the last
-// frame.
+// Updates requested data. Each call updates only a part of the map. The shown map is exact after
+// the second complete round since the last frame.
 void LiveServer::Parts::GiveAll(const SlamRunFrame& frame, bool must) {
   if (!pictures) pictures.emplace(frame.sensor);
   Give(Shown::kMap, &map_pace, must, [&] {
@@ -199,7 +200,8 @@ std::string LiveServer::url() const {
                 parts_->token, "/");
 }
 
-// If camera frames wait for the run, updates map, path and views only once per second.
+// A frame older than kCameraGap_ms shows that tracking is late. Then map, path and views are
+// updated only once per second.
 void LiveServer::Show(const SlamRunFrame& frame) {
   constexpr double kCameraGap_ms = 33;
   constexpr std::chrono::seconds kLongest(1);
@@ -225,7 +227,7 @@ void LiveServer::ShowWork() {
   parts_->state_pace.ActIfDue(/*must=*/false, [&] { parts_->UpdateState(/*must=*/false); });
 }
 
-// The server thread gets normal priority, because tracking has ended.
+// Shows the final results. Tracking has ended, so the server thread gets normal priority.
 void LiveServer::Keep(const SlamRunResult& result) {
   Parts& parts = *parts_;
   parts.server.TakePriority();
@@ -239,8 +241,8 @@ void LiveServer::Keep(const SlamRunResult& result) {
   parts.UpdateState(/*must=*/true);
 }
 
-// Waits until the pages have fetched the final data, at most kMost_s. If no request was answered
-// for kWhile_s, all pages are up to date: their pending requests wait for a newer state.
+// Serves open pages until they have all data, but at most kMost_s. Pages have all data if no answer
+// was sent for kWhile_s.
 void LiveServer::Stay() {
   constexpr double kMost_s = 10, kWhile_s = 2;
   Parts& parts = *parts_;

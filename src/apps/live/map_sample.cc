@@ -38,8 +38,8 @@ PackedSurfel PackSurfel(const Surfel& surfel) {
   return packed;
 }
 
-// Adds slots for new ids. Above the limit, drops every second slot. Keeps the versions, because
-// pages drop the same slots.
+// Adds slots for new surfel ids. If there are too many slots, every second slot is dropped.
+// Versions remain valid, because the web pages drop the same slots.
 void MapSample::Fit(const SurfelMap& map) {
   const auto ids = static_cast<std::uint64_t>(map.id_end());
   const auto needed = [&] {
@@ -115,7 +115,7 @@ SampleChanges MapSample::ChangesFrom(SamplePlace place, std::size_t most) const 
   changes.version = version_;
   for (std::uint32_t slot = place.slot; slot < changes.slots; ++slot) {
     if (newest_[slot / kBlock] <= place.version) {
-      slot |= kBlock - 1;  // skips a block without changes
+      slot |= kBlock - 1;  // skips the rest of a block without changes
       continue;
     }
     if (versions_[slot] <= place.version) continue;

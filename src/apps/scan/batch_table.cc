@@ -39,7 +39,7 @@ void Take(const Json& json, const char* key, std::optional<T>* value) {
   if (json.contains(key) && json[key].is_number()) *value = json[key].get<T>();
 }
 
-// Reads values of summary.json. A failed run may lack some.
+// Reads values of summary.json. Missing values, for example of a failed run, are left unchanged.
 void TakeSummary(const std::string& path, BatchRow* row) {
   const Json json = ReadJson(path);
   Take(json, "frames_total", &row->frames);

@@ -39,7 +39,7 @@ class CandidateSearch {
   }
 
  private:
-  // Returns the smallest n for which every n-th keyframe fits into max_index_bytes.
+  // Returns the smallest n for which the index of every n-th keyframe fits into max_index_bytes.
   int StepWithinMemory() {
     std::size_t bytes = 0;
     for (const ScanFragment& fragment : plan_.fragments) {
@@ -70,7 +70,7 @@ class CandidateSearch {
     }
   }
 
-  // The later keyframe of a pair is the source.
+  // Adds candidate pairs of keyframe `source` with similar earlier keyframes.
   void Propose(int source) {
     const Place& from = places_[source];
     const auto found = index_.Query(from.view, options_.max_similar, [&](int p) {
@@ -84,7 +84,8 @@ class CandidateSearch {
     }
   }
 
-  // Deletes files of former pairs, because the next jobs would use them.
+  // Writes one file per fragment pair. Deletes files of earlier searches, because the next jobs
+  // would use them.
   void Write() const {
     CreateFolder(options_.output);
     std::set<std::string> written;

@@ -227,8 +227,8 @@ Json ToJson(const ScanPlan& plan, const std::vector<RecordingResult>& results) {
   return recordings;
 }
 
-// Returns std::nullopt for links between recordings: their ground truths may have different
-// frames.
+// Error of a link against the ground truth. std::nullopt for links between two recordings, whose
+// ground truths may have different world frames.
 std::optional<PoseError> ErrorOf(const ScanPlan& plan, const ScanGraph& graph,
                                  const std::vector<RecordingResult>& results,
                                  const GraphLink& link) {
@@ -302,7 +302,7 @@ Json ToJson(const ScanPlan& plan, const ScanGraph& graph,
           {"links", links}};
 }
 
-// Link files, except files of a former plan.
+// Paths of the link files of current candidates. Link files of an earlier plan are excluded.
 std::vector<std::string> LinkFiles(const std::string& scan) {
   std::vector<std::string> paths;
   for (const std::string& pair : FilesIn(scan + "/candidates", ".json")) {
@@ -312,7 +312,7 @@ std::vector<std::string> LinkFiles(const std::string& scan) {
   return paths;
 }
 
-// Files of former graphs in the folder.
+// Names of files in the folder that earlier graph jobs wrote.
 std::vector<std::string> GraphFiles(const std::string& folder) {
   std::vector<std::string> names = {"graph.json", "tiles.json"};
   for (const char* const ending : {".txt", ".png"}) {

@@ -37,7 +37,7 @@ std::string AbsolutePath(const std::string& path) {
 
 SequenceOptions WithAbsolutePaths(SequenceOptions sequence) {
   sequence.path = AbsolutePath(sequence.path);
-  // A camera that is not a file is a preset.
+  // `camera` is the name of a preset if there is no such file.
   if (fs::exists(sequence.camera)) sequence.camera = AbsolutePath(sequence.camera);
   return sequence;
 }

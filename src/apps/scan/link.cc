@@ -87,7 +87,8 @@ class FragmentLinker {
         {from.frame_index, to.frame_index, VerifyLoop(from.view, to.view, options_.verify, prior)});
   }
 
-  // Maximum number of frames for the prediction by a link, because of drift.
+  // Maximum frame distance to the linked keyframes. Drift makes the prediction inaccurate for
+  // farther keyframes.
   static constexpr int kReachFrames = 100;
 
   const FindLoopsOptions& options_;

@@ -40,7 +40,7 @@ std::string FoundCamera(const std::string& scan, std::size_t recording) {
   return Concat(scan, "/camera/", recording, "/camera.yaml");
 }
 
-// Uses a camera file. Clears the camera options, which the file contains.
+// Sets the camera file. Clears the camera options, because the file contains their values.
 SequenceOptions WithCamera(SequenceOptions sequence, const std::string& camera) {
   sequence.camera = camera;
   sequence.intrinsics = sequence.color_intrinsics = {};

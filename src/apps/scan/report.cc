@@ -40,11 +40,11 @@ std::string Hex(const Fnv1a& hash) {
   return text.str();
 }
 
-// Uniform sample of the map with about kMaxSurfels surfels at most. Radii are scaled to keep the
+// Uniform sample of the map with at most about kMaxSurfels surfels. Larger radii preserve the
 // covered area.
 SurfelMap ThinnedMap(const std::vector<std::string>& paths) {
   constexpr std::size_t kMaxSurfels = 2000000;
-  constexpr std::uintmax_t kBytesOfSurfel = 43;  // WriteSurfelPly()
+  constexpr std::uintmax_t kBytesOfSurfel = 43;  // record size of WriteSurfelPly()
   std::uintmax_t count = 0;
   for (const std::string& path : paths) count += fs::file_size(path) / kBytesOfSurfel;
   const std::size_t step = count / kMaxSurfels + 1;

@@ -11,8 +11,8 @@ namespace surfit {
 namespace {
 
 constexpr int kNoPart = -1;
-// Information of the identity between two poses of a shared frame. LoopInformation() adds the
-// noise of loop closures.
+// Information matrix between two poses of the same frame in two fragments. Both poses are
+// identical. LoopInformation() adds the noise of loop closures.
 const Matrix6d kExact = 1e12 * Matrix6d::Identity();
 
 std::vector<int> FrameOfKeyframe(const RunPlaces& places) {
@@ -42,7 +42,8 @@ ScanGraph::ScanGraph(std::vector<std::optional<RunPlaces>> fragments, std::vecto
   }
 }
 
-// Uses the middle one of the shared frames.
+// Connects two fragments by the middle one of their shared frames. std::nullopt without shared
+// frames.
 std::optional<ScanGraph::Connection> ScanGraph::Joint(std::size_t a, std::size_t b) const {
   if (!fragments_[a] || !fragments_[b]) return std::nullopt;
   const std::vector<PosedFrame>& of_a = fragments_[a]->places.frames;
@@ -66,7 +67,7 @@ std::optional<ScanGraph::Connection> ScanGraph::Joint(std::size_t a, std::size_t
   return joint;
 }
 
-// Order: consecutive fragments, then links with decreasing overlap.
+// Returns connections of consecutive fragments, followed by links in order of decreasing overlap.
 std::vector<ScanGraph::Connection> ScanGraph::Connections() const {
   std::vector<Connection> connections;
   for (std::size_t i = 0; i + 1 < fragments_.size(); ++i) {
@@ -174,7 +175,7 @@ bool ScanGraph::Solve() {
     const auto link = link_of_edge.find(edge);
     if (link != link_of_edge.end()) links_[link->second].is_rejected = true;
   }
-  // Without outliers, further fragments may be disconnected.
+  // The rejection of outlier links can disconnect further fragments.
   connections = Connections();
   parts = Parts(connections, &world_from_fragment);
   const int left = LargestPart(parts);

@@ -19,7 +19,7 @@ void KeepFinitePoints(const std::string& what, PointCloud* cloud, RegisteredClou
   }
 }
 
-// Zero and non-finite normals become (0, 0, 0).
+// Scales normals to unit length. Zero and non-finite normals become (0, 0, 0).
 void Normalize(std::vector<Eigen::Vector3f>* normals) {
   for (Eigen::Vector3f& normal : *normals) {
     const float length = normal.norm();

@@ -72,7 +72,7 @@ std::vector<SlamComparisonRow> CompareSlam(
         progress({"frame", before * p.frames_total + p.frames_done, runs * p.frames_total,
                   1e-3 * time.Milliseconds()});
       });
-      if (summary.interrupted) return rows;  // not comparable: it has fewer frames
+      if (summary.interrupted) return rows;  // an interrupted run has fewer frames
       rows.push_back(RowOf(summary, combination, threads));
       const PointCloud map = ReadPly(run.output + "/map.ply");
       const bool comparable = before > 0 &&

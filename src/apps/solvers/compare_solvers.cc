@@ -55,8 +55,9 @@ class ComparisonRunner {
   }
 
  private:
-  // Combinations alternate. Slow combinations run only on the first problem, from initial poses
-  // with equal indices of rotation and translation.
+  // Calls f for each problem, initial pose and combination. Combinations alternate, so that all of
+  // them run under equal conditions. Slow combinations run only on the first problem, from initial
+  // poses with equal rotation and translation indices.
   template <typename F>
   void ForEach(const F& f) {
     for (int i = 0; i < problems_.count; ++i) {

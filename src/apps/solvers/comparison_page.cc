@@ -6,13 +6,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Second cell of the diagonal: slow combinations run only on the diagonal.
+// Initial pose for the convergence plot. Both indices are equal, because slow combinations run only
+// for equal indices.
 PerturbationCell ShownStart(const CompareOptions& options) {
   const bool has_second = options.rotations_deg.size() > 1 && options.translations_m.size() > 1;
   return has_second ? PerturbationCell{1, 1} : PerturbationCell{0, 0};
 }
 
-// Rows: rotations. Columns: translations. null if the truth is unknown.
+// Ratios of converged runs. Rows: initial rotation errors. Columns: initial translation errors.
+// null without ground truth.
 Json SharesOf(const ComparedRuns& runs, const CompareOptions& options) {
   if (!runs.runs.front().converged) return nullptr;
   Json shares = Json::array();

@@ -20,7 +20,8 @@ Eigen::Vector3d RandomVector(double size, std::mt19937_64* rng) {
   return vector;
 }
 
-// Source points are in a cube of 2 m, 3 m in front of the camera. Target points have noise.
+// Random correspondences. The source points are in a cube with sides of 2 m, centred 3 m in front
+// of the camera. The target points have noise.
 PairBuffer MakePairs(const CompareOptions& options, const Rigid3d& target_from_source) {
   std::mt19937_64 rng(options.seed);
   std::normal_distribution<double> noise(0, 1);
@@ -92,7 +93,7 @@ SolveOutcome Solve(const PairBuffer& pairs, const PoseSolverOptions& options,
   outcome.final_cost = at_end.cost;
   for (const SolveReport& report : reports) {
     outcome.iterations += static_cast<int>(report.costs.size());
-    // Without a kernel, the cost is half of the weighted sum of |r|^2.
+    // Without a robust kernel, the cost is half of the weighted sum of squared residuals.
     for (const double cost : report.costs) outcome.losses.push_back(2 * cost / at_end.weight_sum);
   }
   outcome.losses.push_back(at_end.AverageLoss());

@@ -36,7 +36,8 @@ std::vector<PerturbationCell> AllCells(int rotations, int translations) {
 
 Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double translation_m,
                   std::uint64_t seed) {
-  if (rotation_rad == 0 && translation_m == 0) return target_from_source;  // bitwise identical
+  // The unperturbed pose has no rounding errors.
+  if (rotation_rad == 0 && translation_m == 0) return target_from_source;
   std::mt19937_64 rng(seed);
   Eigen::Matrix<double, 6, 1> increment;
   increment.head<3>() = rotation_rad * RandomUnitVector(&rng);
@@ -46,7 +47,7 @@ Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double
 
 void SetTimes(const std::vector<SolveReport>& reports, SolveOutcome* outcome) {
   outcome->build_ms = MedianOf(reports, &SolveReport::build_ms);
-  if (outcome->build_ms == 0) outcome->build_ms.reset();  // no Ceres problem
+  if (outcome->build_ms == 0) outcome->build_ms.reset();  // 0: the solver builds no Ceres problem
   outcome->linearize_ms = MedianOf(reports, &SolveReport::linearize_ms);
   outcome->solve_ms = MedianOf(reports, &SolveReport::solve_ms);
 }

@@ -59,7 +59,8 @@ class RefineRun {
                              {"trajectory.txt", "map.ply", "camera.yaml", "poses.json",
                               "refinement.json", "report.html"},
                              {options_.trajectory, options_.sequence.camera});
-    // The input field has already been applied to the frames.
+    // The depth correction field of the input camera is already applied to the frames. So the
+    // initial field is empty.
     const DepthCalibration given = {run_.info.pinhole, {}, run_.info.camera.readout_s};
     summary_.refinement = Refine(options_.refinement, given, &run_.keyframes,
                                  [&](const RefinementRound& round) { Tell(round); });

@@ -16,10 +16,10 @@ namespace surfit {
 namespace {
 
 constexpr int kMaxIterations = 50;
-// Photometric weight if the options have none.
+// Photometric weight of the textured residual if the weight option is 0.
 constexpr double kPhotometricWeight = 0.03;
 
-// Value of /proc/self/status, in bytes; std::nullopt on other systems.
+// Memory value of /proc/self/status, in bytes. std::nullopt if the system has no such file.
 std::optional<double> MemoryFigure(const std::string& name) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {
@@ -28,12 +28,12 @@ std::optional<double> MemoryFigure(const std::string& name) {
   return std::nullopt;
 }
 
-// Increase of the peak resident memory since construction.
+// Measures the increase of the peak resident memory since construction.
 class PeakMemory {
  public:
   PeakMemory() {
 #if defined(__GLIBC__)
-    malloc_trim(0);  // new allocations would reuse freed memory
+    malloc_trim(0);  // reuse of freed memory would not be measured
 #endif
     std::ofstream reset("/proc/self/clear_refs");
     reset << "5" << std::flush;  // resets the peak

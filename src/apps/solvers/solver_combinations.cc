@@ -102,8 +102,7 @@ std::vector<SolverCombination> SolverCombinations(const CompareOptions& options)
       }
     }
   }
-  if (combinations.empty()) {  // svd is the only chosen solver, and point_to_point is not among the
-                               // chosen residuals
+  if (combinations.empty()) {  // svd needs point_to_point
     RequirePossible(solvers.front(), residuals.front());
   }
   return combinations;

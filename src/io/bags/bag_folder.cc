@@ -32,7 +32,7 @@ class BagFolder : public MessageLog {
   }
 
  private:
-  // File index, and MessageLocation::part in that file.
+  // Origin of a part: file index, and MessageLocation::part inside this file.
   struct Origin {
     std::size_t file = 0;
     int part = -1;

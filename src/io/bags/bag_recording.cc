@@ -39,7 +39,7 @@ class FrameTree {
   }
 
  private:
-  // Transforms ancestor_from_frame by ancestor. The frame itself is included.
+  // Map from each ancestor to the transform ancestor_from_frame. Includes the frame itself.
   std::map<std::string, Rigid3d> Ancestors(const std::string& frame) const {
     std::map<std::string, Rigid3d> found{{frame, Rigid3d()}};
     Rigid3d pose;
@@ -87,7 +87,8 @@ std::array<double, 5> Distortion(const CameraInfo& info, const std::string& name
   return distortion;
 }
 
-// Uses P for rectified images ("rect" in the topic name), and K and D for all others.
+// Uses the matrix P of CameraInfo for rectified images ("rect" in the topic name). All other images
+// use the matrix K and the distortion D.
 PinholeCamera PinholeOf(const CameraInfo& info, const std::string& topic, const std::string& name) {
   PinholeCamera camera;
   camera.width = static_cast<int>(info.width);
@@ -134,9 +135,9 @@ class BagRecording : public Recording {
   }
 
   const std::vector<std::string>& warnings() const { return warnings_; }
-  int unpaired_images() const { return unpaired_images_; }  // OpenedRecording
+  int unpaired_images() const { return unpaired_images_; }  // see OpenedRecording
 
-  // Camera parameters that the options set, so that the bag may lack them.
+  // Camera parameters that the options set. The bag can lack these parameters.
   struct Known {
     bool depth = false, color = false, color_from_depth = false;
   };

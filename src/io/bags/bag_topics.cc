@@ -47,7 +47,7 @@ std::vector<Candidate> Candidates(const MessageLog& log) {
   return candidates;
 }
 
-// "/camera/depth/image (16UC1), ..."
+// Topics and encodings for error messages, for example "/camera/depth/image (16UC1), ...".
 std::string List(const std::vector<Candidate>& candidates) {
   std::string list;
   for (const Candidate& c : candidates)
@@ -55,7 +55,7 @@ std::string List(const std::vector<Candidate>& candidates) {
   return list;
 }
 
-// All topics with messages and their types, for error messages.
+// All non-empty topics and their types, for error messages.
 std::string ListTypes(const MessageLog& log) {
   std::string list;
   for (const Topic& topic : log.topics()) {
@@ -65,7 +65,7 @@ std::string ListTypes(const MessageLog& log) {
   return list.empty() ? "no messages" : list;
 }
 
-// Omits compressed topics that also exist uncompressed.
+// Candidates of one kind. Compressed topics are omitted if they also exist uncompressed.
 std::vector<Candidate> OfKind(const std::vector<Candidate>& candidates, ImageKind kind) {
   std::vector<Candidate> chosen;
   for (const Candidate& c : candidates) {

@@ -17,7 +17,7 @@ struct SqliteCloser {
   void operator()(sqlite3_blob* blob) const { sqlite3_blob_close(blob); }
 };
 
-// Signature of messages compressed with zstd (RFC 8878, 3.1.1). Uncompressed CDR begins with 0.
+// Signature of zstd data (RFC 8878, 3.1.1). Uncompressed CDR messages begin with the byte 0.
 constexpr std::string_view kZstdMagic = "\x28\xB5\x2F\xFD";
 
 class Db3 : public MessageLog {

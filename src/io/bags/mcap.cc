@@ -97,7 +97,7 @@ class Mcap : public ChunkedLog {
     }
   }
 
-  // Every chunk repeats its channels.
+  // Adds a channel. Chunks repeat channels, so known ids are ignored.
   void TakeChannel(Cursor* cursor) {
     const auto id = cursor->Take<std::uint16_t>();
     if (topic_of_.count(id) > 0) return;

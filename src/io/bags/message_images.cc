@@ -62,8 +62,8 @@ Image<T> CopyRows(const ImageMessage& message, const std::string& name) {
   return image;
 }
 
-// Decodes compressed_depth_image_transport: an int32, two floats a and b, then a PNG. For 32FC1,
-// the PNG stores inverse depth: z = a / (count - b) in m. Count 0: no depth.
+// Decodes compressed_depth_image_transport: an int32, two floats a and b, then a PNG. For 32FC1, a
+// PNG value `count` is inverse depth: z = a / (count - b), m. Count 0: no depth.
 RawDepth CompressedDepth(const ImageMessage& message, const std::string& name) {
   Cursor cursor(message.data, name);
   cursor.Take<std::int32_t>();

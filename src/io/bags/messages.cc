@@ -29,7 +29,7 @@ class MessageFields {
   void Numbers(Array* array) {
     for (double& number : *array) number = Number<double>();
   }
-  // Array with a leading count.
+  // Reads an array with a leading count.
   std::vector<double> Numbers() {
     const auto count = Number<std::uint32_t>();
     std::vector<double> numbers;
@@ -60,7 +60,7 @@ class MessageFields {
   }
 
  private:
-  static constexpr std::uint32_t kLittleEndianCdr = 0x0100;  // bytes 0, 1
+  static constexpr std::uint32_t kLittleEndianCdr = 0x0100;  // header bytes 0 and 1
 
   Cursor cursor_;
   bool is_cdr_;

@@ -119,7 +119,7 @@ class RosBag : public ChunkedLog {
                data);
   }
 
-  // A topic has one connection per publisher.
+  // Adds a connection. A topic has one connection per publisher.
   void TakeConnection(std::uint32_t connection, const RecordFields& fields, std::string_view data,
                       const std::string& name) {
     if (topic_of_.count(connection) > 0) return;

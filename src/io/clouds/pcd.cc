@@ -150,7 +150,8 @@ std::string ExpandLzf(std::string_view compressed, std::size_t size) {
   return bytes;
 }
 
-// Decompresses the body and converts it to rows: compressed files store field by field.
+// Decompresses the body and converts it to rows. Compressed files store all values of a field
+// contiguously.
 std::string ExpandToRows(std::string_view body, const PlyElement& points) {
   const std::size_t compressed_size = NextUint32(&body), size = NextUint32(&body);
   std::size_t row_size = 0;
@@ -182,7 +183,7 @@ std::optional<std::size_t> FindColor(const PlyElement& points) {
   return std::nullopt;
 }
 
-// Unpacks the colour 0xaarrggbb. Ascii files may store the bits as a float.
+// Unpacks the colour 0xaarrggbb. Ascii files can store these bits as a float.
 Rgb8 UnpackColor(double value, PlyType type) {
   std::uint32_t bits = 0;
   if (type == PlyType::kFloat32) {

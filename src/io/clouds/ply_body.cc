@@ -74,9 +74,9 @@ class AsciiCursor {
  public:
   explicit AsciiCursor(std::string_view body) : rest_(body) {}
 
-  // Adds one byte, because the last line may have no line feed.
+  // Number of unread bytes plus 1, because the last line may have no line feed.
   std::size_t BytesLeft() const { return rest_.size() + 1; }
-  // A digit and a separator.
+  // Minimum size of a value in bytes: a digit and a separator.
   static std::size_t LeastSize(const PlyProperty&) { return 2; }
   double Next(PlyType) {
     rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r"), rest_.size()));

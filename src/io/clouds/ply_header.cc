@@ -52,7 +52,7 @@ PlyProperty ParseProperty(const Words& words) {
   return property;
 }
 
-// One line between `format` and `end_header`.
+// Parses one line between `format` and `end_header`.
 void ParseLine(const Words& words, PlyHeader* header) {
   if (words.empty() || words[0] == "comment" || words[0] == "obj_info") return;
   if (words[0] == "element" && words.size() == 3) {

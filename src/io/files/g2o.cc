@@ -24,7 +24,8 @@ Rigid3d ParsePose(const std::string_view* words) {
   return RigidFromNumbers(v);
 }
 
-// Entry of an information matrix. The maximum of 1e30 is a standard deviation of 1e-15.
+// Parses an entry of an information matrix. The maximum absolute value, 1e30, corresponds to a
+// standard deviation of 1e-15.
 double InformationOf(std::string_view word) {
   constexpr double kMost = 1e30;
   const double value = FiniteNumber(word);

@@ -29,7 +29,8 @@ std::string OwnerIn(int lock) {
   return owner;
 }
 
-// The previous owner may have removed the path while it was being opened.
+// True if `path` is still the opened file. A previous owner can remove the path while it is being
+// opened.
 bool IsStillAt(const std::string& path, int file) {
   struct stat opened {};
   struct stat there {};
@@ -37,7 +38,8 @@ bool IsStillAt(const std::string& path, int file) {
          opened.st_ino == there.st_ino && opened.st_dev == there.st_dev;
 }
 
-// The operating system releases the lock when the process ends, even after a crash.
+// Locks the file `path` and returns its descriptor. Throws InputError if another process has the
+// lock. The operating system releases the lock when the process ends, even after a crash.
 int Lock(const std::string& folder, const std::string& path) {
   for (;;) {
     const int lock = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);

@@ -41,7 +41,7 @@ class YamlParser {
     while (!AtEnd() && IsBlank(Now())) ++at_;
   }
 
-  // "%YAML:1.0" and "---".
+  // Skips the lines "%YAML:1.0" and "---".
   void SkipHeader() {
     while (Now() == '%') SkipLine();
     if (StartsWith("---")) at_ += 3;
@@ -136,7 +136,7 @@ class YamlParser {
     ++at_;
   }
 
-  // Parses a scalar in quotation marks, or up to a character of `ends`.
+  // Parses a scalar in quotation marks, or a scalar that ends before any character of `ends`.
   std::string ParseScalar(const char* ends) {
     const char quote = Now();
     const bool is_quoted = quote == '"' || quote == '\'';

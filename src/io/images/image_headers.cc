@@ -27,7 +27,8 @@ class TiffReader {
  public:
   explicit TiffReader(const std::string& bytes) : bytes_(bytes), is_little_(bytes[0] == 'I') {}
 
-  // `size` in bytes. Throws InputError with `path` beyond the end of the file.
+  // Reads a number of `size` bytes at offset `at`. Throws InputError with `path` if the file ends
+  // before.
   std::uint32_t Number(std::size_t at, int size, const std::string& path) const {
     ThrowIf(at + size > bytes_.size(), path, " is truncated");
     std::uint32_t number = 0;
@@ -43,8 +44,8 @@ class TiffReader {
   bool is_little_;
 };
 
-// Larger of image size and tile size. The first directory has a 2-byte count, then entries of 12
-// bytes: 2 bytes of tag, 2 of type, 4 of count, 4 of value (TIFF 6.0).
+// Larger of image size and tile size per axis. The first directory has a 2-byte count, then entries
+// of 12 bytes (TIFF 6.0). An entry has 2 bytes of tag, 2 of type, 4 of count and 4 of value.
 ImageSize TiffSize(const std::string& bytes, const std::string& path) {
   constexpr std::uint32_t kWidth = 256, kHeight = 257, kTileWidth = 322, kTileHeight = 323;
   constexpr std::uint32_t kShort = 3, kLong = 4, kMost = 1 << 30;

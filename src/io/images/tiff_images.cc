@@ -81,7 +81,7 @@ class TiffFile {
 
   Image<Rgb8> ReadColor() const {
     std::vector<std::uint32_t> pixels(size_.pixels());
-    // The orientation of the file itself is requested, so libtiff does not rotate the image.
+    // Requests the orientation of the file, so that libtiff does not rotate the image.
     Require(TIFFReadRGBAImageOriented(tiff_.get(), size_.width, size_.height, pixels.data(),
                                       Tag<std::uint16_t>(TIFFTAG_ORIENTATION),
                                       /*stop_on_error=*/1) != 0);
@@ -99,7 +99,8 @@ class TiffFile {
     if (!holds) throw DamagedImage(path_);
   }
 
-  // Value of a tag. If the tag is missing: its default in the TIFF specification, or else 0.
+  // Value of a tag. A missing tag has the default of the TIFF specification, or 0 if there is no
+  // default.
   template <typename T>
   T Tag(std::uint32_t tag) const {
     T value = 0;

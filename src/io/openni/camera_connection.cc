@@ -85,7 +85,7 @@ std::optional<DeviceImage> CameraConnection::Next() {
   try {
     if (!is_gone_) image = device_->Next(kWait_ms);
   } catch (const InputError&) {
-    if (!is_gone_) throw;  // a device that is unplugged during reading is no error
+    if (!is_gone_) throw;  // an unplugged device is not an error
   }
   const Clock::time_point now = Clock::now();
   if (!image) {

@@ -19,12 +19,12 @@ double ApartSeconds(const DeviceImage& a, const DeviceImage& b) {
 void ImagePairs::Add(DeviceImage image) {
   std::deque<DeviceImage>& images = image.is_depth() ? depth_ : color_;
   images.push_back(std::move(image));
-  constexpr std::size_t kMost = 8;  // queue length if one of the streams stops
+  constexpr std::size_t kMost = 8;  // limits the queue if one stream stops
   if (images.size() > kMost) images.pop_front();
 }
 
 bool ImagePairs::IsDecided() const {
-  constexpr std::size_t kWaiting = 3;  // depth images after which a pair does not wait for colour
+  constexpr std::size_t kWaiting = 3;  // depth queue length that ends the wait for colour
   if (depth_.empty()) return false;
   if (!has_color_ || depth_.size() >= kWaiting) return true;
   return !color_.empty() && color_.back().stamp_us >= depth_.front().stamp_us;

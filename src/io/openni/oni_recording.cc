@@ -107,7 +107,7 @@ class OniRecording : public Recording {
 
   RgbdCamera Camera() const { return device_.Camera(options_); }
   const std::vector<std::string>& warnings() const { return warnings_; }
-  int unpaired_images() const { return unpaired_images_; }  // OpenedRecording
+  int unpaired_images() const { return unpaired_images_; }  // see OpenedRecording
 
  private:
   // Image numbers in the file. `color` 0: none.

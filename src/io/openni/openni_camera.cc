@@ -25,7 +25,7 @@ struct CameraFrame {
   ImagePair images;
   double paused_before_s = 0;
   int dropped_before = 0;
-  Clock::time_point came;  // arrival
+  Clock::time_point came;  // arrival time
 };
 
 // Reads images in a background thread and keeps the newest `capacity` frames.
@@ -52,7 +52,7 @@ class FrameQueue {
   }
 
   // Waits for the next frame. Returns std::nullopt if `stop` is true. Rethrows an exception of the
-  // thread.
+  // reading thread.
   std::optional<CameraFrame> Next(const std::atomic<bool>& stop) {
     constexpr std::chrono::milliseconds kWakeUp(20);  // polling interval of `stop`
     std::unique_lock<std::mutex> lock(mutex_);
@@ -178,7 +178,7 @@ class OpenNiCamera : public RawFrames {
   FrameImages Read() override { return ImagesOf(std::exchange(last_, {})); }
 
  private:
-  // Moves the next frame to last_, false without one.
+  // Moves the next frame to last_. Returns false if there is no further frame.
   bool TakeArrival() {
     if (std::exchange(is_first_, false)) return true;
     std::optional<CameraFrame> arrival = queue_->Next(stop_);

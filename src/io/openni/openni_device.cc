@@ -124,7 +124,7 @@ void OpenNiDevice::SetUp(const SequenceOptions& options) {
 }
 
 void OpenNiDevice::PlayOnRequest(const SequenceOptions& options) {
-  is_registered_ = options.device_registration;  // not stored in recordings
+  is_registered_ = options.device_registration;  // recordings do not store this setting
   is_played_ = true;
   const float on_request = -1;
   // Without repetition, the player of OpenNI2 polls the streams at the end of the file, even while
@@ -218,7 +218,7 @@ PinholeCamera OpenNiDevice::PinholeOf(const Stream& stream) const {
 }
 
 RgbdCamera OpenNiDevice::Camera(const SequenceOptions& options) const {
-  RgbdCamera camera = CameraPreset("xtion");  // noise and shutter
+  RgbdCamera camera = CameraPreset("xtion");  // for noise and readout time
   camera.latency_s = 0;                       // timestamps are from the device clock
   camera.depth_units_per_metre =
       depth_.mode.pixelFormat == ONI_PIXEL_FORMAT_DEPTH_1_MM ? 1000 : 10000;

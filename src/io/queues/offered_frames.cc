@@ -51,8 +51,8 @@ class OfferedFrames final : public FrameSource {
     return start_ + std::chrono::duration_cast<Clock::duration>(since_start);
   }
 
-  // Drops frames that have at least `capacity` later offered frames. Returns the number of dropped
-  // frames.
+  // Drops a waiting frame if at least `capacity` later frames have already been offered. Returns
+  // the number of dropped frames.
   int DropOldFrames() {
     int dropped = 0;
     while (next_ + capacity_ < frames_.size() && TimeOf(next_ + capacity_) < Clock::now()) {

@@ -16,9 +16,9 @@ struct Item {
   std::exception_ptr exception;
 };
 
-// A background task reads frames until the queue is full or the sequence ends. Next() starts it
-// again when there is space, so that no worker thread waits. With one thread, Next() reads the
-// frame itself. The source is used by one thread at a time.
+// A background task reads frames until the queue is full or the sequence ends. Next() starts the
+// task again when the queue has space, so that no worker thread waits. With one thread, Next()
+// reads the frame itself. Only one thread at a time uses the source.
 class ReadAheadSource : public FrameSource {
  public:
   ReadAheadSource(std::unique_ptr<FrameSource> source, int capacity)
@@ -62,7 +62,7 @@ class ReadAheadSource : public FrameSource {
       changed_.notify_all();
     }
     producing_ = false;
-    changed_.notify_all();  // under the lock, because the destructor may finish after unlocking
+    changed_.notify_all();  // notified under the lock: afterwards, the object may be destroyed
   }
 
   // Reads one frame with the lock released, then adds it to the queue.

@@ -7,7 +7,7 @@ namespace {
 
 using Distortion = std::array<double, 5>;
 
-constexpr double kKinectReadout_s = 1. / 30;  // RgbdCamera::readout_s
+constexpr double kKinectReadout_s = 1. / 30;  // readout time, see RgbdCamera::readout_s
 
 PinholeCamera Vga(double fx, double fy, double cx, double cy, const Distortion& distortion = {}) {
   return {640, 480, fx, fy, cx, cy, distortion};
@@ -29,7 +29,8 @@ RgbdCamera Tum(const PinholeCamera& camera) {
   return rgbd;
 }
 
-// The colour intrinsics were estimated from the red kitchen. The extrinsics are not published.
+// Kinect v1 of the 7-Scenes data set. The colour intrinsics were estimated from the scene
+// redkitchen. The extrinsics are not published.
 RgbdCamera SevenScenes() {
   RgbdCamera rgbd = Registered(Vga(585, 585, 320, 240), 1000);
   rgbd.readout_s = kKinectReadout_s;
@@ -43,9 +44,9 @@ RgbdCamera SevenScenes() {
 // marked as assumed.
 
 // PrimeSense sensor, registered by OpenNI. The three calibrated sensors of TUM differ from the
-// driver default: focal length 525 px by -1.5, -0.8 and 2.3 %, aspect ratio by 0.4 %, and centre by
-// 9 px (RMS). Depth errors are a few centimetres (Boehm 2014, 18 sensors), which is one disparity
-// step.
+// driver default. Focal lengths differ from 525 px by -1.5, -0.8 and 2.3 %. Aspect ratios differ by
+// 0.4 %, and principal points by 9 px (RMS). Depth errors are a few centimetres (Boehm 2014, 18
+// sensors). This is about one disparity step.
 RgbdCamera PrimeSense() {
   RgbdCamera rgbd = Registered(Vga(525, 525, 319.5, 239.5), 1000);
   rgbd.latency_s = 0.02;
@@ -56,7 +57,8 @@ RgbdCamera PrimeSense() {
   return rgbd;
 }
 
-// Sensor with a global shutter and timestamps at the exposure (assumed, to 10 ms).
+// Sensor with a global shutter and timestamps at the exposure. Assumed: the timestamp error is at
+// most 10 ms.
 RgbdCamera GlobalShutter(const PinholeCamera& camera, double inverse_depth_sigma,
                          const CalibrationPrior& prior) {
   RgbdCamera rgbd = Registered(camera, 1000);
@@ -67,9 +69,9 @@ RgbdCamera GlobalShutter(const PinholeCamera& camera, double inverse_depth_sigma
   return rgbd;
 }
 
-// Intrinsics of one device that libfreenect2 users share. The principal point of another device
-// differs by 2 px and 5 px, the image centre by 1 px and 6 px. Assumed: depth noise of 4 mm and
-// depth error of 20 mm at 2 m, and the prior of the focal length.
+// Intrinsics of one device, published by libfreenect2 users. The principal point of another device
+// differs by 2 px and 5 px. The image centre differs by 1 px and 6 px. Assumed: depth noise of 4 mm
+// and depth error of 20 mm at 2 m, and the prior of the focal length.
 RgbdCamera KinectV2() {
   const PinholeCamera camera = {
       512, 424, 365.456, 365.456, 254.878, 205.395, {0.0905474, -0.26819, 0, 0, 0.0950862}};

@@ -85,7 +85,7 @@ CalibrationPrior ReadPrior(const Node& node) {
   CalibrationPrior prior;
   std::vector<std::string> names;
   const Numbers numbers = NumbersOf(&prior);
-  // Files of version 0.1 have old names.
+  // Files of version 0.1 have old parameter names.
   for (const auto& [name, number] : numbers.all) {
     names.push_back(name);
     if (OldName(name) != name) names.push_back(OldName(name));
@@ -218,8 +218,8 @@ void WritePrior(cv::FileStorage& file, CalibrationPrior prior) {
   file << "}";
 }
 
-// Reads a file with a limited number of lists and maps, because the parser is recursive. A camera
-// file has about 12.
+// Reads a file. Throws InputError if the file has too many lists and maps for the recursive parser.
+// A camera file has about 12.
 std::string ReadShallowText(const std::string& path) {
   constexpr std::size_t kMost = 1 << 16;  // bytes, enough for 360 levels of indentation
   constexpr int kMaxOpened = 200;

@@ -18,7 +18,8 @@ constexpr int kPhoneRange = 2, kByteRange = 255;
 std::string FileName(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 std::string StemOf(const std::string& name) { return name.substr(0, name.rfind('.')); }
 
-// Sets the images for frames without one. Both are in ascending order of time.
+// Assigns confidence images by timestamp to frames without a confidence image. Images and frames
+// are in ascending order of time.
 void MatchByTime(const std::vector<StampedFile>& images, std::vector<FrameFiles>* frames) {
   std::vector<double> image_s, frame_s;
   std::vector<FrameFiles*> without;
@@ -32,11 +33,11 @@ void MatchByTime(const std::vector<StampedFile>& images, std::vector<FrameFiles>
     without[f]->confidence_path = images[i].path;
 }
 
-// Images of a folder by the information in their names.
+// Confidence images of a folder, indexed by the stem, timestamp or number in their names.
 struct NamedImages {
   std::map<std::string, std::string> by_stem;
   std::vector<StampedFile> by_time;
-  std::map<long, std::vector<std::string>> by_number;  // without images of by_time
+  std::map<long, std::vector<std::string>> by_number;  // excludes images in by_time
 };
 
 NamedImages ListNamedImages(const std::string& folder) {
@@ -57,8 +58,8 @@ NamedImages ListNamedImages(const std::string& folder) {
   return images;
 }
 
-// Reads up to eight images of the first 120 frames. Unreadable images are skipped here: they are
-// errors of their frames.
+// Confidence range of the recording, from up to eight images of the first 120 frames. Unreadable
+// images are skipped. Reading of their frames reports the error.
 int RangeOfFirst(const std::vector<FrameFiles>& frames) {
   constexpr std::size_t kImages = 8, kMaxApart = 15;
   std::vector<std::string> paths;

@@ -48,8 +48,7 @@ std::string DetectFolderFormat(const std::string& folder) {
       "*.db3 or *.mcap");
 }
 
-// Number of levels that a path relative to the sequence folder goes up. Largest integer for an
-// absolute path.
+// Number of ".." in the normalised path. Maximum of int for an absolute path.
 int Beyond(const fs::path& path) {
   if (path.is_absolute()) return std::numeric_limits<int>::max();
   int above = 0;

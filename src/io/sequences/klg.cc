@@ -22,7 +22,7 @@ namespace {
 
 struct KlgFrame {
   std::int64_t stamp_us = 0;
-  std::uint64_t depth_at = 0;  // byte in the file; colour follows depth
+  std::uint64_t depth_at = 0;  // byte offset in the file; colour follows depth
   std::uint64_t depth_bytes = 0;
   std::uint64_t color_bytes = 0;
 };
@@ -113,8 +113,8 @@ std::string RawBytes(const Image<T>& image) {
   return {reinterpret_cast<const char*>(image.data()), image.size() * sizeof(T)};
 }
 
-// Compressed bytes; empty if they are not smaller than raw. Readers recognise raw images by the
-// size.
+// Returns compressed bytes, or "" if they are not smaller than `raw`. Readers recognise
+// uncompressed images by their size.
 std::string Deflated(const std::string& raw) {
   constexpr int kLevel = 6;
   std::string bytes = Deflate(raw.data(), raw.size(), kLevel);
@@ -131,7 +131,7 @@ std::string ColorBytes(const Image<Rgb8>& color, int jpeg_quality) {
   std::string raw = RawBytes(color);
   if (color.empty() || jpeg_quality == 0) return raw;
   const std::string jpeg = EncodeJpeg(color, jpeg_quality);
-  return jpeg.size() == raw.size() ? raw : jpeg;  // readers recognise raw images by the size
+  return jpeg.size() == raw.size() ? raw : jpeg;  // readers recognise uncompressed images by size
 }
 
 void WriteFrame(const RgbdFrame& frame, const KlgOptions& options, std::ostream& out,

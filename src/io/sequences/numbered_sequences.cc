@@ -73,8 +73,8 @@ std::vector<FrameFiles> PairStamped(const std::map<double, std::string>& depth,
                    " s of a depth image name (names are timestamps)");
 }
 
-// File name of the image with this number. If it is missing: the expected name, from the name in
-// the other folder and the file extension of this folder.
+// File name of the image with this number. A missing image gets the expected name: stem of the
+// image in the other folder, extension of this folder.
 std::string NameOf(long number, const std::map<long, std::string>& images,
                    const std::map<long, std::string>& others) {
   const auto it = images.find(number);

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 constexpr double kUnitsOfMetres = 5000;  // depth counts per metre, as in TUM data sets
 
-// Shortest text with the same value.
+// Shortest decimal text that is read back as the same value.
 std::string ToText(double stamp_s) {
   std::array<char, 400> text;
   const auto end =
@@ -51,7 +51,7 @@ Image<std::uint16_t> ToCounts(const Image<float>& depth_m, RecordSummary* summar
   return counts;
 }
 
-// Either all frames have colour or none.
+// Writes frames to a TUM folder. Either all frames have colour, or no frame has colour.
 class RecordedFolder {
  public:
   RecordedFolder(const RecordOptions& options, const RawSequence& sequence)
@@ -78,7 +78,8 @@ class RecordedFolder {
     if (!color_list_) return depth_list_->Append(depth_row + "\n");
     const std::string color_row = ToText(stamps.color_s) + " rgb/" + name;
     WriteImage(std::string("/rgb/") + name, EncodePng(images.color), summary);
-    // The pairs are written first: associations.txt takes precedence over rgb.txt and depth.txt.
+    // The pair is written first, because associations.txt takes precedence over rgb.txt and
+    // depth.txt.
     pair_list_->Append(color_row + " " + depth_row + "\n");
     color_list_->Append(color_row + "\n");
     depth_list_->Append(depth_row + "\n");

@@ -14,9 +14,9 @@ namespace surfit {
 
 namespace {
 
-// Depth cameras measure from 0.4 m to about 5 m. Indoors, the median depth is usually 1 to 3 m.
-// Outside of the first range, a warning requires a scale that fits better. Outside of the second
-// range, the scale is always reported.
+// Depth cameras measure from 0.4 m to about 5 m. Indoors, the median depth is usually 1 to 3 m. A
+// median depth beyond kNearest_m or kFarthest_m causes a warning if another scale fits better. A
+// median depth beyond kAbsurdlyNear_m or kAbsurdlyFar_m always causes a warning.
 constexpr double kNearest_m = 0.4, kFarthest_m = 5;
 constexpr double kAbsurdlyNear_m = 0.2, kAbsurdlyFar_m = 20;
 constexpr double kUsual_m = 1.8;
@@ -24,8 +24,8 @@ constexpr double kUsual_m = 1.8;
 // than sensors measure (kTooNear_m).
 constexpr double kAllNear_m = 1.2, kTooNear_m = 0.3;
 constexpr double kFew = 0.02;  // ratio of pixels that are ignored as outliers
-// Units per metre. Common: millimetres and TUM. Rare: Replica and 0.1 mm. The rare scales are close
-// to that of TUM, so they are only considered for counts beyond the range of TUM.
+// Depth counts per metre. Common scales: 1 mm and TUM. Rare scales: Replica and 0.1 mm. Rare scales
+// are similar to the scale of TUM. So they are only considered for counts beyond the range of TUM.
 constexpr std::array<double, 2> kCommonScales = {1000, 5000};
 constexpr std::array<double, 2> kRareScales = {6553.5, 10000};
 
@@ -85,9 +85,9 @@ constexpr std::array kScales = {.8,    .83,  .86,  .89,  .92,  .95, .975, 1.,
 constexpr int kGiven = 7;       // index of scale 1
 constexpr float kJump = 0.08F;  // minimum relative depth difference at a depth edge
 constexpr std::size_t kFewestJumps = 200, kEnoughJumps = 2000;  // depth edge pixels per frame
-// Minimum Advantage() of the best alignment over the given registration: over all frames, and over
-// each half of the frames. The halves must agree, because fast rotation shifts colour with another
-// capture time in changing directions.
+// Minimum score margin of an alignment over the given registration. The unit is the standard
+// deviation of all scores. kMarginOfHalf is the minimum for each half of the frames. Both halves
+// must agree. With different capture times, fast rotation shifts colour in changing directions.
 constexpr double kMargin = 1, kMarginOfHalf = 0.5;
 
 struct Pixel {

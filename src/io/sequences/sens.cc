@@ -117,7 +117,7 @@ struct SensFrame {
   Eigen::Matrix4d world_from_camera;
   std::uint64_t depth_stamp_us = 0, color_stamp_us = 0;
   FrameStamps stamps;
-  std::uint64_t color_at = 0;  // byte in the file; depth follows colour
+  std::uint64_t color_at = 0;  // byte offset in the file; depth follows colour
   std::uint64_t color_bytes = 0;
   std::uint64_t depth_bytes = 0;
 };
@@ -145,7 +145,7 @@ class SensRecording : public Recording {
                       {frame.color_at, frame.color_bytes, SizeOf(camera.color), header_.raw_color});
   }
 
-  // All finite poses.
+  // All poses with finite values.
   Trajectory Poses() const {
     Trajectory poses;
     for (int i = 0; i < frame_count(); ++i) {

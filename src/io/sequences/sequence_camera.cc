@@ -87,7 +87,8 @@ SourceCamera ReplicaCamera(const std::string& folder) {
   return Preset("replica");
 }
 
-// Any camera may have numbered frames. Only a ground-truth file *.gt.freiburg proves ICL-NUIM.
+// Recordings of any camera can have numbered frames. Only a ground-truth file *.gt.freiburg proves
+// ICL-NUIM.
 SourceCamera IclNuimCamera(const SequenceOptions& options) {
   const auto names = NamesIn(options.path);
   const bool is_named = std::any_of(names.begin(), names.end(), [](const std::string& name) {
@@ -112,7 +113,7 @@ std::string PresetInHead(const std::string& list) {
   return "";
 }
 
-// Camera by the recording name in rgb.txt or depth.txt; std::nullopt without such a name.
+// Camera preset for the recording name in rgb.txt or depth.txt; std::nullopt without such a name.
 std::optional<SourceCamera> TumCamera(const std::string& folder) {
   for (const char* name : {"/rgb.txt", "/depth.txt"}) {
     const std::string list = folder + name;
@@ -170,7 +171,7 @@ void OverrideColor(const SequenceOptions& options, RgbdCamera* camera) {
   if (options.color_from_depth) camera->color_from_depth = *options.color_from_depth;
 }
 
-// Checks all values except unknown image sizes.
+// Validates all camera values. Unknown image sizes (0 x 0) are accepted.
 void ValidateFigures(RgbdCamera camera) {
   for (PinholeCamera* c : {&camera.depth, &camera.color}) {
     if (c->width == 0 && c->height == 0) c->width = c->height = 1;
@@ -189,7 +190,8 @@ std::string OwnCameraFile(const SequenceOptions& options, const std::string& for
   return options.path + (is_file ? ".yaml" : "/camera.yaml");
 }
 
-// Origin of the camera after the values of the options are applied.
+// Text with the sources of intrinsics and depth scale. Values of the options take precedence over
+// `base`.
 std::string OriginWithFigures(const SequenceOptions& options, const SourceCamera& base) {
   const bool scale = options.depth_units_per_metre.has_value();
   if (options.intrinsics && scale) return "the options";
@@ -197,8 +199,8 @@ std::string OriginWithFigures(const SequenceOptions& options, const SourceCamera
   return base.from + (scale ? ", depth scale: the options" : "");
 }
 
-// Adds a warning if the camera file of the sequence contains another camera. The file may be
-// invalid.
+// Adds a warning if the camera file of the sequence contains a different camera or is invalid.
+// `own`: path of this file.
 void AddOverrideWarning(const SequenceOptions& options, const std::string& own,
                         const RgbdCamera& camera, std::vector<std::string>* warnings) {
   std::string told;

@@ -52,7 +52,8 @@ void CompleteCamera(const FrameImages& first, SequenceInfo* info) {
   RequireSizeOf(*camera, first);
 }
 
-// SequenceInfo::low_confidence_ratio. The range is that of the recording, or 0 without confidence.
+// Value for SequenceInfo::low_confidence_ratio. *range: confidence range of the recording; 0: no
+// confidence images.
 std::optional<double> LowConfidenceRatio(const std::vector<FrameImages>& images, int* range) {
   LowConfidence sum;
   for (const FrameImages& image : images) {
@@ -65,7 +66,7 @@ std::optional<double> LowConfidenceRatio(const std::vector<FrameImages>& images,
   return sum.depths == 0 ? 0 : static_cast<double>(sum.removed) / static_cast<double>(sum.depths);
 }
 
-// "", or the range of confidence and the share of depth that is removed.
+// Text with the confidence range and the ratio of removed depth. "" without confidence images.
 std::string ConfidenceFigures(std::optional<double> removed_ratio, int range) {
   if (!removed_ratio) return "";
   return Concat(", confidence 0 to ", range, ": low confidence (below ", (range + 2) / 3,
@@ -92,7 +93,7 @@ void Mirror(Trajectory* trajectory) {
   for (StampedPose& pose : *trajectory) pose.world_from_camera = Mirrored(pose.world_from_camera);
 }
 
-// Logs the assumptions, once if the same sequence is opened several times in a row.
+// Logs the assumptions, unless they are equal to the last logged assumptions.
 void Tell(const std::string& assumed) {
   static std::mutex mutex;
   static auto* const told = new std::string;

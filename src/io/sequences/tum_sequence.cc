@@ -50,8 +50,8 @@ std::vector<FrameFiles> PairByTime(const std::string& folder, int* unpaired_imag
   return frames;
 }
 
-// Reads associations.txt. Colour is first (TUM) or second (ICL-NUIM). Depth has "depth" in its
-// path.
+// Reads associations.txt. The colour columns are first (TUM) or second (ICL-NUIM). Depth files have
+// "depth" in their path.
 std::vector<FrameFiles> ReadAssociations(const std::string& folder) {
   std::vector<FrameFiles> frames;
   ForEachTextRow(folder + "/associations.txt", [&](const TextRow& row) {

@@ -43,7 +43,7 @@ class WatchedFolder {
         stop_(stop),
         confidence_(confidence) {}
 
-  // Waits for the next frame; std::nullopt at the end.
+  // Waits for the next frame. Returns std::nullopt after the last frame or after a stop.
   std::optional<Arrival> Next();
 
  private:
@@ -54,8 +54,9 @@ class WatchedFolder {
   // Reads the images of a frame. A missing confidence image is an error, except in the last try.
   // Throws InputError that names the file.
   FrameImages Read(FrameFiles files, bool is_last_try);
-  // Removes the first waiting frame if it is complete, or incomplete after the timeout;
-  // std::nullopt otherwise.
+  // Removes and returns the first waiting frame if it is complete. After the timeout, or if a later
+  // frame was already read, returns an error instead. Otherwise, returns std::nullopt. `ended`: no
+  // further images will appear.
   std::optional<Arrival> TakeFirst(bool ended);
 
   std::string path_;
@@ -144,7 +145,7 @@ class WatchedFrames : public RawFrames {
   WatchedFrames(const SequenceOptions& options, WatchedFolder folder)
       : options_(options), folder_(std::move(folder)) {}
 
-  // Images of the first readable frame. The frames up to this one stay in ahead_.
+  // Images of the first readable frame. This frame and all frames before it are stored in ahead_.
   std::vector<FrameImages> FirstImages() override {
     while (std::optional<Arrival> arrival = folder_.Next()) {
       ahead_.push_back(std::move(*arrival));

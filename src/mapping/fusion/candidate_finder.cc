@@ -10,7 +10,7 @@ struct CandidateFinder::BlockPixels {
   BlockNormals normal;
   alignas(32) PerSurfel<std::int32_t> pixel;
   alignas(32) PerSurfel<float> free_depth_m;
-  alignas(32) PerSurfel<float> x, y, z, nx, ny, nz, radius_m;  // of the point
+  alignas(32) PerSurfel<float> x, y, z, nx, ny, nz, radius_m;  // measured point at the pixel
   alignas(32) PerSurfel<float> distance2;
 };
 
@@ -18,7 +18,7 @@ namespace {
 
 using BlockPixels = CandidateFinder::BlockPixels;
 
-// Computes the pixels of the surfels. Returns the mask of the surfels in the image.
+// Projects the surfels into the image. Bit k of the result is set if surfel k is inside the image.
 std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera, BlockPixels* found) {
   FindCentres(block, camera, &found->centre);
   const BlockCentres& c = found->centre;
@@ -59,7 +59,8 @@ std::uint64_t FindFreeSpaceViolations(BlockPixels* p) {
   return MaskOf(through);
 }
 
-// Returns the mask of the surfels that match the point of their pixel.
+// Bit k of the result is set if surfel k passes the merge gate with the measured point at its
+// pixel.
 template <typename Instructions>
 std::uint64_t FindMatches(const MergeGate& gate, BlockPixels* p) {
   using Numbers = Lanes<float, Instructions>;
@@ -78,7 +79,8 @@ std::uint64_t FindMatches(const MergeGate& gate, BlockPixels* p) {
 
 }  // namespace
 
-// Prefetches the measurements of a block. Returns the mask of active surfels in the image.
+// Projects a block and prefetches the measurements at its pixels. Bit k of the result is set if
+// surfel k is active and inside the image.
 std::uint64_t CandidateFinder::Project(const SurfelBlock& block, BlockPixels* p) const {
   const std::uint64_t inside =
       WithInstructions([&](auto) { return FindPixels(block, camera_, p); }) &
@@ -109,8 +111,7 @@ void CandidateFinder::Judge(std::uint64_t inside, std::int32_t first_id, SurfelB
 
 void CandidateFinder::Find(const std::vector<std::int32_t>& blocks, SurfelMap* map,
                            std::vector<Candidate>* candidates) const {
-  BlockPixels two[2] =
-      {};  // initialised: vectorised code also reads the lanes of surfels without a pixel
+  BlockPixels two[2] = {};  // vector code also reads surfels without a pixel
   std::uint64_t inside[2];
   const std::size_t count = blocks.size();
   for (std::size_t i = 0; i <= count; ++i) {

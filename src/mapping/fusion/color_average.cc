@@ -41,7 +41,8 @@ class OcclusionTest {
   }
 
  private:
-  // Smallest depth of the 3 x 3 neighbourhood; 0: no depth.
+  // Smallest positive depth of the 3 x 3 neighbourhood. 0: there is no depth, or pixel (u, v) has
+  // no depth and `missing` is kHides.
   static float NearestAround(const Image<float>& depth, int u, int v, Missing missing) {
     if (missing == Missing::kHides && !(depth(u, v) > 0)) return 0;
     float nearest = 0;

@@ -11,10 +11,10 @@ namespace {
 
 constexpr int kPixelsSoon = 24;
 
-// Sets the colours of observations in the order of Add().
+// Looks up surfel colours in batches. Add() number i sets the colour of `first`[i].
 class ColorsOfSurfels {
  public:
-  // The observations must be contiguous and must not move.
+  // `first`: array with one observation per Add(). The caller must not reallocate the array.
   ColorsOfSurfels(const FrameColors& colors, SurfelObservation* first)
       : colors_(colors), next_(first) {}
 
@@ -53,7 +53,8 @@ FrameObservations::Counts FrameObservations::Gather(
     Counts counts;
     std::vector<SurfelObservation>& seen = in_band_[begin / kBandRows];
     seen.clear();
-    seen.reserve(static_cast<std::size_t>(kBandRows) * width);  // avoids reallocation
+    // Prevents reallocation, because `surfel_colors` points into `seen`.
+    seen.reserve(static_cast<std::size_t>(kBandRows) * width);
     ColorsOfSurfels surfel_colors(colors, seen.data());
     std::vector<std::uint16_t> choosing(width);
     for (int v = begin; v < end; ++v) {
@@ -61,7 +62,7 @@ FrameObservations::Counts FrameObservations::Gather(
       for (int u = 0; u < width; ++u) {
         const int soon = std::min(u + kPixelsSoon, width - 1);
         if (choosing[soon] != 0) __builtin_prefetch(choice.OfPixel(v * width + soon));
-        if (choosing[u] == 0) continue;  // no point is assigned to the candidate of this pixel
+        if (choosing[u] == 0) continue;  // no point is assigned to the surfel of this pixel
         Candidate* const candidate = choice.OfPixel(v * width + u);
         PointAverage sum(max_radius_ratio_ * candidate->radius_m);
         ForEachBit(choosing[u], [&](int k) {

@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kCandidatesAhead = 16;
 
-// Drops new surfels above the limit of the map size. Returns their number.
+// Drops new surfels that would exceed `max_map_points`. Returns the number of dropped surfels.
 int DropAboveLimit(int max_map_points, std::size_t map_points, std::vector<Surfel>* added) {
   if (max_map_points == 0) return 0;
   const auto most = static_cast<std::size_t>(max_map_points);
@@ -46,7 +46,8 @@ class FrameWindow {
     if (indices_.size() > most_) indices_.pop_front();
   }
 
-  // First frame index of the window; minimum of int if it is not full.
+  // Oldest frame index in the window. Minimum of int while the window has fewer than `frames` + 1
+  // frames.
   int Begin() const {
     return indices_.size() == most_ ? indices_.front() : std::numeric_limits<int>::min();
   }
@@ -56,7 +57,7 @@ class FrameWindow {
   std::deque<int> indices_;
 };
 
-// State of the fusion of one frame.
+// Options and buffers of Fusion, reused for every frame.
 struct Fusion::Workspace {
   explicit Workspace(const FusionOptions& fusion_options)
       : options(fusion_options),
@@ -82,7 +83,7 @@ struct Fusion::Workspace {
   SurfelAssignment choice;
   FrameObservations sightings;
   const RgbdFrame* frame = nullptr;
-  FrameWindow awake;  // surfels last seen before this window are removed if their confidence is low
+  FrameWindow awake;  // low-confidence surfels unseen in this window are removed
   FrameWindow active;
   Image<float> weights;
   double weights_cx = 0, weights_cy = 0;
@@ -156,13 +157,14 @@ int Fusion::Workspace::ActiveSince() const {
   return options.active_frames == 0 ? std::numeric_limits<int>::min() : active.Begin();
 }
 
-// False if MarkInactive() would mark no surfel.
+// False: MarkInactive() would mark no surfel inside these bounds.
 bool Fusion::Workspace::MayBeInactive(const SurfelBounds& bounds) const {
   return bounds.least_last_seen < awake.Begin() &&
          bounds.least_confidence < options.min_inactive_confidence;
 }
 
-// Marks noise: surfels with low confidence outside of the window `awake`. Updates the bounds.
+// Marks low-confidence surfels for removal if their last observation is older than the window
+// `awake`. Updates the bounds of the block.
 void Fusion::Workspace::MarkInactive(SurfelBlock* block) const {
   constexpr int kCapacity = SurfelBlock::kCapacity;
   const float lasting = options.min_inactive_confidence;
@@ -183,8 +185,8 @@ void Fusion::Workspace::MarkInactive(SurfelBlock* block) const {
   });
 }
 
-// Finds surfels in the image that pass the merge gate with the point of their pixel. Marks noise
-// and free-space violations for removal.
+// Finds surfels that pass the merge gate with the measured point at their pixel. Marks inactive
+// surfels and free-space violations for removal.
 void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map) {
   const CandidateFinder finder(camera, points, free_depth_m, gate, ActiveSince());
   cells.clear();

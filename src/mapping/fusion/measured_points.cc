@@ -87,8 +87,8 @@ class Points {
     return {ray_x_[u] * depth, ray_y_[v] * depth, depth};
   }
 
-  // Normal of the neighbour whose plane is nearest to the point; zero if none is within half a
-  // sigma.
+  // Normal of the neighbour pixel whose tangent plane is nearest to the point. Zero if all
+  // distances exceed half a standard deviation of depth.
   Eigen::Vector3f NormalOfNeighbour(int u, int v, const Eigen::Vector3f& point) const {
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     float nearest = 0.5f * sigma_ * point.z() * point.z();
@@ -109,7 +109,7 @@ class Points {
   const FrameLevel& surface_;
   const float pixel_size_;
   const float max_slant_scale_;
-  const float sigma_;  // of inverse depth
+  const float sigma_;  // standard deviation of inverse depth, 1/m
   std::vector<float> ray_x_, ray_y_;
 };
 

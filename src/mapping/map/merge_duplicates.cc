@@ -21,11 +21,11 @@ struct GridSurfel {
   std::int32_t last_seen = 0;
 };
 
-// Surfels of a box, sorted by cube, for vectorised neighbour searches.
+// Surfels of a box, sorted by grid cube. Neighbour searches load consecutive surfels into vectors.
 class SurfelGrid {
  public:
-  // The side of a cube is `cube_m`, or larger to limit the number of cubes. All surfels must be in
-  // the box.
+  // `low`, `high`: corners of the box, which must contain all surfels. `cube_m`: minimum edge
+  // length of a cube. A large box gets larger cubes.
   SurfelGrid(const Eigen::Vector3f& low, const Eigen::Vector3f& high, float cube_m,
              const std::vector<GridSurfel>& surfels)
       : low_(low), ids_(surfels.size()) {
@@ -45,8 +45,8 @@ class SurfelGrid {
     for (std::size_t i = 0; i < surfels.size(); ++i) Set(next[cube_of[i]]++, surfels[i]);
   }
 
-  // Calls f(begin, end) for ranges of places in sorted order. They contain all surfels within
-  // `margin` of the position per axis, and some others.
+  // Calls f(begin, end) for ranges of sorted indices. The ranges contain all surfels within
+  // `margin` of `position` along each axis, and some farther surfels.
   template <typename F>
   void ForEachRowAround(const Eigen::Vector3f& position, const Eigen::Vector3f& margin,
                         const F& f) const {
@@ -61,13 +61,15 @@ class SurfelGrid {
     }
   }
 
-  // Vector of patches from `place`. NaN after the last surfel.
+  // Loads the patches of consecutive surfels. `place`: sorted index of the first surfel. Vector
+  // lanes after the last surfel are NaN.
   template <typename Number>
   PatchOf<Number> Patches(int place) const {
     const auto load = [&](int i) { return Number::Load(&numbers_[i][place]); };
     return {load(0), load(1), load(2), load(3), load(4), load(5)};
   }
-  // Frames of the last observations; exact integers up to 2^24.
+  // Loads the last observation frames of consecutive surfels. A float represents frame indices up
+  // to 2^24 exactly.
   template <typename Number>
   Number LastSeen(int place) const {
     return Number::Load(&numbers_[6][place]);
@@ -78,7 +80,8 @@ class SurfelGrid {
   using Cube = Eigen::Vector3i;
   static constexpr int kMaxCubes = 64;  // along each axis
   static constexpr int kPadding = 8;
-  static constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();  // passes no gate
+  // Value of padding entries. NaN fails every comparison.
+  static constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
 
   void Set(int place, const GridSurfel& surfel) {
     const Patch& p = surfel.patch;
@@ -103,7 +106,7 @@ class SurfelGrid {
 };
 
 constexpr std::int32_t kNobody = -1;
-// trade-off: larger cubes have many surfels, smaller cubes are empty
+// Trade-off: large cubes contain many unrelated surfels. Small cubes are mostly empty.
 constexpr float kSpacingsPerCube = 3;
 
 Patch PatchAt(const SurfelBlock& block, int k) {
@@ -136,7 +139,8 @@ class DuplicateFinder {
         duplicates_(doubles),
         map_(map) {}
 
-  // Older duplicate by surfel id; kNobody: none. Chains lead from newer to older surfels.
+  // Entry i is the id of an older duplicate of surfel i, or kNobody. An older duplicate can have an
+  // even older duplicate.
   std::vector<std::int32_t> FindAll() const {
     std::vector<std::int32_t> older(map_.id_end(), kNobody);
     ParallelFor(0, map_.cell_count(), 1, [&](int cell, int) {
@@ -179,7 +183,7 @@ class DuplicateFinder {
     return newer;
   }
 
-  // False if the set has no older duplicate.
+  // False: no surfel inside `bounds` is an older duplicate of a surfel in `newer`.
   bool MayHaveOlder(const SurfelBounds& bounds, const NewerOfCell& newer) const {
     if (newer.most_first_seen - bounds.least_last_seen <= duplicates_.frames_apart) return false;
     for (int axis = 0; axis < 3; ++axis) {
@@ -220,7 +224,7 @@ class DuplicateFinder {
     });
   }
 
-  // Nearest older duplicate. For equal distances, the first in grid order.
+  // Id of the nearest older duplicate. If distances are equal, the first surfel in grid order wins.
   template <typename Number>
   std::int32_t NearestTo(const NewerSurfel& newer, const SurfelGrid& grid) const {
     const Patch& p = newer.patch;

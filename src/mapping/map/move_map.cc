@@ -54,7 +54,8 @@ class RecalibratedMoves {
     constexpr double kMinDepthM = 0.01;
     const Frame& f = frames_[frame];
     const Eigen::Vector3d old_point = f.old_from_world * position->cast<double>();
-    // Merging can move a surfel out of the view of its first frame.
+    // Merging can move a surfel out of the view of its first frame. Such a surfel moves rigidly
+    // with the frame.
     if (old_point.z() < kMinDepthM) {
       *position = (f.world_from_new * old_point).cast<float>();
       return;

@@ -35,7 +35,8 @@ class NeighbourGrid {
     for (const NearSurfel& one : neighbours) sorted_[next[IndexOf(CubeAt(one.position))]++] = one;
   }
 
-  // Calls f(neighbour) for all surfels within `reach_m` per axis, and some others.
+  // Calls f(surfel) for all surfels within `reach_m` of `position` along each axis, and for some
+  // farther surfels.
   template <typename F>
   void ForEachAround(const Eigen::Vector3f& position, float reach_m, const F& f) const {
     const Eigen::Vector3f margin = Eigen::Vector3f::Constant(reach_m);
@@ -122,7 +123,7 @@ class Smoothing {
     for (int k = 0; k < block.count; ++k) {
       const Surfel surfel = block[k];
       const Eigen::Vector3f& p = surfel.position_in_world;
-      // normals at depth edges come from other pixels
+      // normals at depth edges are copied from neighbour pixels
       if (surfel.at_edge || !(p.array() >= low.array()).all() ||
           !(p.array() <= high.array()).all()) {
         continue;
@@ -131,7 +132,8 @@ class Smoothing {
     }
   }
 
-  // Standard deviation along the normal. Uses radius = sqrt(2) z / f.
+  // Standard deviation of the position along the normal, m. The depth z of the surfel follows from
+  // radius = sqrt(2) z / focal length.
   float SigmaOf(const Surfel& surfel) const {
     const float z = surfel.radius_m * focal_px_ / std::sqrt(2.f);
     return inverse_depth_sigma_ * z * z / std::sqrt(std::max(surfel.confidence, 1.f));
@@ -174,7 +176,7 @@ class Smoothing {
 
   const float focal_px_, inverse_depth_sigma_;
   SurfelMap& map_;
-  std::vector<Moved> moved_;  // by id
+  std::vector<Moved> moved_;  // index: surfel id
 };
 
 }  // namespace

@@ -9,14 +9,14 @@
 
 namespace surfit {
 
-// A row of patches as structure of arrays, with one extra patch on the left and one extra vector on
-// the right.
+// Patches of an image row as a structure of arrays. Zero padding: one patch on the left, eight
+// patches on the right.
 class PatchRow {
  public:
   explicit PatchRow(int width) : stride_(width + 9), numbers_(kNumbers * stride_, 0.f) {}
 
-  // Sets eight patches from column u. Each record has patch, radius and confidence. Records after
-  // the end of the row must be zero.
+  // Sets the patches of columns u to u + 7. A record has the patch (6 floats), radius and
+  // confidence. The first `count` floats are stored. Records after the end of the row must be zero.
   template <typename Instructions>
   void SetEight(int u, const float* const (&records)[8], int count) {
     Lanes<float, Instructions> columns[kNumbers];
@@ -50,11 +50,11 @@ class PatchRow {
   std::vector<float> numbers_;
 };
 
-// Results of a row of pixels, padded to whole vectors.
+// Results of Meet() for an image row. Padding allows vector stores after the last pixel.
 struct RowOutcome {
   explicit RowOutcome(int width) : state(width + 7), superfluous(width + 7) {}
 
-  std::vector<std::int32_t> state;  // SurfelAssignment::State
+  std::vector<std::int32_t> state;  // values of SurfelAssignment::State
   std::vector<std::int32_t> superfluous;
 };
 
@@ -95,8 +95,9 @@ void LoadSurfels(Candidate* const* own, int width, PatchRow* row) {
   });
 }
 
-// Assigns the points of a row to the surfels of three rows. Marks duplicates in the middle row. The
-// earlier surfel wins for equal distances.
+// Assigns each point of a pixel row to the nearest surfel of the 3 x 3 neighbourhood. If distances
+// are equal, the first surfel in row order wins. Also marks surfels of the middle row that
+// duplicate a neighbour of higher confidence.
 template <typename Instructions>
 void Meet(const MergeGate& gate, const PatchRow& points, const PatchRow* const rows[3], int width,
           RowOutcome* outcome) {
@@ -226,7 +227,7 @@ const std::vector<std::vector<int>>& SurfelAssignment::SelectNew(
   const int bands = BandCount(height_);
   new_.resize(bands);
   for (std::vector<int>& of_band : new_) of_band.clear();
-  // Pixels of one phase are not neighbours, so they are independent.
+  // Pixels of the same phase are never neighbours, so bands run in parallel.
   for (const int phase : {0, 3, 1, 2}) {
     ParallelFor(0, bands, 1, [&](int band, int) { SelectNewOfPhase(points, band, phase); });
   }

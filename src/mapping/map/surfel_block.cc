@@ -60,7 +60,7 @@ void SurfelBlock::Take(int k, const SurfelBlock& other, int j) {
   const Surfel surfel = other[j];
   Write(k, surfel);
   Announce(k, surfel);
-  red[k] = other.red[j];  // full resolution
+  red[k] = other.red[j];  // copies the 16-bit values, because Surfel has 8-bit colours
   green[k] = other.green[j];
   blue[k] = other.blue[j];
 }

@@ -10,11 +10,13 @@
 namespace surfit {
 namespace {
 
-// bits per axis of a key; indices start at the farthest negative cube
+// A cell key has one index of kAxisBits bits per axis. Index 0 is kFarthest cubes from the origin
+// in the negative direction.
 constexpr int kAxisBits = 21;
 constexpr int kFarthest = 1 << (kAxisBits - 1);
 
-// Key of the nearest cell. Indices far from the origin are clamped.
+// Key of the cell that contains the position. Positions beyond the index range belong to the
+// outermost cell.
 std::uint64_t CellKey(const Eigen::Vector3f& position_in_world) {
   constexpr auto kMost = static_cast<float>(kFarthest);
   std::uint64_t key = 0;
@@ -68,7 +70,8 @@ void SurfelMap::AddBlock(std::int32_t cell) {
   cells_[cell].blocks.push_back(added);
 }
 
-// Allocates a place for a surfel and updates all bounds. Returns the id, for SurfelBlock::Write().
+// Allocates an id for a surfel and updates the bounds of its block and cell. The caller must store
+// the surfel by SurfelBlock::Write().
 std::int32_t SurfelMap::Place(const Surfel& surfel) {
   const std::int32_t i = CellAt(surfel.position_in_world);
   SurfelCell& cell = cells_[i];
@@ -97,7 +100,7 @@ void SurfelMap::Append(const std::vector<Surfel>& surfels) {
   };
   try {
     for (const Surfel& surfel : surfels) ids.push_back(Place(surfel));
-  } catch (...) {  // out of memory: completes surfels with a place
+  } catch (...) {  // out of memory: stores the surfels that have an id
     write(0, static_cast<int>(ids.size()));
     throw;
   }
@@ -157,7 +160,7 @@ std::vector<std::int32_t> SurfelMap::Strays() const {
   return strays;
 }
 
-// Replaces marked surfels by the last surfels of the cell. Marked last surfels are removed first.
+// Removes the marked surfels of a cell. The last unmarked surfel of the cell fills each gap.
 void SurfelMap::RemoveMarked(SurfelCell* cell) {
   for (std::size_t b = 0; b < cell->blocks.size(); ++b) {
     SurfelBlock& hole = block(cell->blocks[b]);

@@ -6,7 +6,8 @@ ViewFrustum::ViewFrustum(const PosedCamera& camera, float margin_px)
     : camera_position_norm_(camera.world_translation.lpNorm<1>()) {
   const float margin = margin_px + 0.01f;
   const float width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
-  // -margin <= u = fx x / z + cx <= width + margin, and v accordingly.
+  // A point (x, y, z) is inside if -margin <= fx x / z + cx <= width + margin. The vertical bounds
+  // are analogous.
   const Eigen::Vector3f in_camera[] = {{0, 0, 1},
                                        {camera.fx, 0, camera.cx + margin},
                                        {-camera.fx, 0, width + margin - camera.cx},

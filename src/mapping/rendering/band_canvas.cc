@@ -12,11 +12,11 @@ constexpr float kNone = -1;
 constexpr float kClosed = std::numeric_limits<float>::infinity();
 constexpr float kOutside = 2;
 constexpr std::size_t kDiscsAhead = 8;
-constexpr std::size_t kMaxDiscs = 1 << 24;  // exact integers in a float
+constexpr std::size_t kMaxDiscs = 1 << 24;  // largest count whose indices are exact in a float
 constexpr int kLanes = Lanes<float>::kCount;
 
-// Inverse depth of the back of a surface that starts at the inverse depth rho. The thickness is
-// `thickness` plus 4 sigma of the depth.
+// Inverse depth of the back of a surface. `rho`: inverse depth of its front. Thickness: `thickness`
+// metres plus 4 standard deviations of depth.
 float BackOfSurface(float rho, float thickness, float inverse_depth_sigma) {
   return rho / (1.f + thickness * rho + 4.f * inverse_depth_sigma / rho);
 }
@@ -42,7 +42,7 @@ BandCanvas::BandCanvas(int band, const PosedCamera& camera, const DepthNoise& no
       camera_(camera),
       noise_(noise),
       options_(options) {
-  // up to three pixels after the row are read and written back
+  // vector code reads and rewrites up to three pixels after a row
   const std::size_t size = static_cast<std::size_t>(v_end_ - v_begin_ + 1) * camera.width + 3;
   first_.assign(size, 0.f);
   back_.assign(size, 0.f);
@@ -77,7 +77,8 @@ void BandCanvas::DrawWith(const std::vector<DiscList>& lists, Layer layer) {
   CloseDrawnPixels();
 }
 
-// Returns true if the disc meets an undrawn pixel.
+// Updates the nearest surface of the pixels that the disc covers. Returns true if the disc covers a
+// pixel without a drawn disc.
 template <typename Instructions>
 bool BandCanvas::FindFirst(const Disc& disc) {
   using Numbers = Lanes<float, Instructions>;
@@ -117,7 +118,8 @@ void BandCanvas::FindBacks() {
   }
 }
 
-// Draws the disc at pixels where it is on the first surface and its centre is nearest to the ray.
+// Draws the disc at pixels where it lies on the nearest surface. Among such discs, the disc with
+// the smallest centre distance, relative to its radius, wins.
 template <typename Instructions>
 void BandCanvas::Pick(const Disc& disc, float id) {
   using Numbers = Lanes<float, Instructions>;
@@ -178,8 +180,8 @@ void BandCanvas::FindDiscs(int v, PixelDiscs* discs, ModelView* view) const {
   }
 }
 
-// Computes vertices and normals of the pixels. rho = n . r / (n . p) for all rays r, so n / -(n .
-// p) is the gradient of -rho.
+// Computes vertices and normals of the pixels. A disc with centre p and normal n has the inverse
+// depth rho(r) = n . r / (n . p) on the ray r. So the normal is the normalised gradient of -rho.
 template <typename Instructions>
 void BandCanvas::WriteLanes(const PixelDiscs& discs, int u, int v, ModelView* view) const {
   using V = Lanes<float, Instructions>;

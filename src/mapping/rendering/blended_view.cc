@@ -14,9 +14,9 @@
 namespace surfit {
 namespace {
 
-constexpr float kThickness_m = 0.03f;  // of a surface
+constexpr float kThickness_m = 0.03f;  // depth range of one surface, in addition to the noise
 
-constexpr int kMaxHalfWindow_px = 127;  // limit of Disc
+constexpr int kMaxHalfWindow_px = 127;  // a disc stores its size in 8 bits
 
 RenderOptions SplatOptions(float radius_ratio) {
   RenderOptions options;
@@ -25,21 +25,21 @@ RenderOptions SplatOptions(float radius_ratio) {
   return options;
 }
 
-// (1 - o^2)^8, with a minimum against a zero sum of weights.
+// Blending weight (1 - offset2)^8. The added constant prevents a zero sum of weights.
 float WeightAt(float offset2) {
   const float a = 1.f - offset2, a2 = a * a, a4 = a2 * a2;
   return a4 * a4 + 1e-6f;
 }
 
 struct Blend {
-  float first = 0;  // inverse depth of the first surface; 0 if none
+  float first = 0;  // inverse depth of the nearest surface; 0: none
   float weight = 0;
   float rho = 0;
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
   bool is_drawn = false;
 };
 
-// Splats are drawn in the order of surfels.
+// Blends the splats of one image band, in the order of their surfels.
 class BlendBand {
  public:
   BlendBand(int band, const PinholeCamera& camera, const DepthNoise& noise)

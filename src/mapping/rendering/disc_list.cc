@@ -34,14 +34,14 @@ struct BlockDiscs {
   }
 };
 
-// minimum sine of the viewing angle, against overflow of rho_u and rho_v
+// Minimum sine of the viewing angle. Prevents overflow of rho_u and rho_v.
 constexpr float kMinSine = 1e-6f;
 
 // Floor of x for -1024 < x < 2^22, faster than std::floor.
 std::int32_t FloorOf(float x) { return static_cast<std::int32_t>(x + 1024.f) - 1024; }
 
-// Computes the bounding rectangles. Returns the mask of the discs in the image that are not too
-// close.
+// Computes the bounding rectangles of the discs. Bit k of the result is set if disc k is in the
+// image and deeper than kMinDepth.
 std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera,
                          const RenderOptions& options, BlockDiscs* discs) {
   FindCentres(block, camera, &discs->centre);
@@ -71,7 +71,7 @@ std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera,
   return MaskOf(seen) & MaskOfAll(block);
 }
 
-// Computes the shape of the discs. Returns the mask of the discs that face the camera.
+// Computes the shapes of the discs. Bit k of the result is set if disc k faces the camera.
 std::uint64_t FindShapes(const SurfelBlock& block, const PosedCamera& camera,
                          const RenderOptions& options, BlockDiscs* discs) {
   BlockNormals n;

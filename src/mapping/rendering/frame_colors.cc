@@ -31,15 +31,15 @@ FrameColors::FrameColors(const RgbdFrame& frame, const PosedCamera& camera,
 }
 
 void FrameColors::FindBorders() {
-  // For each row or column, the intersection of its range and the range of the next one.
-  // is_black(i, j): pixel i of line j is black.
+  // Range j has the pixels i that can be interpolated between lines j and j + 1. Black borders are
+  // excluded. is_black(i, j): pixel i of line j is black.
   const auto ranges_of = [](int lines, int size, const auto& is_black) {
     std::vector<Range> ranges;
     for (int j = 0; j < lines; ++j) {
       Range own = {0, size};
       while (own.begin < size && is_black(own.begin, j)) ++own.begin;
       while (own.end > own.begin && is_black(own.end - 1, j)) --own.end;
-      --own.end;  // a range has the first of two pixels
+      --own.end;  // interpolation at i also reads pixel i + 1
       if (j > 0) {
         ranges[j - 1] = {std::max(ranges[j - 1].begin, own.begin),
                          std::min(ranges[j - 1].end, own.end)};
@@ -56,15 +56,15 @@ void FrameColors::FindBorders() {
 template <typename V>
 struct FrameColors::Samples {
   V color[3];
-  V weight;  // 1, or 0 without colour
+  V weight;  // 0: no colour, else 1
 };
 
 template <typename V>
 struct FrameColors::Corners {
   float u[V::kCount], v[V::kCount];
-  float is_seen[V::kCount];  // 1, or 0 with a border pixel
+  float is_seen[V::kCount];  // 0: a pixel is in a black border, else 1
   float color[4][3][V::kCount];
-  float is_lit[4][V::kCount];  // 0 for black pixels
+  float is_lit[4][V::kCount];  // 0: the pixel is black, else 1
 };
 
 SeenColor FrameColors::At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {
@@ -93,7 +93,8 @@ void FrameColors::LookUp(int first, ColorBatch* batch) const {
   const V u = V(fx_) * ray_x + V(cx_), v = V(fy_) * ray_y + V(cy_);
   const V u_per_s = V(-fx_) * rho * (way_x - ray_x * way_z);
   const V v_per_s = V(-fy_) * rho * (way_y - ray_y * way_z);
-  // Solves t = t0 + v_per_s t row_s for the capture time of the row at v + v_per_s t.
+  // The point is at row v + v_per_s t at time t. This row is captured at t0 + v_per_s t row_s. Both
+  // times are equal.
   const V half_height = 0.5f * static_cast<float>(color_.height());
   const V t0 = V(middle_s_) + (v + V(0.5f) - half_height) * V(row_s_);
   const V t = t0 / Max(V(0.5f), V(1.f) - v_per_s * V(row_s_));
@@ -107,8 +108,8 @@ void FrameColors::LookUp(int first, ColorBatch* batch) const {
   Select(seen.weight > V(0.f), sharpness, V(0.f)).Store(&batch->weight[first]);
 }
 
-// Bilinear interpolation. No colour outside the image and next to black borders. Ignores black
-// pixels inside, unless all four are black.
+// Interpolates bilinearly. The weight is 0 outside the image and next to black borders. Other black
+// pixels are ignored, unless all four pixels are black.
 template <typename V>
 FrameColors::Samples<V> FrameColors::Sample(const V& u, const V& v) const {
   const V zero = 0.f, one = 1.f;
@@ -154,7 +155,8 @@ void FrameColors::ReadCorners(const V& at_u, const V& at_v, Corners<V>* corners)
   for (int k = 0; k < V::kCount; ++k) {
     corners->is_seen[k] = rows_[top[k]].Has(left[k]) & columns_[left[k]].Has(top[k]) ? 1.f : 0.f;
     for (int row = 0; row < 2; ++row) {
-      // reads two pixels of three bytes as four bytes each
+      // Two neighbour pixels have six bytes. Both copies have four bytes, which start at bytes 0
+      // and 2.
       const Rgb8* const two = color_.row(top[k] + row) + left[k];
       std::memcpy(&pixels[2 * row][k], &two[0].r, 4);
       std::memcpy(&pixels[2 * row + 1][k], &two[0].b, 4);

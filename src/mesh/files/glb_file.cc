@@ -20,10 +20,11 @@ std::array<std::uint16_t, 256> LinearOfBytes() {
   return linear;
 }
 
-// Binary glTF file (Khronos, glTF 2.0): buffer views and their JSON.
+// Builds a binary glTF 2.0 file: binary buffer and JSON description.
 class Glb {
  public:
-  // Adds a table of numbers. Returns the index of the accessor. `target`: OpenGL buffer type.
+  // Adds binary data with its accessor description. Returns the accessor index. `target`: OpenGL
+  // buffer type.
   int Add(const void* bytes, std::size_t size, Json accessor, int target) {
     accessor["bufferView"] = AddView(bytes, size);
     views_.back()["target"] = target;
@@ -38,7 +39,7 @@ class Glb {
                      {"doubleSided", true},
                      {"extensions", {{"KHR_materials_unlit", Json::object()}}}};
     if (picture_) material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
-    // Rotates by 180 degrees about x, to y up.
+    // Rotates the mesh by 180 degrees about x, because the y axis of glTF points up.
     const Json node = {{"mesh", 0}, {"rotation", {1, 0, 0, 0}}};
     Json json = {{"asset", {{"version", "2.0"}, {"generator", "Surfit"}}},
                  {"extensionsUsed", {"KHR_materials_unlit"}},

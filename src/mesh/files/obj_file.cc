@@ -35,7 +35,7 @@ class TextLines {
   std::string text_;
 };
 
-constexpr int kDigits = 5;  // decimals of metres
+constexpr int kDigits = 5;  // decimal places of coordinates in m
 constexpr int kDigitsOfOne = 4;
 constexpr int kDigitsOfPlace = 6;
 
@@ -78,7 +78,7 @@ void WriteTriangles(const TriangleMesh& mesh, const MeshTexture* texture, TextLi
 
 }  // namespace
 
-// Without vertex colours if there is a texture, because some viewers multiply both.
+// Writes no vertex colours if there is a texture, because some viewers multiply both.
 void WriteObjMesh(const TriangleMesh& mesh, const MeshTexture* texture, const std::string& material,
                   std::ostream& out) {
   TextLines lines(out);

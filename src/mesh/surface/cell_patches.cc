@@ -24,7 +24,7 @@ class Tracer {
     for (int start = 0; start < CellPatches::kEdges; ++start) {
       if (next_[start][0] < 0 || patches.of_edge[start] != CellPatches::kNone) continue;
       int edge = start;
-      while (edge >= 0) {  // next cycle
+      while (edge >= 0) {  // visits all edges of one cycle
         patches.of_edge[edge] = patches.count;
         int following = -1;
         for (const int next : next_[edge]) {
@@ -64,7 +64,8 @@ class Tracer {
   }
 
   int pattern_;
-  std::array<std::array<int, 2>, CellPatches::kEdges> next_;  // each cut edge is on two faces
+  // Neighbours of each cut edge on its two faces; -1: the edge is not cut.
+  std::array<std::array<int, 2>, CellPatches::kEdges> next_;
 };
 
 }  // namespace

@@ -21,10 +21,11 @@ std::uint32_t BeginOf(const std::vector<Triangle>& triangles, std::uint32_t side
   return triangles[side / 3][side % 3];
 }
 
-// Opposite sides: the same edges in the other direction.
+// Adjacency of triangle sides. The opposite side is the same edge in the adjacent triangle.
 struct Sides {
   std::vector<std::uint32_t> opposite;  // kNoSide: none
-  // by triangle; 0: an edge has more than two sides, or two of the same direction
+  // Per triangle. 0: more than two triangles share an edge, or two triangles traverse an edge in
+  // the same direction.
   std::vector<std::uint8_t> is_manifold;
 };
 
@@ -58,7 +59,7 @@ Sides PairSides(const std::vector<Triangle>& triangles) {
   return sides;
 }
 
-// Removes non-manifold triangles until none are left.
+// Removes non-manifold triangles repeatedly until all triangles are manifold.
 Sides KeepManifoldTriangles(MeshSummary* summary, TriangleMesh* mesh) {
   while (true) {
     Sides sides = PairSides(mesh->triangles);
@@ -76,7 +77,7 @@ std::uint32_t CopyVertex(std::uint32_t vertex, TriangleMesh* mesh) {
   return static_cast<std::uint32_t>(mesh->vertices.size() - 1);
 }
 
-// Duplicates vertices with several fans of triangles.
+// Duplicates each vertex that joins several triangle fans, so that each fan has its own vertex.
 void SeparateFans(const Sides& sides, TriangleMesh* mesh) {
   std::vector<std::uint8_t> is_taken(mesh->vertices.size()), is_done(sides.opposite.size());
   for (std::uint32_t first = 0; first < is_done.size(); ++first) {
@@ -97,8 +98,7 @@ void SeparateFans(const Sides& sides, TriangleMesh* mesh) {
   }
 }
 
-// Boundary loops of the holes. The vertices have the order of the filling triangles, which is
-// opposite to the adjacent triangles.
+// Boundary vertices of each hole, in the orientation of the triangles that will fill the hole.
 std::vector<std::vector<std::uint32_t>> FindRims(const Sides& sides, const TriangleMesh& mesh) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> before(mesh.vertices.size(), kNone);
@@ -158,8 +158,8 @@ class HoleFiller {
     return static_cast<std::uint32_t>(mesh_.vertices.size() - 1);
   }
 
-  // Adds an inner ring with half the vertices of the outer ring, rounded up. Its distance is the
-  // height of an equilateral triangle.
+  // Adds an inner ring with half the vertices of the outer ring, rounded up. The distance between
+  // both rings is the height of an equilateral triangle on an outer edge.
   void AddRing() {
     std::vector<std::uint32_t> inner;
     for (std::size_t i = 0; i < ring_.size(); i += 2) {

@@ -11,7 +11,7 @@ namespace {
 constexpr int kFieldBlocksPerTask = 16;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-// Grid points of a block along an axis that are within the support of a surfel.
+// Index range of the grid points along one axis of a block that are inside the support of a surfel.
 struct Span {
   int from, to;
 

@@ -17,13 +17,13 @@ constexpr std::uint16_t kNoVertex = 0xffff;
 
 struct SurfaceVertex {
   Eigen::Vector3f position;  // m
-  Eigen::Vector3f normal;    // initially any vector towards the observed side
+  Eigen::Vector3f normal;    // before refinement: approximate direction to the observed side
   Rgb8 color;
   bool is_supported = false;  // a surfel with the same orientation is near
 };
 
 struct Around {
-  float weight = 0, height = 0;  // sums of w and of w n . (x - p)
+  float weight = 0, height = 0;  // sum of weights; weighted sum of signed plane distances, m
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float color_weight = 0;
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
@@ -120,7 +120,7 @@ Cube Corner(int c) { return {c & 1, c >> 1 & 1, c >> 2}; }
 
 struct Cell {
   std::array<float, CellPatches::kCorners> values;
-  int pattern = 0;  // CellPatches
+  int pattern = 0;  // bit c: the value of corner c is negative
   bool is_known = true;
 
   Cell(const DistanceField::WideBlock& field, const Cube& at) {
@@ -132,7 +132,7 @@ struct Cell {
   }
   bool IsCut() const { return is_known && pattern != 0 && pattern != 255; }
 
-  // Mean of the zero crossings of a patch, relative to corner 0, in cells.
+  // Mean of the zero crossings of a patch, relative to corner 0, in cell sides.
   Eigen::Vector3f MiddleOf(const CellPatches& patches, int patch) const {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     int count = 0;
@@ -214,7 +214,8 @@ class QuadBuilder {
       corners[i] = Find(cells[i], 4 * axis + kEdgeOf[i], values);
       if (corners[i].vertex == nullptr) return;
     }
-    if (!(from < 0)) std::swap(corners[1], corners[3]);  // orientation towards `from`
+    // The quad must face the grid point with the non-negative value.
+    if (!(from < 0)) std::swap(corners[1], corners[3]);
     AddQuad(corners, mesh);
   }
 

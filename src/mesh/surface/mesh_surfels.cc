@@ -17,7 +17,7 @@ class StageProgress {
  public:
   StageProgress(const MeshProgress& progress) : progress_(progress) {}
 
-  // Starts the next stage. `part`: its share of all work.
+  // Starts the next stage. `part`: fraction of the total work in this stage.
   std::function<void(double)> Begin(const char* stage, double part) {
     begin_ += part_;
     part_ = part;
@@ -37,7 +37,7 @@ class StageProgress {
   const char* stage_ = "";
 };
 
-// Sets the spacing of surfels from n points in a disc of radius R: pi R^2 = n spacing^2.
+// Sets the spacing of each surfel. If n surfels are within radius R, then pi R^2 = n spacing^2.
 void MeasureSpacings(float radius_m, std::vector<MeshSurfel>* surfels) {
   const SurfelCubes cubes(*surfels, radius_m);
   ParallelFor(0, cubes.cube_count(), 16, [&](int begin, int end) {
@@ -61,9 +61,9 @@ void MeasureSpacings(float radius_m, std::vector<MeshSurfel>* surfels) {
   });
 }
 
-// Converts points with normals. Depth noise grows with the square of the depth, and the radius with
-// the depth. Confidence is about the number of observations. So sigma ~ radius^2 /
-// sqrt(confidence).
+// Converts points to surfels and skips points without a normal. The depth noise grows with the
+// square of the depth, and the radius with the depth. The confidence approximates the number of
+// observations. So the standard deviation is proportional to radius^2 / sqrt(confidence).
 std::vector<MeshSurfel> ToSurfels(const PointCloud& cloud, const MeshOptions& options) {
   constexpr float kMinConfidence = 0.1f;
   const auto trim_m = static_cast<float>(options.trim_distance_m);

@@ -11,7 +11,7 @@
 namespace surfit {
 namespace {
 
-// Union-find of connected vertices. A set is represented by its first vertex.
+// Union-find of connected vertices. The vertex of smallest index represents a set.
 class VertexSets {
  public:
   explicit VertexSets(std::size_t count) : parent_(count) {
@@ -69,7 +69,7 @@ double Decimate(std::size_t max_triangles, TriangleMesh* mesh) {
   float error = 0, further_error = 0;
   indices.resize(meshopt_simplify(indices.data(), indices.data(), indices.size(), vertices, count,
                                   stride, most, kAnyError, 0, &error));
-  // Merges clusters of vertices if edge collapses are not sufficient.
+  // Clusters vertices if edge collapses do not reach the requested size.
   if (indices.size() > most) {
     indices.resize(meshopt_simplifySloppy(indices.data(), indices.data(), indices.size(), vertices,
                                           count, stride, most, kAnyError, &further_error));

@@ -11,9 +11,9 @@ namespace {
 constexpr int kCubesPerTask = 16;
 constexpr int kFewest = 6;
 constexpr float kFacingSameWay = 0.5f;
-constexpr double kFlat = 4;         // minimum ratio of variances along and across a plane
-constexpr float kMinSigma = 5e-4f;  // correlated error, which does not average out, m
-constexpr float kMaxSpacings = 8;   // maximum radius, in spacings
+constexpr double kFlat = 4;         // minimum ratio of middle to smallest variance
+constexpr float kMinSigma = 5e-4f;  // m; correlated error, added in quadrature
+constexpr float kMaxSpacings = 8;   // maximum neighbourhood radius, in spacings
 constexpr float kFewestSpacings = 2.5f;
 constexpr float kPlaneSpacings = 4;
 
@@ -38,8 +38,8 @@ class PlaneSum {
     second_[5] += weighted.z() * offset.z();
   }
 
-  // Fits a plane. Returns false for too few surfels. If the surfels are curved or on a line, the
-  // plane gets their mean normal.
+  // Fits a plane to the added surfels. Returns false for fewer than kFewest surfels. If the surfels
+  // are not planar or lie on a line, the plane has their mean normal.
   bool Fit(const MeshSurfel& surfel, Plane* plane) const {
     if (count_ < kFewest) return false;
     const Eigen::Vector3f mean = first_ / weight_;
@@ -78,8 +78,9 @@ class PlaneFitter {
                       &ranges_);
   }
 
-  // Fits a plane to the surfels within reach_m with similar normals. Their heights must be within
-  // `gates` times the sum of both sigmas.
+  // Fits a plane to the surfels within `reach_m` of `surfel` that have similar normals. Surfels are
+  // excluded if their distance along the normal exceeds `gates` times the sum of both standard
+  // deviations.
   bool Fit(const MeshSurfel& surfel, float reach_m, float gates, Plane* plane) const {
     PlaneSum sum;
     const float squared_reach = reach_m * reach_m, per_square = 1 / squared_reach;
@@ -91,7 +92,7 @@ class PlaneFitter {
         if (square >= squared_reach) continue;
         const float cosine = surfel.normal.dot(other.normal);
         if (cosine < kFacingSameWay) continue;
-        // allows a normal error of 0.25 rad
+        // The term 0.25 * distance allows a normal error of 0.25 rad.
         const float height = std::abs(surfel.normal.dot(offset));
         if (height > gates * (surfel.sigma_m + other.sigma_m) + 0.25f * std::sqrt(square)) continue;
         const float share = 1 - square * per_square;
@@ -123,9 +124,9 @@ float MedianSpacing(const std::vector<MeshSurfel>& surfels) {
 
 void FindSigmas(std::vector<MeshSurfel>* surfels) {
   constexpr float kAllHeights = 1e6f;
-  constexpr float kMaxTimes = 4;  // maximum ratio of measured to scaled sigma
+  constexpr float kMaxTimes = 4;  // maximum ratio of measured to scaled standard deviation
   const SurfelCubes cubes(*surfels, kPlaneSpacings * MedianSpacing(*surfels));
-  std::vector<float> shown_m(surfels->size(), -1.f);  // by surfel; -1: unknown
+  std::vector<float> shown_m(surfels->size(), -1.f);  // RMS plane distance per surfel; -1: no plane
   ParallelFor(0, cubes.cube_count(), kCubesPerTask, [&](int begin, int end) {
     PlaneFitter fitter(cubes);
     for (int c = begin; c < end; ++c) {
@@ -153,9 +154,9 @@ void FindSigmas(std::vector<MeshSurfel>* surfels) {
 
 void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& done,
                    std::vector<MeshSurfel>* surfels) {
-  constexpr float kGates = 3;  // standard deviations
-  // The slope of a plane over n = pi reach^2 / spacing^2 surfels has the standard deviation 2 sigma
-  // / (reach sqrt(n)) = 2 sigma spacing / (sqrt(pi) reach^2).
+  constexpr float kGates = 3;  // association gate in standard deviations
+  // A plane within the radius `reach` has n = pi reach^2 / spacing^2 surfels. The standard
+  // deviation of its slope is 2 sigma / (reach sqrt(n)) = 2 sigma spacing / (sqrt(pi) reach^2).
   const auto factor = static_cast<float>(2 * 1.7 / (std::sqrt(M_PI) * normal_noise_rad));
   const float most_m = kMaxSpacings * MedianSpacing(*surfels);
   const auto reach_of = [&](const MeshSurfel& surfel) {

@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
 
-// Compacts `values`. place[i]: new index of value i, at most i; kGone: removed.
+// Removes and moves values in place. place[i]: new index of value i, at most i; kGone: value i is
+// removed.
 template <typename T>
 void Move(const std::vector<std::uint32_t>& place, std::size_t count, std::vector<T>* values) {
   if (values->empty()) return;

@@ -29,8 +29,8 @@ std::vector<std::uint32_t> ConnectedTo(std::uint32_t first, const TriangleNeighb
   return found;
 }
 
-// Places the charts in rows ("shelves") from top to bottom. Sets sizes and `height`. Returns false
-// if the charts do not fit.
+// Places the charts in rows ("shelves") from top to bottom. Sets chart positions, chart sizes and
+// the used height. Returns false if the charts do not fit.
 bool PlaceOnShelves(double share, int width, int max_height, const std::vector<std::size_t>& order,
                     std::vector<TextureChart>* charts, int* height) {
   int left = 0, top = 0, shelf = 0;
@@ -59,7 +59,7 @@ bool PlaceOnShelves(double share, int width, int max_height, const std::vector<s
 
 }  // namespace
 
-// Sets the scale: two pixels per average side of a triangle.
+// Sets the pixel size to half the mean triangle side.
 ColorViews::ColorViews(const TriangleMesh& mesh) {
   double sum = 0;
   for (const TriangleMesh::Triangle& t : mesh.triangles)

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kFramesAhead = 4;
 
-// Image speed of a point at a depth of 1.5 m, in focal lengths per second.
+// Image speed of the point on the optical axis at a depth of 1.5 m, in focal lengths per second.
 double SpeedOf(const CameraMotion& motion) {
   constexpr double kUsualDepth_m = 1.5;
   const Eigen::Vector3d way = motion.angular_velocity_rad_per_s.cross(Eigen::Vector3d::UnitZ()) +
@@ -21,7 +21,7 @@ double SpeedOf(const CameraMotion& motion) {
   return way.head<2>().norm();
 }
 
-// Index of the slowest frame of each part.
+// Divides the run into at most `max_frames` parts. Returns the index of the slowest frame per part.
 std::set<int> ChooseFrames(const RecordedRun& run, int max_frames) {
   std::vector<std::pair<int, double>> frames;  // index and speed
   std::size_t i = 0;

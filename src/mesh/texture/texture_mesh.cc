@@ -31,7 +31,8 @@ class FrameSelection {
 
   explicit FrameSelection(std::size_t triangles) : candidates_(triangles) {}
 
-  // Adds a frame with its sharpness per triangle. Keeps the sharpest frames of each triangle.
+  // Adds a frame. `sharpness`: one value per triangle. Only the sharpest frames of each triangle
+  // are stored.
   void Add(int frame, const std::vector<float>& sharpness) {
     frame_count_ = std::max(frame_count_, frame + 1);
     const int count = static_cast<int>(candidates_.size());
@@ -46,7 +47,8 @@ class FrameSelection {
     });
   }
 
-  // Greedy selection: each step takes the frame with the largest sharp area of remaining triangles.
+  // Returns the frame index per triangle, or kNoFrame. A greedy selection repeatedly takes the
+  // frame that shows most of the remaining triangle area sharply. A second step reduces seams.
   std::vector<int> Choose(const TriangleMesh& mesh, const TriangleNeighbors& neighbors,
                           const TextureOptions& options) const {
     std::vector<int> frames = CoverGreedily(mesh, static_cast<float>(options.min_sharpness));
@@ -60,7 +62,7 @@ class FrameSelection {
     std::int32_t frame = kNoFrame;
     float sharpness = 0;
   };
-  using Candidates = std::array<Candidate, kCandidates>;  // descending sharpness
+  using Candidates = std::array<Candidate, kCandidates>;  // in descending order of sharpness
 
   std::vector<int> CoverGreedily(const TriangleMesh& mesh, float least_share) const {
     const auto worth = [&](std::size_t i, const Candidate& candidate) {
@@ -87,7 +89,7 @@ class FrameSelection {
         for (const Candidate& candidate : candidates_[i])
           if (candidate.frame != kNoFrame) worths[candidate.frame] -= worth(i, candidate);
       }
-      *best = 0;  // against rounding errors
+      *best = 0;  // removes the rounding error, which could repeat the frame
     }
     return frames;
   }
@@ -106,7 +108,7 @@ class FrameSelection {
             if (other != TriangleNeighbors::kNone && (*frames)[other] != candidate.frame)
               cost += seam_cost;
           }
-          // the current frame wins for equal costs
+          // If costs are equal, the triangle keeps its current frame.
           const bool is_less = cost < least_cost;
           if (best != kNoFrame && !is_less &&
               !(cost == least_cost && candidate.frame == (*frames)[i]))
@@ -126,7 +128,7 @@ class FrameSelection {
 struct TextureSources {
   std::vector<TextureCamera> cameras;
   std::vector<Eigen::Vector3f> gains;
-  std::vector<int> views;  // by triangle: frame index, or frame count + ColorViews index
+  std::vector<int> views;  // per triangle: frame index, or frame count + ColorViews index
 };
 
 TextureSources LookAtFrames(const TriangleMesh& mesh, const TriangleNeighbors& neighbors,

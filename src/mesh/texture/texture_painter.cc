@@ -22,7 +22,8 @@ Eigen::Vector3f ColorAt(const Image<Rgb8>& image, const Eigen::Vector2f& at) {
          t * ((1 - s) * ToVector(image(left, bottom)) + s * ToVector(image(right, bottom)));
 }
 
-// Extends the colours by one texel: mean of the painted neighbours.
+// Extends the painted area by one texel. A new texel gets the mean colour of its painted
+// neighbours.
 void Widen(int width, int height, std::vector<Eigen::Vector3f>* colors,
            std::vector<std::uint8_t>* is_painted) {
   const std::vector<std::uint8_t> before = *is_painted;
@@ -98,9 +99,10 @@ Eigen::Vector2f TexturePainter::CoordinatesOf(const TextureChart& chart,
           (texel.y() + 0.5f) / static_cast<float>(image_.height())};
 }
 
-// Repeatedly replaces values by means over adjacent triangles.
+// Smooths one colour per vertex: repeatedly replaces each colour by its mean over adjacent
+// triangles.
 void TexturePainter::Smooth(const TextureChart& chart, Colors* of_places) const {
-  constexpr int kRounds = 40;  // radius of about six triangle sides
+  constexpr int kRounds = 40;  // smoothing radius: about six triangle sides
   Colors sums(of_places->size());
   std::vector<float> weights(of_places->size());
   for (int round = 0; round < kRounds; ++round) {

@@ -20,7 +20,7 @@ constexpr float kHiddenPerMetre = 0.03f;  // added to kHidden_m, per metre of de
 constexpr float kMissed_m = 0.1f;         // maximum difference to the measured depth
 constexpr int kDark = 20, kBright = 245;
 constexpr float kLossByBrightness = 0.7f;
-constexpr float kBlur_s = 0.005f, kPixelsPerMetre = 500.f;  // as in FrameColors
+constexpr float kBlur_s = 0.005f, kPixelsPerMetre = 500.f;  // values of FrameColors
 
 template <typename T>
 Image<T> MinAround(const Image<T>& image, int radius) {
@@ -137,7 +137,7 @@ float TextureView::SharpnessOf(const Triangle& triangle) const {
   const Eigen::Vector3f &a = mesh_.vertices[triangle[0]], &b = mesh_.vertices[triangle[1]],
                         &c = mesh_.vertices[triangle[2]];
   const Eigen::Vector3f own = (b - a).cross(c - a), ray = camera_.center() - (a + b + c) / 3;
-  // Mean of the vertex normals, smoother than `own`.
+  // Sum of the vertex normals. It is smoother than the triangle normal `own`.
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float z = 0, speed = 0, bright = 0;
   for (const std::uint32_t v : triangle) {
@@ -159,7 +159,8 @@ Rgb8 TextureView::ColorOf(std::uint32_t vertex) const {
   return frame_.frame.color(static_cast<int>(place.u + 0.5f), static_cast<int>(place.v + 0.5f));
 }
 
-// Ratio of mesh to frame colours over visible triangles, without dark and overexposed colours.
+// Sets the gain per channel: mesh colour divided by frame colour, summed over visible triangles.
+// Dark and overexposed colours are excluded.
 void TextureView::FindGain() {
   constexpr int kFewest = 100;
   struct Sums {

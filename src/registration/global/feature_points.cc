@@ -25,13 +25,14 @@ constexpr int kGridColumns = 8, kGridRows = 6;
 constexpr int kDetectedPerKept = 4;  // detected features per selected feature
 constexpr float kScaleFactor = 1.2f;
 constexpr int kScales = 8;
-constexpr int kBorderPx = 15;  // half the patch size; patches can extend over the image border
-// Of 255. OpenCV's default is 20, too much for rooms with little contrast.
+constexpr int kBorderPx = 15;  // minimum distance of features to the border; about half a patch
+// FAST threshold in grey values (0 to 255). The OpenCV default, 20, is too high for rooms with
+// little contrast.
 constexpr int kFastContrast = 7;
 
 constexpr int kDepthRadiusPx = 2;
 
-constexpr int kMaxHamming = 70;  // bits of 256
+constexpr int kMaxHamming = 70;  // maximum number of different bits of two descriptors, of 256
 constexpr double kMaxRatio = 0.9;
 
 cv::Ptr<cv::ORB> MakeOrb(int max_count) {
@@ -41,7 +42,8 @@ cv::Ptr<cv::ORB> MakeOrb(int max_count) {
                          kFastContrast);
 }
 
-// The strongest keypoints of each cell. Ties keep the detection order.
+// Keeps the strongest keypoints of each grid cell. If responses are equal, the keypoint that was
+// detected first is kept.
 std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> keys, const cv::Size& size,
                                  int max_count) {
   std::stable_sort(keys.begin(), keys.end(), [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
@@ -76,7 +78,7 @@ struct Nearest {
 };
 
 constexpr int kLevels = 3;
-constexpr double kQuality = 0.01;  // relative to the strongest corner
+constexpr double kQuality = 0.01;  // minimum corner score, relative to the strongest corner
 constexpr double kApart_px = 6;
 
 constexpr int kRadius_px = 4, kSide_px = 2 * kRadius_px + 1;
@@ -96,8 +98,8 @@ bool IsWithin(const Image<float>& image, const Eigen::Vector2f& at) {
          at.y() < static_cast<float>(image.height()) - kMargin;
 }
 
-// Patch around a pixel that is inside by IsWithin(), shifted by (beside_u, beside_v) px.
-// Interpolates bilinearly.
+// Bilinearly interpolated patch around `at`, shifted by (beside_u, beside_v) px. IsWithin(image,
+// at) must be true.
 Patch PatchAt(const Image<float>& image, const Eigen::Vector2f& at, int beside_u = 0,
               int beside_v = 0) {
   const int left = static_cast<int>(at.x()), top = static_cast<int>(at.y());
@@ -114,8 +116,8 @@ Patch PatchAt(const Image<float>& image, const Eigen::Vector2f& at, int beside_u
 
 float LengthOf(const Patch& patch) { return patch.matrix().norm(); }
 
-// Patch with zero mean and unit norm, which is invariant to gain and offset. std::nullopt outside
-// the image and at low contrast.
+// Patch with zero mean and unit norm, which is invariant to brightness gain and offset. Returns
+// std::nullopt near the image border and for low contrast.
 std::optional<Patch> NormalizedPatch(const Image<float>& image, const Eigen::Vector2f& at) {
   if (!IsWithin(image, at)) return std::nullopt;
   Patch patch = PatchAt(image, at);
@@ -127,10 +129,11 @@ std::optional<Patch> NormalizedPatch(const Image<float>& image, const Eigen::Vec
 
 struct Found {
   Eigen::Vector2f at;
-  float alike;  // correlation
+  float alike;  // correlation of both patches, at most 1
 };
 
-// Searches the target for the patch around `from`, starting at `at`. std::nullopt: not found.
+// Finds the source patch around `from` in the target. The search starts at `at`. Returns
+// std::nullopt if the search fails.
 std::optional<Found> FindPatch(const Image<float>& source, const Eigen::Vector2f& from,
                                const Image<float>& target, Eigen::Vector2f at) {
   const std::optional<Patch> wanted = NormalizedPatch(source, from);
@@ -161,11 +164,12 @@ std::optional<Found> FindPatch(const Image<float>& source, const Eigen::Vector2f
   return Found{at, (*here * *wanted).sum()};
 }
 
-// Pixel coordinates at half the resolution.
+// Conversion of pixel coordinates to the next coarser and the next finer pyramid level.
 Eigen::Vector2f Coarser(const Eigen::Vector2f& at) { return (at.array() - 0.5f) / 2; }
 Eigen::Vector2f Finer(const Eigen::Vector2f& at) { return at.array() * 2 + 0.5f; }
 
-// Coarse-to-fine alignment from the expected position.
+// Finds a source corner in the target image, from coarse to fine pyramid levels. `expected`:
+// initial position in the target.
 std::optional<Eigen::Vector2f> FindCorner(const GreyPyramid& source, const Eigen::Vector2f& from,
                                           const GreyPyramid& target,
                                           const Eigen::Vector2f& expected) {
@@ -264,7 +268,8 @@ class ConsensusSearch {
                   const std::vector<FeatureMatch>& matches)
       : source_(source), target_(target), matches_(matches) {}
 
-  // In descending order of inliers; ties keep the order of the samples.
+  // Returns RANSAC poses in descending order of inlier counts. If counts are equal, the earlier
+  // sample comes first.
   std::vector<Consensus> Draw(int max_tries) const {
     std::mt19937_64 generator(1);
     std::vector<Consensus> found;
@@ -298,8 +303,8 @@ class ConsensusSearch {
            std::pow(target_.sigmas_m[match.target], 2);
   }
 
-  // True if the side lengths are equal in both views and at least kMinSide. Rejects repeated
-  // matches, whose side has zero length.
+  // True if the triangle of three matches has equal side lengths in both views, within noise. Sides
+  // shorter than kMinSide are rejected. A repeated match has a side of length zero.
   bool IsRigid(const std::vector<int>& sample) const {
     for (int i = 0; i < 3; ++i) {
       const FeatureMatch &a = matches_[sample[i]], &b = matches_[sample[(i + 1) % 3]];

@@ -12,7 +12,7 @@
 namespace surfit {
 namespace {
 
-constexpr std::size_t kRegistered = 3;  // number of poses from features that are registered
+constexpr std::size_t kRegistered = 3;  // maximum number of feature-based initial poses
 
 constexpr NamedValue<GlobalRegistrationReason> kReasons[] = {
     {"no_view", GlobalRegistrationReason::kNoView},

@@ -22,7 +22,7 @@ constexpr Nearness kCoarseNearness = {0.08, 4 * kRadPerDeg};
 constexpr Nearness kMiddleNearness = {0.03, 1 * kRadPerDeg};
 constexpr Nearness kFineNearness = {0.02, 1 * kRadPerDeg};
 
-// Subsampling of the coarsest level for the first scores of all rotations.
+// Pixel stride at the coarsest level for the first search over all rotations.
 constexpr int kSketchStride = 2;
 
 // Maximum number of distinct poses after each stage.
@@ -35,7 +35,8 @@ bool AreNear(const Rigid3d& a, const Rigid3d& b, const Nearness& nearness) {
          RotationAngle(a.rotation.conjugate() * b.rotation) < nearness.angle_rad;
 }
 
-// Removes duplicates of better poses and sorts by descending score.
+// Sorts poses by descending score and removes each pose that is near a better pose. Returns at most
+// `max_count` poses.
 std::vector<CandidatePose> BestDistinct(std::vector<CandidatePose> poses, const Nearness& nearness,
                                         std::size_t max_count) {
   std::stable_sort(poses.begin(), poses.end(), [](const CandidatePose& a, const CandidatePose& b) {
@@ -53,7 +54,7 @@ std::vector<CandidatePose> BestDistinct(std::vector<CandidatePose> poses, const 
   return different;
 }
 
-// Applies `change` to all poses in parallel. The order is kept.
+// Applies `change` to all poses in parallel. Result i belongs to pose i.
 std::vector<CandidatePose> ForAll(
     const std::vector<CandidatePose>& poses,
     const std::function<CandidatePose(const CandidatePose&)>& change) {
@@ -68,7 +69,8 @@ std::vector<CandidatePose> ForAll(
 
 std::vector<Eigen::Quaterniond> RotationGrid() {
   constexpr double kReachRad = 60 * kRadPerDeg;
-  // Side of the lattice cubes. The largest distance to a lattice point is sqrt(5) / 4 of it.
+  // Side of the cubes of a body-centred lattice. A rotation vector is at most sqrt(5) / 4 sides
+  // from a lattice point.
   constexpr double kSideRad = 19 * kRadPerDeg;
   const int reach = static_cast<int>(kReachRad / kSideRad) + 1;
   std::vector<Eigen::Vector3d> vectors;
@@ -106,7 +108,7 @@ InitialPoseSearch::InitialPoseSearch(const ColoredView& source, const ColoredVie
   target_brightness_ = brightness(target);
 }
 
-// Each stage uses about as many points as the coarsest level.
+// Pixel stride of a stage. All stages use about as many points as the coarsest level.
 int InitialPoseSearch::StrideOf(Stage stage) const {
   return 1 << std::max(0, LevelOf(kCoarse) - LevelOf(stage));
 }
@@ -146,7 +148,7 @@ std::vector<CandidatePose> InitialPoseSearch::FromRotations() const {
   for (const Eigen::Quaterniond& rotation : RotationGrid()) {
     poses.push_back({Rigid3d(rotation, Eigen::Vector3d::Zero()), 0});
   }
-  // A large distance gate, so that walls converge over long distances.
+  // The large distance gate allows walls to converge over long distances.
   DescentOptions descent;
   descent.max_steps = 15;
   descent.max_distance_m = 1.5;
@@ -171,8 +173,9 @@ CandidatePose InitialPoseSearch::Improve(const CandidatePose& start) const {
   return {pose, Score(kMiddle, pose, StrideOf(kMiddle))};
 }
 
-// If the geometry does not constrain a direction (for example two walls only), the result along it
-// is arbitrary. Brightness scores select the position along this direction.
+// Geometry may not constrain a direction, for example with only two walls. Then the pose along this
+// direction is arbitrary. This function tests poses along the weakest direction and returns the
+// best poses. Their scores include brightness.
 std::vector<CandidatePose> InitialPoseSearch::AlongWeakestDirection(const Rigid3d& pose) const {
   constexpr double kReachM = 1, kStepM = 0.05;
   constexpr std::size_t kBest = 6;

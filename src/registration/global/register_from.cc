@@ -11,7 +11,7 @@
 namespace surfit {
 namespace {
 
-constexpr double kRivalShiftM = 0.1;  // shift of the additional initial poses
+constexpr double kRivalShiftM = 0.1;  // shift along the weakest direction
 
 struct Fit {
   Rigid3d start;
@@ -73,8 +73,8 @@ class FarRegistration {
     return GlobalRegistrationReason::kAccepted;
   }
 
-  // Poses with free-space violations are not fits, but they count as alternatives in the score
-  // margin.
+  // Registers from one initial pose. A pose with free-space violations cannot be accepted, but its
+  // score still reduces the score margin of other poses.
   void RegisterFromStart(const Rigid3d& start) {
     IcpResult icp = Register(source_.pyramid, target_.pyramid, start, options_.icp_from_start);
     is_degenerate_ = is_degenerate_ || icp.termination == Termination::kSingularSystem;
@@ -176,7 +176,8 @@ class FarRegistration {
   GlobalRegistrationResult verdict_;
   std::vector<Fit> fits_;          // successful registrations
   std::vector<ScoredPose> poses_;  // fits_ and other candidate poses
-  // First failure: the most promising one, because initial poses are sorted.
+  // Failed registration of the first initial pose that failed. Initial poses are sorted, so this is
+  // the most promising failure.
   std::optional<Fit> first_failure_;
   bool is_degenerate_ = false;  // an initial pose led to a degenerate system
 };
@@ -198,8 +199,8 @@ bool AreSame(const Rigid3d& a, const Rigid3d& b) {
 
 Matrix6d RealisticCovariance(const Matrix6d& covariance, double disagreement_rad,
                              double disagreement_m) {
-  // All loops in simulated rooms are within three sigmas of this covariance, most far within. Loop
-  // closures of a real Kinect differ from each other by about as much.
+  // The errors of all loop closures in simulated rooms are below three standard deviations of this
+  // covariance. Loop closures of a real Kinect have similar errors.
   constexpr double kFloorRad = 0.002, kFloorM = 0.004;
   Matrix6d realistic = kSharedPoints * covariance;
   realistic.diagonal().head<3>().array() +=

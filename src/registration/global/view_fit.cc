@@ -33,7 +33,7 @@ int PixelOf(const Eigen::Vector3d& point, const PinholeCamera& camera) {
   return inside ? static_cast<int>(pixel.y()) * camera.width + static_cast<int>(pixel.x()) : -1;
 }
 
-// Distance bound to the target surface, m.
+// Maximum distance between a source point and the target surface that noise explains, m.
 double FreeSpaceBound(const FrameLevel& source, double source_z_m, const FrameLevel& target,
                       double target_z_m, const ErrorModel& error_model) {
   const double of_source_m = error_model.Sigma(source_z_m, source.noise);
@@ -97,7 +97,8 @@ double FreeSpaceViolationRatio(const FrameLevel& source, const FrameLevel& targe
 
 namespace {
 
-// 8-bit colours have a rounding error of 1 / 255 and noise.
+// Minimum variances of brightness and brightness detail. Reasons: the rounding step 1 / 255 of
+// 8-bit colours, and noise.
 constexpr double kValueFloorVariance = 1e-5;
 constexpr double kDetailFloorVariance = 1e-6;
 
@@ -142,9 +143,9 @@ OneWayFit MeasureOneWay(const ViewLevel& source, const ViewLevel& target,
   return fit;
 }
 
-// Mutual information in nats per pixel.
+// Mutual information of two brightness images with this correlation, in nats per pixel.
 double Information(double correlation) {
-  constexpr double kLargest = 0.98;  // bound for the effect of image noise
+  constexpr double kLargest = 0.98;  // maximum correlation, because images have noise
   const double rho = std::clamp(correlation, 0., kLargest);
   return -0.5 * std::log(1 - rho * rho);
 }

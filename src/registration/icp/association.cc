@@ -10,7 +10,8 @@
 
 namespace surfit {
 
-// Each block writes to its own range with full capacity. Then the ranges are compacted in place.
+// Each block writes to its own buffer range of full capacity. Afterwards, the ranges are compacted
+// in place.
 PairBuffer Association::Collect(const Rigid3d& target_from_source) const {
   constexpr int kGrain = 8;
   const auto finder = At(target_from_source);
@@ -47,7 +48,7 @@ namespace {
 
 constexpr int kLanes = Lanes<float>::kCount;
 
-// Counts every row_stride-th row only.
+// Number of pixels with depth in every row_stride-th row.
 int CountValid(const FrameLevel& level, int row_stride) {
   const auto& z = level.vertex.z;
   int count = 0;
@@ -95,7 +96,7 @@ int ProjectiveAssociation::block_count() const {
   return (source_.vertex.height() + row_stride_ - 1) / row_stride_;
 }
 
-// The last store of a row writes all lanes.
+// kLanes extra pairs: the last vector store of a row writes all lanes.
 int ProjectiveAssociation::block_capacity() const { return source_.vertex.width() + kLanes; }
 
 std::unique_ptr<const PairFinder> ProjectiveAssociation::At(

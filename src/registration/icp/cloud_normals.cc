@@ -12,9 +12,9 @@ namespace {
 
 constexpr int kGrain = 512;
 constexpr double kRadiusStep = M_SQRT2;
-constexpr double kLeastWidth = 0.01;  // sqrt(l1 / l2); narrower neighbourhoods are lines
+constexpr double kLeastWidth = 0.01;  // minimum width / length of a neighbourhood; below: line
 
-// Coordinates relative to `from`, which avoids cancellation far from the origin.
+// Point `to` relative to point `from`. The difference avoids cancellation far from the origin.
 Eigen::Vector3d Offset(const KdTree& tree, std::uint32_t from, std::uint32_t to) {
   return tree.Point(to).cast<double>() - tree.Point(from).cast<double>();
 }
@@ -98,7 +98,7 @@ class PlaneFinder {
   const KdTree& all() const { return thinned_.front(); }
   double radius_m() const { return radius_m_; }
 
-  // Returns the plane of the smallest radius that gives a good fit.
+  // Returns the plane of the smallest radius with a good fit. If no fit is good, `good` is false.
   Plane Find(const Eigen::Vector3f& point, std::vector<std::uint32_t>* found) const {
     const double distance_m = (point.cast<double>() - sensor_.viewpoint).norm();
     const double noise_radius_m = 2 * sensor_.noise.SigmaZ(distance_m) / options_.max_thickness;
@@ -124,8 +124,9 @@ class PlaneFinder {
     return KdTree(points);
   }
 
-  // Limits the number of neighbours to a few hundred. Radii below four times the initial radius use
-  // all points. Each further doubling of the radius uses a quarter of the points.
+  // Returns the tree for searches within `radius_m`. Thinned trees limit the number of neighbours
+  // to a few hundred. Radii below four times the initial radius use all points. Each further
+  // doubling of the radius uses a quarter of the points.
   const KdTree& TreeFor(double radius_m) const {
     const int doublings = static_cast<int>(std::log2(radius_m / radius_m_ + 1e-9));
     return thinned_[std::clamp(doublings - 1, 0, kTrees - 1)];

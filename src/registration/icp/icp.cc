@@ -32,8 +32,9 @@ int RowStride(const IcpOptions& options, const FrameLevel& source, int level) {
   return std::max(1, source.vertex.height() / options.min_source_rows);
 }
 
-// Photometric residuals use all rows, because few points have texture. Their weight is divided by
-// the row stride to keep the balance with the geometric residuals.
+// Photometric residuals use all image rows, because few points have texture. Geometric residuals
+// use every row_stride-th row. The photometric weight is divided by the row stride to keep the
+// balance of both.
 ErrorModel ErrorModelOfLevel(const IcpOptions& options, int level, int row_stride) {
   ErrorModel error_model = options.error_model;
   error_model.photometric_weight /= row_stride;
@@ -101,7 +102,8 @@ IcpResult Register(const FramePyramid& source, const FramePyramid& target,
     if (!options.middle_levels && level > 0 && level < levels - 1) continue;
     RegisterLevel(source.levels[level], target.levels[level], level, target_from_source_initial,
                   options, &result);
-    // Finer levels can constrain directions that are degenerate on a coarse level.
+    // A degenerate system does not end the registration. Finer levels can constrain directions that
+    // are degenerate at a coarse level.
     if (result.termination == Termination::kTooFewInliers) return result;
   }
   if (levels > 0 && result.Succeeded())

@@ -12,7 +12,7 @@ struct PoseState {
   Rigid3d pose;
   StepResult step;
 
-  // Residual of the termination rules; without intensities equal to the RMSE.
+  // RMS of geometric and photometric residuals, used by the termination criteria.
   double JointRmse() const { return std::sqrt(step.system.JointLoss()); }
 };
 
@@ -76,8 +76,8 @@ class LevelRun {
     return state.step.system.pair_count < std::max({least_pairs, least_share, kLeastPairs});
   }
 
-  // The threshold is the tolerance of convergence. The RMSE may also rise on the way to a better
-  // pose if the number of inliers rises.
+  // The threshold is the convergence tolerance. A larger RMSE with more inliers is not an increase,
+  // because the pose may still improve.
   bool RmseIncreased(const PoseState& best, const PoseState& state) const {
     return options_.stop_at_rmse_increase &&
            state.JointRmse() > (1 + options_.min_relative_rmse_change) * best.JointRmse() &&
@@ -127,7 +127,7 @@ class LevelRun {
   const IcpOptions& options_;
   IcpResult& result_;
   int source_count_;
-  bool checks_normal_noise_ = false;  // apply options.observability in Iterate()
+  bool checks_normal_noise_ = false;  // true: Iterate() applies options.observability
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ constexpr int kPointsPerBlock = 512;
 
 }  // namespace
 
-// Tree, normals and information in tree order.
+// Search tree. Normals and information (1 / variance) are in the order of the tree points.
 struct SearchablePoints::Data {
   explicit Data(const PointSet& set) : tree(set.points) {
     normals.reserve(set.size());
@@ -40,8 +40,8 @@ SearchablePoints::SearchablePoints(const PointSet& points) {
 
 int SearchablePoints::size() const { return static_cast<int>(data_->tree.size()); }
 
-// Last match of each source point, as a search hint. Atomic, because several finders can run at the
-// same time. Any value is valid.
+// Match of each source point in the previous search, used as a search hint. A wrong hint only costs
+// time. The values are atomic, because several finders can run at the same time.
 struct KdTreeAssociation::LastMatches {
   explicit LastMatches(int count) : ranks(count) {
     for (auto& rank : ranks) rank.store(KdTree::kNone, std::memory_order_relaxed);

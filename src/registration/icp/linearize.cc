@@ -14,7 +14,8 @@
 namespace surfit {
 namespace {
 
-// Lanes after the first `count` repeat the last pair with zero information.
+// Loads `count` pairs from index `first`. Further vector lanes repeat the last pair with zero
+// information.
 template <typename V, typename S>
 void LoadPairs(const Pairs<S>& pairs, int first, int count, PairValues<V>* values) {
   const auto load = [&](const RawVector<S>& x, const RawVector<S>& y, const RawVector<S>& z,
@@ -40,10 +41,10 @@ void LoadIntensities(const IntensityPairs& pairs, const Exposure& exposure, int 
   values->slope_u = load(pairs.slope_u), values->slope_v = load(pairs.slope_v);
 }
 
-// Sums over pairs: all, or all except products of rows.
+// Selection of sums over pairs. kBesides: all sums except products of Jacobian rows.
 enum class Sums { kAll, kBesides };
 
-// Sums for a NormalSystem except products of rows, one per lane.
+// Sums of a NormalSystem per vector lane, without products of Jacobian rows.
 template <typename V>
 struct PairLanes {
   RowLanes<V> rows;
@@ -78,8 +79,8 @@ struct PairLanes {
   }
 };
 
-// Normal system of the pairs [begin, end). set_rows(first, count, pair, rows) computes the rows of
-// one vector of lanes.
+// Normal system of the pairs [begin, end). set_rows(first, count, pair, rows) computes the Jacobian
+// rows of `count` pairs from index `first`.
 template <Sums kSums, int kRows, typename S, typename SetRows>
 NormalSystem SystemOf(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel,
                       double normal_ratio, const SetRows& set_rows) {
@@ -188,7 +189,7 @@ PairSummer<S> PairSummerOf(ResidualType residual) {
                     [](auto rows) -> PairSummer<S> { return SumPairs<kSums, decltype(rows), S>; });
 }
 
-// Sets |r|^2 / sigma^2 of the pairs [begin, end).
+// Sets the squared residual of each pair in [begin, end), divided by its variance.
 template <typename Rows, typename S>
 void SetSquares(const Pairs<S>& pairs, int begin, int end, S* squares) {
   using V = Lanes<S>;
@@ -216,7 +217,8 @@ void SetSquares(const OwnResidual& own, const Pairs<S>& pairs, int begin, int en
   }
 }
 
-// Square root of the median of the values from set(begin, end, squares); 0 without pairs.
+// Median of the normalised residuals. set(begin, end, squares) computes their squares. Returns 0 if
+// there are no pairs.
 template <typename S, typename Set>
 double MedianResidual(int pair_count, const Set& set) {
   if (pair_count == 0) return 0;
@@ -228,8 +230,8 @@ double MedianResidual(int pair_count, const Set& set) {
   return std::sqrt(static_cast<double>(*middle));
 }
 
-// Standard deviation of the residuals, in sigmas, estimated from their median. kOfNormalErrors is
-// the median length of a vector of 1, 2 or 3 standard normal errors.
+// Ratio of the residual scale, estimated from the median, to the predicted standard deviation.
+// kOfNormalErrors: median length of a vector with 1, 2 or 3 standard normal components.
 template <typename S>
 double ScaleOf(const Pairs<S>& pairs, ResidualType residual) {
   constexpr double kOfNormalErrors[] = {0.6745, 1.1774, 1.5382};

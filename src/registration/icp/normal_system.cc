@@ -9,7 +9,7 @@
 namespace surfit {
 namespace {
 
-// Scales information matrices to unitless ones: see Observability.
+// Scales information matrices so that they have no unit. See Observability.
 struct UnitFree {
   explicit UnitFree(const NormalSystem& system) : weight_sum(system.weight_sum) {
     length.head<3>().setConstant(system.RmsDistance());
@@ -19,7 +19,7 @@ struct UnitFree {
     return inverse.asDiagonal() * information * inverse.asDiagonal() / weight_sum;
   }
 
-  Vector6d length = Vector6d::Ones();  // metres per unit of each component
+  Vector6d length = Vector6d::Ones();  // m per rad for rotations, 1 for translations
   double weight_sum;
 };
 
@@ -63,7 +63,7 @@ double NormalSystem::RmsDistance() const {
 
 Matrix6d NormalSystem::SpuriousInformation() const {
   if (!(weight_sum > 0)) return Matrix6d::Zero();
-  Matrix6d all;  // sum of w G^T G; [p]x^T [p]x = |p|^2 I - p p^T
+  Matrix6d all;  // sum of w G^T G; G = [-[p]x, I]: derivative of the moved point p
   all.topLeftCorner<3, 3>() =
       point_product_sum.trace() * Eigen::Matrix3d::Identity() - point_product_sum;
   all.topRightCorner<3, 3>() = CrossMatrix<double>(point_sum);
@@ -95,7 +95,8 @@ Observability Observe(const NormalSystem& system, const ObservabilityOptions& op
   const UnitFree unit_free(system);
   const Matrix6d hessian = unit_free(system.hessian);
   result.eigenvalues = EigenvaluesOf(hessian);
-  // Directions x with H x = mu B x diagonalise both matrices. x^T H x > x^T B x for mu > 1.
+  // H is `hessian`, B is `needed`. The directions x with H x = mu B x diagonalise both matrices.
+  // Directions with mu > 1 satisfy x^T H x > x^T B x.
   constexpr double kRounding = 1e-15;
   const Matrix6d needed = std::max(options.min_eigenvalue, kRounding) * Matrix6d::Identity() +
                           options.min_information_ratio * unit_free(system.SpuriousInformation());
@@ -123,19 +124,20 @@ Vector6d SolveObservable(const NormalSystem& system, const Observability& observ
 
 Matrix6d ConservativeInformation(const NormalSystem& system, double photometric_ratio) {
   if (!(system.RmsDistance() > 0)) return Matrix6d::Zero();
-  constexpr double kSmallest = 1e-9;  // relative to the metric: error of single-precision sums
+  constexpr double kSmallest = 1e-9;  // relative error of single-precision sums
   const UnitFree unit_free(system);
   const Matrix6d metric =
       kSmallest * Matrix6d::Identity() + unit_free(system.SpuriousInformation());
   const GeneralizedEigen eigen =
       EigenOf(unit_free(system.hessian - system.photometric.hessian), metric);
-  // With the columns X of the eigenvectors, X^T B X = I and H = (B X) mu (B X)^T.
+  // H is the geometric information, B is `metric`. The eigenvectors are the columns of X. X^T B X =
+  // I and H = (B X) diag(mu) (B X)^T.
   const Matrix6d columns = unit_free.length.asDiagonal() * metric * eigen.vectors;
   const Vector6d trusted = (eigen.values.array() - 1).max(0);
   const Matrix6d of_points =
       system.weight_sum * (columns * trusted.asDiagonal() * columns.transpose());
   const Matrix6d sum = of_points + photometric_ratio * system.photometric.hessian;
-  constexpr double kSmallestVariance = 1e-3;  // bound for residuals far below the sensor noise
+  constexpr double kSmallestVariance = 1e-3;  // residuals can be far below the sensor noise
   return (0.5 / (kSharedPoints * std::max(system.VarianceFactor(), kSmallestVariance))) *
          (sum + sum.transpose());
 }

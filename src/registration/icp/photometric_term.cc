@@ -14,10 +14,12 @@ namespace {
 constexpr int kRowsOfPoints = 8;   // per block
 constexpr int kFewestPairs = 100;  // minimum for an exposure estimate
 
-// Points of some rows with a minimum intensity gradient per px. Skips depth edges, which have no
-// normals, because their gradient depends on the background. Skips unknown intensities.
+// Points of the rows [begin, end) with an intensity gradient of at least `min_slope` per px. Skips
+// points without a normal: the gradient at depth edges depends on the background. Skips unknown
+// intensities.
 TexturedPoints PointsOfRows(const FrameLevel& level, int begin, int end, double min_slope) {
-  const auto min_square = static_cast<float>(4 * min_slope * min_slope);  // for central differences
+  // The central differences below span 2 px.
+  const auto min_square = static_cast<float>(4 * min_slope * min_slope);
   TexturedPoints points;
   const Image<float>& image = level.intensity;
   for (int v = std::max(begin, 1); v < std::min(end, image.height() - 1); ++v) {
@@ -49,8 +51,8 @@ Quartiles QuartilesOf(RawVector<float> values) {
   return {quantile(1), quantile(2), quantile(3)};
 }
 
-// Exposure that equalises the quartiles of both images over the same points. The gain of a
-// regression would be too small for an inaccurate start.
+// Exposure that equalises the quartiles of both images over the same points. A regression would
+// underestimate the gain if the initial pose is inaccurate.
 Exposure MatchExposure(const IntensityPairs& pairs) {
   constexpr float kFloor = 1e-3f;  // quantisation of 8-bit intensities
   const Quartiles source = QuartilesOf(pairs.source), target = QuartilesOf(pairs.target);
@@ -74,8 +76,8 @@ PhotometricTerm::PhotometricTerm(const FrameLevel& source, const FrameLevel& tar
   CHECK_EQ(source.intensity.width(), source.vertex.width());
   CHECK_EQ(target.intensity.width(), target.camera.width);
   CHECK_EQ(target.vertex.width(), target.camera.width);
-  // All kernels have the form rho(s) = k^2 f(s / k^2). Therefore W rho(s) equals rho(W s) with the
-  // width k sqrt(W).
+  // A kernel of width k has the loss rho(s) = k^2 f(s / k^2) for a squared residual s. So W rho(s)
+  // is the loss of W s with the width k sqrt(W). W: photometric weight.
   kernel_.width *= std::sqrt(error_model.photometric_weight);
   const int height = source.intensity.height();
   blocks_.resize((height + kRowsOfPoints - 1) / kRowsOfPoints);

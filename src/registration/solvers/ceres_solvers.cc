@@ -21,7 +21,7 @@ constexpr NamedValue<ceres::LinearSolverType> kLinearSolvers[] = {
     {"dense_normal_cholesky", ceres::DENSE_NORMAL_CHOLESKY},
     {"sparse_normal_cholesky", ceres::SPARSE_NORMAL_CHOLESKY}};
 
-// Minimisation over a pose that starts at the identity.
+// Minimises a cost over a pose increment. The initial increment is the identity.
 //
 // Ceres discards the step that ends a solve by the function tolerance. For a tolerance above
 // numerical precision, this step is most of the remaining distance to the minimum. Therefore the
@@ -37,7 +37,7 @@ class PoseProblem final : private ceres::EvaluationCallback {
     problem_.AddResidualBlock(cost, loss, pose_.data());
   }
 
-  // Returns the increment of the pose. S: precision of the pairs.
+  // Returns the increment as a tangent vector. S: scalar type of the pairs.
   template <typename S>
   Vector6d Solve(ceres::LinearSolverType type, double min_relative_cost_change,
                  SolveReport* report) {
@@ -47,7 +47,7 @@ class PoseProblem final : private ceres::EvaluationCallback {
     options.parameter_tolerance = LmTolerances<S>::kParameter;
     options.max_num_iterations = LmTolerances<S>::kMaxIterations;
     options.linear_solver_type = type;
-    options.num_threads = 1;  // reduced blocks are parallel; sums over points keep their order
+    options.num_threads = 1;  // reduced blocks use threads; sums have a fixed order
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     const Stopwatch solving;

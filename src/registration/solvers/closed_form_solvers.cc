@@ -79,7 +79,7 @@ class QrSolver final : public PairSolver<QrSolver> {
  private:
   using AllRows = Eigen::Matrix<double, Eigen::Dynamic, kRowColumns>;
 
-  // Weighted rows of the pairs, with `more` uninitialised rows at the end.
+  // Weighted Jacobian rows of the pairs, followed by `more` uninitialised rows.
   template <typename S>
   AllRows RowsOf(const Pairs<S>& pairs, const RobustKernel& kernel, int more) const {
     if (const OwnResidual* const own = OwnResidualOf(options().residual))
@@ -195,7 +195,8 @@ class SvdSolver final : public PairSolver<SvdSolver> {
                  const StepResult&, SolveReport* report) const {
     constexpr int kGrain = 4096;
     const Stopwatch solving;
-    // Relative to the first pair, which avoids cancellation far from the origin.
+    // Coordinates are relative to the first pair. The difference avoids cancellation far from the
+    // origin.
     const Eigen::Vector3d origin = pairs.p(0).template cast<double>();
     const PointSums sums = ParallelSum(0, pairs.size, kGrain, PointSums(), [&](int begin, int end) {
       PointSums sum;

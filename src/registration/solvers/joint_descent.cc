@@ -13,14 +13,15 @@ namespace surfit {
 
 namespace {
 
-// Surface errors of coarse levels, in addition to sensor noise.
+// Standard deviation of surface errors at coarse levels, in addition to sensor noise.
 constexpr float kSurfaceSigmaM = 0.02f;
 constexpr float kBrightnessSigma = 0.05f;  // includes reflections that differ between distant views
 constexpr float kBrightnessKernelWidth = 3;  // in sigmas
 constexpr double kKernelsPerDistance = 1.5;  // distance gate in kernel widths
 constexpr int kMinPairs = 100;
 
-// Projective correspondences that pass the gates on distance and normal angle, stored by column.
+// Projective correspondences that pass the gates on distance and normal angle. Each column is a
+// contiguous array.
 class JointPairs {
  public:
   enum Column {
@@ -31,7 +32,7 @@ class JointPairs {
     kNormalY,
     kNormalZ,
     kHeight,
-    kShapes,  // number of columns without brightness
+    kShapes,  // number of geometric columns
     kFrom = kShapes,
     kTo,
     kSlopeU,
@@ -47,7 +48,7 @@ class JointPairs {
   const float* operator[](int column) const {
     return values_.data() + static_cast<std::ptrdiff_t>(column) * capacity_;
   }
-  // height_m is n . (p' - q).
+  // height_m: signed distance of the transformed source point to the target plane.
   void Add(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float height_m) {
     for (int i = 0; i < 3; ++i) Last(kX + i) = point[i];
     for (int i = 0; i < 3; ++i) Last(kNormalX + i) = normal[i];
@@ -136,7 +137,7 @@ struct JointLanes {
   }
 
  private:
-  // Weights are precomputed.
+  // Neutral kernel: the row weights already contain the robust weights.
   static inline const RobustKernel kNoKernel = {RobustKernelType::kNone};
 };
 

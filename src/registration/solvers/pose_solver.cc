@@ -12,7 +12,7 @@ namespace surfit {
 
 namespace {
 
-// In the order of the enum values.
+// Entry i is the ResidualType with the value i.
 constexpr NamedValue<ResidualType> kTypes[] = {
     {"point_to_point", ResidualType::kPointToPoint},
     {"point_to_plane", ResidualType::kPointToPlane},

@@ -13,8 +13,8 @@
 namespace surfit {
 namespace {
 
-// Reduced blocks as a function for ceres::TinySolver. The six parameters are (w, v) of the pose
-// (exp(w), v).
+// Reduced blocks as a function for ceres::TinySolver. Parameters: rotation vector w and translation
+// v of the pose increment (exp(w), v).
 template <int kBlocks>
 struct TinyFunction {
   using Scalar = double;

@@ -14,7 +14,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kQuality = 85;  // JPEG quality: small files with visible differences
+constexpr int kQuality = 85;  // JPEG quality; differences of views remain visible
 constexpr Rgb8 kNoDepth = {40, 40, 40};
 
 std::vector<std::string> PictureNames() {
@@ -106,7 +106,7 @@ Image<Rgb8> Smaller(const Image<Rgb8>& image, int factor) {
   return small;
 }
 
-// Takes every factor-th pixel, because means of depth across edges are no surface points.
+// Takes every factor-th pixel. Mean depths across depth edges would not be on a surface.
 Image<float> EveryOf(const Image<float>& depth_m, int factor) {
   Image<float> some((depth_m.width() + factor - 1) / factor,
                     (depth_m.height() + factor - 1) / factor);

@@ -13,7 +13,8 @@
 namespace surfit {
 namespace {
 
-// Largest standard deviation over all directions.
+// Largest standard deviation over all directions. The factor shared_points accounts for correlated
+// errors.
 double LargestSigma(const Eigen::Matrix3d& covariance) {
   const double largest =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly)

@@ -60,7 +60,7 @@ Json ToJson(const CalibrationRecord& record) {
           {"color_latency_standard_deviation", record.color_latency.sigma_s}};
 }
 
-// Writes one row per frame, without a JSON tree: long runs would need too much memory.
+// Writes one row per frame. A JSON tree of a long run would need too much memory.
 void WritePoses(const RunPoses& run, std::ostream& out) {
   out << '[';
   for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
