@@ -6,7 +6,7 @@ namespace surfit {
 
 // Transposes eight records of eight floats to eight vectors and back: lane j of columns[i] is
 // records[j][i]. Vectors combine halves of the records k and k + 4, so no shuffle crosses the
-// 128-bit halves.
+// 128-bit halves. Reads and writes all eight floats of each record. Records need no alignment.
 template <typename Instructions>
 class EightRecords {
  public:

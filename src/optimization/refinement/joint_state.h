@@ -42,6 +42,7 @@ inline void CalibrationToBlock(const DepthCalibration& calibration, double* bloc
   block[kReadout] = calibration.readout_s;
 }
 
+// Inverse of CalibrationToBlock(). Keeps the image size.
 inline void CalibrationFromBlock(const double* block, DepthCalibration* calibration) {
   PinholeCamera& camera = calibration->camera;
   camera.fx = block[0], camera.fy = block[1], camera.cx = block[2], camera.cy = block[3];
@@ -49,8 +50,9 @@ inline void CalibrationFromBlock(const double* block, DepthCalibration* calibrat
   calibration->readout_s = block[kReadout];
 }
 
-// Robust kernels of all residuals. The photometric weight W scales the texture residuals and
-// their kernel width by sqrt(W): W rho(s) = rho(W s) with the width k sqrt(W).
+// Robust kernels of all residuals. The photometric weight W scales the texture residuals and their
+// kernel width k by sqrt(W). This is a weight of the cost: W rho(s) = rho(W s), with the squared
+// residual s.
 struct JointKernels {
   RobustKernel plane, texture;
 
@@ -75,7 +77,8 @@ inline double InversePlaneSigma(const ErrorModel& model, const DepthNoise& noise
   return z * z / model.Sigma(z, noise);
 }
 
-// 1 / sigma of intensity differences, including the photometric weight.
+// 1 / sigma of intensity differences, including the photometric weight. 0 without photometric
+// residuals.
 inline double InverseTextureSigma(const ErrorModel& model) {
   return std::sqrt(model.photometric_weight) / model.intensity_sigma;
 }
