@@ -19,7 +19,7 @@ void WriteMtl(const std::string& picture, std::ostream& out);
 // Writes binary glTF 2.0 with the texture inside the file.
 void WriteGlbMesh(const TriangleMesh& mesh, const MeshTexture* texture, std::ostream& out);
 
-// Throws InputError if encoding fails.
+// JPEG file of a texture. Throws InputError if encoding fails.
 std::string EncodeTexture(const MeshTexture& texture);
 
 }  // namespace surfit

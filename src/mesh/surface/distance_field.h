@@ -10,8 +10,8 @@
 
 namespace surfit {
 
-// Weight of a surfel at the distance d: w = (1 - d^2 / support^2)^2 / sigma^2. 0 from the support
-// on.
+// Weight of a surfel at a distance d below its support: w = (1 - d^2 / support^2)^2 / sigma^2.
+// Farther away, w is 0.
 struct SurfelKernel {
   float square, per_square, scale;  // support^2, 1 / support^2, 1 / sigma^2
 

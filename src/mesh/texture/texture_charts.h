@@ -16,8 +16,8 @@ struct TextureChart {
   std::vector<std::uint32_t> triangles;  // indices in the mesh, ascending
   std::uint32_t first_place = 0, end_place = 0;  // half-open range in TextureLayout
   Eigen::Vector2f low, high;                     // bounds in the view, px
-  int left = 0, top = 0;  // position in the texture, texels; set by PackCharts()
-  int width = 0, height = 0;
+  int left = 0, top = 0;      // position in the texture, texels; set by PackCharts()
+  int width = 0, height = 0;  // with margin, texels; set by PackCharts()
 };
 
 // Six orthographic views of the vertex colours along the axes.
