@@ -15,11 +15,12 @@ class OptionVisitor;
 struct RecordingCheckOptions {
   SequenceOptions sequence;
   bool track = true;  // run SLAM to check calibration and latency; slower
-  int threads = 2;
+  int threads = 2;    // for SLAM and checks
 
   void Visit(OptionVisitor& visitor);
 };
 
+// Result of one check.
 struct RecordingCheck {
   std::string name;             // for example "median_depth"
   std::optional<double> value;  // std::nullopt: not measurable
@@ -31,6 +32,7 @@ struct RecordingCheck {
   bool IsSound() const { return fault.empty(); }
 };
 
+// Results of all checks.
 struct RecordingReport {
   SequenceInfo info;
   int frames = 0;  // includes unreadable frames

@@ -8,6 +8,7 @@
 
 namespace surfit {
 
+// Request without its body.
 struct HttpRequest {
   std::string method;
   std::string target;
@@ -15,6 +16,7 @@ struct HttpRequest {
   std::optional<std::string> origin;
 };
 
+// Answer to a request. A null body is empty.
 struct HttpAnswer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
@@ -43,13 +45,15 @@ class HttpServer {
   // answer.
   using Handler = std::function<std::optional<HttpAnswer>(const HttpRequest& request, bool must)>;
 
-  // Starts the server thread with low priority. Port 0: any free port. Throws InputError if
-  // the port cannot be opened.
+  // Starts the server thread with low priority. Port 0: any free port. Throws InputError if the
+  // port cannot be opened. The address must be an IP address. The destructor stops the thread and
+  // closes all connections.
   HttpServer(const std::string& address, int port, const HttpLimits& limits, Handler handler);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
+  // Address and port that are open.
   std::string address() const;
   int port() const;
   // Calls the handler again for all delayed answers. Thread-safe.

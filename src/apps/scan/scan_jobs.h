@@ -32,25 +32,29 @@ struct CandidatesOptions {
   // Output folder for A_B.json, created if missing. Other .json files in this folder are
   // deleted. Unchanged files keep their modification time.
   std::string output;
-  int min_gap = 100;  // minimum frame index difference within a recording
-  int max_similar = 3;
+  int min_gap = 100;    // minimum frame index difference within a recording
+  int max_similar = 3;  // maximum number of candidates per keyframe
   // Memory limit of the place index. If all keyframes exceed it, every n-th keyframe is used.
   std::size_t max_index_bytes = std::size_t{500} << 20;
 
   void Visit(OptionVisitor& visitor);
 };
 
+// Statistics of FindCandidates(). `missing`: failed fragments, `pairs`: fragment pairs with
+// candidates.
 struct CandidatesResult {
   int fragments = 0, missing = 0, keyframes = 0;
   int looked_up = 0;  // used keyframes
   int pairs = 0;
 };
+// Finds similar keyframes of different fragments, and writes one file per fragment pair. Does not
+// verify them.
 CandidatesResult FindCandidates(const CandidatesOptions& options);
 
 struct LinkOptions {
-  std::string scan;  // folder of the plan
-  std::string candidates;
-  std::string output;
+  std::string scan;        // folder of the plan
+  std::string candidates;  // file of the candidates, from FindCandidates()
+  std::string output;      // file of the results
   int threads = 1;
 
   void Visit(OptionVisitor& visitor);
@@ -62,8 +66,8 @@ struct ScanLink {
   GlobalRegistrationResult verdict;
 };
 // Verifies all candidates of two fragments (VerifyLoop()). Then verifies further keyframe pairs
-// that are near each other according to an accepted link. Writes all results, also rejected
-// pairs.
+// that are near each other according to an accepted link. Writes all results, also rejected pairs.
+// Throws InputError if a fragment has no places.bin.
 std::vector<ScanLink> LinkFragments(const LinkOptions& options);
 
 struct GraphOptions {
@@ -111,7 +115,7 @@ std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interr
                      const std::function<void(int frames)>& progress);
 
 struct ScanReportOptions {
-  std::string scan;
+  std::string scan;  // folder of the plan
 
   void Visit(OptionVisitor& visitor);
 };
@@ -120,6 +124,7 @@ struct ScannedRecording {
   int frames_total = 0, frames = 0;  // frames: with a pose
   std::optional<double> ate_rmse_m;  // with separate alignment
 };
+// Content of summary.json of a scan.
 struct ScanSummary {
   std::string digest;                // hash of trajectories and tiles, hexadecimal
   int frames_total = 0, frames = 0;  // frames: with a pose
@@ -132,6 +137,7 @@ struct ScanSummary {
 // for several recordings). Deletes trajectories and tiles of a former plan. Without graph.json,
 // all values of the graph are 0 or empty.
 ScanSummary ReportScan(const ScanReportOptions& options);
+// Reads summary.json. `scan`: folder of the scan.
 ScanSummary ReadScanSummary(const std::string& scan);
 
 // Deletes receipts, so that the workflow repeats these jobs: successful jobs without their

@@ -15,7 +15,7 @@ struct ScanPlanOptions {
   // `run.output`: folder of the scan. `run.sequence`: options of all recordings, without path.
   SlamRunOptions run;
   int fragment_frames = 300;  // maximum length, including the overlap
-  int overlap_frames = 30;
+  int overlap_frames = 30;    // shared frames of consecutive fragments
   // Number of frames at the start of each recording for the calibration of the depth camera.
   // 0: no calibration. Single fragments are too short.
   int camera_frames = 600;

@@ -16,9 +16,9 @@ class OptionVisitor;
 
 struct AlignRunOptions {
   SequenceOptions sequence;  // first, last and stride are not used
-  int source = 0;
-  int target = 1;
-  std::string output;  // output folder, created if missing
+  int source = 0;            // frame index
+  int target = 1;            // frame index
+  std::string output;        // output folder, created if missing
   PreprocessOptions preprocess;
   InitializeOptions initialize;
   IcpOptions icp = GlobalIcpOptions();
@@ -27,6 +27,7 @@ struct AlignRunOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Result of RunAlign(). The errors belong also to a rejected registration.
 struct AlignRunResult {
   GlobalRegistrationResult registration;
   // Errors of the identity and of the result; std::nullopt without ground truth.
@@ -54,6 +55,7 @@ struct RegisterRunOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Statistics of a cloud after preparation.
 struct RegisteredCloud {
   std::size_t points = 0;
   std::size_t not_finite = 0;      // removed points
