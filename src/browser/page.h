@@ -41,6 +41,7 @@ class PlainPage {
     std::string link;  // path relative to the page; empty: no link
   };
 
+  // Begins a section with a heading.
   void Section(const std::string& title);
   void Paragraph(const std::string& text);
   // `file`: path relative to the page.

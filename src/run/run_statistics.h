@@ -23,6 +23,7 @@ class RunStatistics {
   // Counts a read or unreadable frame. Excludes ReadResult::waited_ms.
   void CountRead(const ReadResult& result);
   void CountSkipped() { ++summary_.frames_skipped; }
+  // Counts a frame that Slam has processed.
   void CountProcessed(const RgbdFrame& frame, const FrameReport& report);
   // Call when the pose of the current frame is known.
   void RecordPoseTime() { pose_known_ = Clock::now(); }

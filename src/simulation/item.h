@@ -25,7 +25,9 @@ Texture Wood(const Color& light, const Color& dark, int grain_axis, std::uint64_
 // Floor boards along x with random shades and narrow joints.
 Texture Boards(const Color& light, const Color& dark, double width_m, double length_m,
                std::uint64_t seed);
+// Framed random picture in x and z. Its centre is the origin.
 Texture Poster(double width_m, double height_m, std::uint64_t seed);
+// Random pattern with a border, in x and y. Its centre is the origin.
 Texture Rug(double width_m, double depth_m, std::uint64_t seed);
 
 // Shortest rotation from the z axis to `direction`, which must not be zero.

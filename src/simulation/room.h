@@ -47,6 +47,7 @@ struct RoomPlan {
 
   Random* Pictures() const { return pictures != nullptr ? pictures : random; }
   Item Frame() const { return Item(scene, WorldFromRoom()); }
+  // Maps the room frame to the world frame: turn about z, then shift, m.
   Rigid3d WorldFromRoom() const {
     return {Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())),
             corner_in_world};
@@ -76,6 +77,7 @@ void AddFurnishedRoom(const RoomPlan& room);
 void Line(const RoomPlan& room, int wall, double from_m, double to_m,
           std::vector<WallItem> stretches);
 
+// Poster of random size, with a camera target below it.
 WallItem PosterItem(const RoomPlan& room);
 
 // Adds shell, lamps, and items along the walls.

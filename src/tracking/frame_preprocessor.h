@@ -23,6 +23,7 @@ struct PreprocessedFrame {
   bool HasIntensities() const { return !surface().intensity.empty(); }
 };
 
+// Estimated corrections of the input sensor.
 struct SensorCorrection {
   const DepthCalibration* calibration = nullptr;  // null: input calibration
   double color_latency_s = 0;  // s, beyond the input latency; subtracted from color_stamp_s
@@ -38,7 +39,7 @@ class FramePreprocessor {
 
   // `motion`: predicted motion during the readout; zero: rolling shutter is not corrected.
   // `sensor`: sensor with the estimated camera and readout. Without colour, `with_intensities` has
-  // no effect. Aborts if the colour image differs in size from the camera.
+  // no effect. With it, aborts if the colour image has another size than the camera.
   PreprocessedFrame Preprocess(const RgbdFrame& frame, const CameraMotion& motion,
                                const DepthSensor& sensor, const SensorCorrection& correction,
                                bool with_intensities);

@@ -12,10 +12,11 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of CheckRecording().
 struct RecordingCheckOptions {
   SequenceOptions sequence;
   bool track = true;  // run SLAM to check calibration and latency; slower
-  int threads = 2;    // for SLAM and checks
+  int threads = 2;    // number of threads
 
   void Visit(OptionVisitor& visitor);
 };

@@ -45,6 +45,7 @@ class RecordingStatistics {
   // `images`: raw images. `depth_m`: depth after undistortion and scaling.
   void Add(int index, const FrameStamps& stamps, const FrameImages& images,
            const Image<float>& depth_m);
+  // Adds a frame that cannot be read. `error` must not be empty.
   void AddUnreadable(int index, const FrameStamps& stamps, const std::string& error);
 
   const std::vector<FrameStatistics>& frames() const { return frames_; }

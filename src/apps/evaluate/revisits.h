@@ -31,6 +31,7 @@ struct SurfaceAgreement {
   ErrorStatistics icp_translation_m, icp_rotation_deg;
 };
 
+// Result of CompareAtRevisits().
 struct RevisitReport {
   int pairs = 0;         // revisits, with skipped pairs
   int unregistered = 0;  // skipped pairs: no overlap or failed ICP

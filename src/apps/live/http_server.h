@@ -24,6 +24,7 @@ struct HttpAnswer {
   bool has_token = false;  // the request had the valid token
 };
 
+// Limits against slow or malicious clients.
 struct HttpLimits {
   // Connections without valid token. Above the limit, the oldest connection is closed.
   std::size_t strangers = 32;

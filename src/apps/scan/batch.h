@@ -17,6 +17,7 @@ class OptionVisitor;
 //   table.csv, summary.json, report.html    ReportBatch()
 // All functions throw InputError with the name of the file or option.
 
+// Options of PlanBatch().
 struct BatchOptions {
   std::string sequences;  // folder of the sequences
   std::string output;     // folder of the batch, created if missing
@@ -27,6 +28,7 @@ struct BatchOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Run of one sequence.
 struct BatchRun {
   // File name of the sequence. Characters except letters, digits, '.', '-' and '_' are
   // replaced by %XX.

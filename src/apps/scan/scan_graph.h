@@ -46,6 +46,7 @@ class ScanGraph {
   // Difference of the measured and the optimised relative pose of a link, in the source camera.
   // std::nullopt for a disconnected fragment. Call after Solve(). Both fragments must exist.
   std::optional<Rigid3d> Residual(const GraphLink& link) const;
+  // Returns whether a fragment exists, but is not in the largest part. Call after Solve().
   bool IsDisconnected(std::size_t fragment) const {
     return fragments_[fragment] && fragments_[fragment]->solved.empty();
   }

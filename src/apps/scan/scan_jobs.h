@@ -27,6 +27,7 @@ class OptionVisitor;
 // equal output. All functions throw InputError with the name of the file or option. A fragment
 // without places.bin has failed and is skipped.
 
+// Options of FindCandidates().
 struct CandidatesOptions {
   std::string scan;  // folder of the plan
   // Output folder for A_B.json, created if missing. Other .json files in this folder are
@@ -51,6 +52,7 @@ struct CandidatesResult {
 // verify them.
 CandidatesResult FindCandidates(const CandidatesOptions& options);
 
+// Options of LinkFragments().
 struct LinkOptions {
   std::string scan;        // folder of the plan
   std::string candidates;  // file of the candidates, from FindCandidates()
@@ -70,6 +72,7 @@ struct ScanLink {
 // Throws InputError if a fragment has no places.bin.
 std::vector<ScanLink> LinkFragments(const LinkOptions& options);
 
+// Options of BuildScanGraph().
 struct GraphOptions {
   std::string scan;    // folder of the plan
   std::string output;  // output folder, created if missing
@@ -77,6 +80,7 @@ struct GraphOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Result of BuildScanGraph(). `missing`: failed fragments.
 struct GraphResult {
   int fragments = 0, missing = 0;
   int apart = 0;  // disconnected fragments
@@ -98,6 +102,7 @@ struct GraphResult {
 // - trajectory_R.png
 GraphResult BuildScanGraph(const GraphOptions& options);
 
+// Options of FuseTile().
 struct TileOptions {
   std::string scan;       // folder of the plan
   std::string tile;       // tile name in graph/tiles.json
@@ -114,11 +119,13 @@ struct TileOptions {
 std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interrupted,
                      const std::function<void(int frames)>& progress);
 
+// Options of ReportScan().
 struct ScanReportOptions {
   std::string scan;  // folder of the plan
 
   void Visit(OptionVisitor& visitor);
 };
+// Result of one recording. Unknown errors are std::nullopt.
 struct ScannedRecording {
   std::string sequence;
   int frames_total = 0, frames = 0;  // frames: with a pose

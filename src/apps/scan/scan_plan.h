@@ -25,12 +25,14 @@ struct ScanPlanOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Part of a recording with a separate map.
 struct ScanFragment {
   std::string name;         // "0000", "0001", ..., unique in the scan
   int first = 0, last = 0;  // frame indices in the sequence, both inclusive
   int recording = 0;        // index in ScanPlan::recordings
 };
 
+// Content of plan.json.
 struct ScanPlan {
   SlamRunOptions run;  // options of the fragment runs, except sequence and output
   std::vector<SequenceOptions> recordings;

@@ -109,6 +109,7 @@ struct SlamComparisonRow {
   std::optional<double> surface_distance_mean_m, surface_distance_p90_m, shared_surface;
 };
 
+// Progress of CompareSolvers(). `done` and `total` are in the given unit.
 struct CompareProgress {
   std::string unit;  // "run", or "frame" for SLAM
   int done = 0;

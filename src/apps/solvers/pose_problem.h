@@ -17,13 +17,14 @@ inline constexpr char kPlaneResidual[] = "planes";
 inline constexpr char kTexturedResidual[] = "planes_and_textures";
 
 // Selected combinations, ordered by association and residual. Throws InputError for unknown names,
-// and if a named solver does not support a named residual. Combinations that a solver does not
-// support are omitted, if one of both is not named.
+// and if a named solver does not support a named residual. Other unsupported
+// combinations are omitted.
 std::vector<SolverCombination> SolverCombinations(const CompareOptions& options);
 
 // Returns whether a combination is slow and runs on few problems only.
 bool IsSlow(const SolverCombination& combination);
 
+// Combination of a rotation and a translation of the initial pose.
 struct PerturbationCell {
   int rotation = 0;  // indices into rotations_deg and translations_m
   int translation = 0;

@@ -13,6 +13,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of RunRefinement().
 struct RefineRunOptions {
   SequenceOptions sequence;  // sequence of the run, with the same options
   std::string trajectory;    // trajectory of the run: TUM format, pose convention of the sequence

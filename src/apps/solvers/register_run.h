@@ -14,6 +14,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of RunAlign().
 struct AlignRunOptions {
   SequenceOptions sequence;  // first, last and stride are not used
   int source = 0;            // frame index
@@ -43,6 +44,7 @@ AlignRunResult RunAlign(const AlignRunOptions& options);
 
 class OptionVisitor;
 
+// Options of RunRegister().
 struct RegisterRunOptions {
   std::string source;  // clouds: PLY or PCD, m
   std::string target;
@@ -63,6 +65,7 @@ struct RegisteredCloud {
   double normal_radius_m = 0;      // minimum radius for normal estimation; 0: normals of the file
 };
 
+// Result of RunRegister().
 struct RegisterRunResult {
   IcpResult icp;
   RegisteredCloud source, target;

@@ -34,6 +34,7 @@ struct ImageMessage {
   std::string data;
   bool is_compressed = false;
 };
+// Reads a whole message, see MessageLog::Read().
 ImageMessage ReadImageMessage(const std::string& bytes, const Topic& topic,
                               const std::string& name);
 
@@ -46,6 +47,7 @@ struct CameraInfo {
   std::array<double, 9> intrinsics{};   // K of the raw image, row-major
   std::array<double, 12> projection{};  // P of the rectified image, row-major
 };
+// Reads a whole message.
 CameraInfo ReadCameraInfo(const std::string& bytes, const Topic& topic, const std::string& name);
 
 // geometry_msgs/TransformStamped.

@@ -17,6 +17,7 @@ namespace surfit {
 // PLY files (G. Turk, 1994). The header lists elements. An element is a table with named
 // properties.
 
+// Types of values.
 enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
 
 // Bytes of one binary value.
@@ -57,9 +58,9 @@ const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
 // Column of a scalar property; std::nullopt if there is no such property.
 std::optional<std::size_t> FindPlyColumn(const PlyElement& element, std::string_view name);
 
-// std::nullopt if one of three scalar properties is missing.
 using PlyNames = std::array<const char*, 3>;
 using PlyColumns = std::array<std::size_t, 3>;
+// Columns of three scalar properties; std::nullopt if one is missing.
 std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNames& names);
 // Vector of three columns of a row of ReadPlyElement().
 inline Eigen::Vector3f VectorAt(const double* row, const PlyColumns& c) {

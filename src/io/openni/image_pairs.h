@@ -22,6 +22,7 @@ class ImagePairs {
   // If not `has_color`, each depth image is a complete pair.
   explicit ImagePairs(bool has_color) : has_color_(has_color) {}
 
+  // Adds an image of the device, in order of arrival.
   void Add(DeviceImage image);
   // Removes the next complete pair, in order of arrival of depth; std::nullopt if there is none.
   std::optional<ImagePair> Take();

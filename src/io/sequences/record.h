@@ -11,6 +11,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of RecordSequence().
 struct RecordOptions {
   SequenceOptions sequence;  // `downsample` and `max_depth_m` must have their default values
   std::string output;        // folder, created if missing; must not contain depth.txt

@@ -11,6 +11,7 @@ namespace surfit {
 // thread-safe.
 class BlockObservations {
  public:
+  // Removes all observations.
   void Clear();
   // Adds an observation with positive weight. Each surfel can have one observation. `place`: index
   // in the block.

@@ -13,6 +13,7 @@ class EightRecords {
   using V = Lanes<float, Instructions>;
   static_assert(V::kCount == 8);
 
+  // Loads or stores all eight records.
   static void Load(const float* const (&records)[8], V (&columns)[8]) {
     for (int half = 0; half < 2; ++half) {
       V rows[4];

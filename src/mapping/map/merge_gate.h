@@ -25,6 +25,7 @@ using Patch = PatchOf<float>;
 //   h = n . (p - s) along the normal,  a = p - s - h / (n . p) p across the surface.
 class MergeGate {
  public:
+  // Result without a match.
   static constexpr float kNever = std::numeric_limits<float>::infinity();
 
   // Copies the thresholds.
@@ -63,8 +64,9 @@ class MergeGate {
     return SquaredDistanceWithin(reach, point, surfel);
   }
 
-  // Squared distance of two duplicate surfels; kNever for other surfels. They overlap by more than
-  // 1 - duplicate_ratio of the smaller radius. The distance is along and across the normal of `b`.
+  // Squared distance of two duplicate surfels along and across the normal of `b`; kNever for other
+  // surfels. Duplicates pass the gate with a smaller limit of |a|: duplicate_ratio times the least
+  // of both radii and max_spacing_m.
   template <typename Number>
   Number SquaredDistanceOfDuplicates(const PatchOf<Number>& a, const Number& radius_a_m,
                                      const PatchOf<Number>& b, const Number& radius_b_m) const {

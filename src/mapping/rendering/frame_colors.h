@@ -50,6 +50,7 @@ class FrameColors {
   // Sets colours and weights of the batch. Requires a frame with colours, and points with z > 0.
   // Thread-safe.
   void LookUp(ColorBatch* batch) const;
+  // Colour of one point. Same requirements.
   SeenColor At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
 
  private:

@@ -22,6 +22,7 @@ struct PosedCamera {
         cx(static_cast<float>(camera.cx)),
         cy(static_cast<float>(camera.cy)) {}
 
+  // Transforms a point from the camera to the world frame, m.
   Eigen::Vector3f PointInWorld(const Eigen::Vector3f& point_in_camera) const {
     return world_rotation * point_in_camera + world_translation;
   }

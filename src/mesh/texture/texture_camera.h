@@ -17,6 +17,7 @@ class TextureCamera {
     float u = 0, v = 0, z = 0, speed = 0;
   };
 
+  // Copies all values. Requires a frame with colour.
   explicit TextureCamera(const TextureFrame& frame)
       : rotation_(frame.world_from_camera.Inverse().rotation.toRotationMatrix().cast<float>()),
         translation_(frame.world_from_camera.Inverse().translation.cast<float>()),

@@ -64,6 +64,7 @@ class PoseGraphProblem {
   // Unweighted squared errors of all edges at the current poses: Mahalanobis distances.
   std::vector<double> SquaredErrors() const;
 
+  // Current poses.
   std::vector<Rigid3d> Poses() const;
 
  private:

@@ -142,6 +142,7 @@ class TextureResidual {
     return inverse_sigma_ * Eigen::Vector2d(Intensity(1, displacement) - center,
                                             Intensity(2, displacement) - center);
   }
+  // Differences() minus the texture of the surfel.
   Eigen::Vector2d Residuals(const SurfelParameters& surfel) const {
     return Differences(surfel.displacement) - surfel.texture;
   }

@@ -56,6 +56,7 @@ inline void CalibrationFromBlock(const double* block, DepthCalibration* calibrat
 struct JointKernels {
   RobustKernel plane, texture;
 
+  // Kernels with widths times `growth`.
   JointKernels Widened(double growth) const {
     JointKernels wide = *this;
     wide.plane.width *= growth;
@@ -64,6 +65,7 @@ struct JointKernels {
   }
 };
 
+// Kernels of an error model. Without photometric residuals, `texture` has no effect.
 inline JointKernels KernelsOf(const ErrorModel& model) {
   JointKernels kernels = {model.kernel, model.intensity_kernel};
   if (model.UsesIntensities()) kernels.texture.width *= std::sqrt(model.photometric_weight);

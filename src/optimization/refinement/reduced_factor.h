@@ -78,6 +78,7 @@ class ReducedFactor {
 
   // Levenberg-Marquardt step for a gradient of the factorised system.
   ReducedStep Solve(const Eigen::VectorXd& gradient) const;
+  // Covariance at the factorised system, including its damping.
   JointCovariance Covariance() const;
 
  private:

@@ -14,6 +14,7 @@ struct AxisRange {
   double begin, end;
 };
 
+// Ranges of both axes of a chart.
 struct AxisRanges {
   AxisRange x, y;
 };

@@ -23,6 +23,7 @@ struct PixelBox {
   double left, top, right, bottom;
 };
 
+// Size, alignment and colour of a text.
 struct TextStyle {
   double height_px = 18;  // line height
   double justify = 0;  // alignment; 0: text starts at the point, 0.5: centred, 1: ends at the point
@@ -39,6 +40,7 @@ double TextWidth(const std::string& text, const TextStyle& style);
 // antialiased. Text must be ASCII and is centred vertically at its point.
 void DrawText(Image<Rgb8>* image, PixelPoint at, const std::string& text,
               const TextStyle& style = {});
+// Draws a polyline, at least 1 px wide.
 void DrawLine(Image<Rgb8>* image, const std::vector<PixelPoint>& points, Rgb8 color,
               double width_px);
 void DrawDisc(Image<Rgb8>* image, PixelPoint center, double radius_px, Rgb8 color);

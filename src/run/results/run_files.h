@@ -52,6 +52,7 @@ class RunTrajectory {
 // fails. Times are in ms.
 class FrameTable {
  public:
+  // Creates or replaces frames.csv in the folder.
   explicit FrameTable(const std::string& folder);
 
   // `frame_ms`: time between the completions of the previous frame and this frame.
