@@ -34,7 +34,7 @@ struct ViewError {
   // As psnr_covered_db and ssim_covered, but at the pose of RegisterColors().
   double psnr_registered_db = 0, ssim_registered = 0;
   double coverage = 0;  // covered pixels / compared pixels
-  // |rendered - measured| depth.
+  // |rendered - measured| depth, over pixels that have both.
   double depth_error_median_m = 0, depth_error_mean_m = 0;
 };
 

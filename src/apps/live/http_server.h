@@ -28,10 +28,10 @@ struct HttpAnswer {
 struct HttpLimits {
   // Connections without valid token. Above the limit, the oldest connection is closed.
   std::size_t strangers = 32;
-  std::size_t clients = 64;  // connections with valid token; further connections are refused
-  std::size_t header_bytes = 8192;
-  std::size_t body_bytes = 1024;
-  double request_s = 5;  // maximum time to the first request with valid token
+  std::size_t clients = 64;         // connections with valid token; further connections are refused
+  std::size_t header_bytes = 8192;  // per request; above it: status 431
+  std::size_t body_bytes = 1024;    // per request; above it: status 413
+  double request_s = 5;  // maximum time of each request before the first one with valid token
   double idle_s = 60;    // maximum time between requests with valid token
   double hold_s = 5;     // maximum delay of an answer
   double write_s = 20;   // maximum time to send an answer

@@ -91,7 +91,8 @@ struct GraphResult {
   // ATE with one alignment of all recordings. Only meaningful if their ground truths have the
   // same frame.
   std::optional<double> ate_rmse_m;
-  // Largest ground-truth error of inlier links, and of inlier loop closures within fragments.
+  // Largest ground-truth error of inlier links, and of inlier loop closures within fragments. Links
+  // between recordings are not compared. std::nullopt without ground truth.
   std::optional<PoseError> worst_link, worst_loop;
 };
 // Optimises the pose graph of the largest connected part (ScanGraph). Consecutive fragments of a

@@ -42,8 +42,9 @@ struct ScanPlan {
   bool pictures = true;
 };
 
-// Splits the frames first, first + stride, ... into as few fragments as possible, with nearly
-// equal lengths. Requires overlap_frames < fragment_frames. Throws InputError without frames.
+// Splits the frames first, first + stride, ... into as few fragments as possible, with nearly equal
+// lengths. Requires overlap_frames < fragment_frames. Throws InputError without frames. Lengths are
+// in selected frames. The names count from "0000", and `recording` is 0.
 std::vector<ScanFragment> CutIntoFragments(int first, int frame_count, int stride,
                                            int fragment_frames, int overlap_frames);
 
@@ -53,8 +54,9 @@ std::vector<ScanFragment> CutIntoFragments(int first, int frame_count, int strid
 //   camera_R.flags          calibration run of recording R (0, 1, ...)
 //   found_camera_R.flags    calibrated camera of recording R, in addition to fragments/NAME.flags
 // Unchanged files keep their modification time, so that finished jobs are not repeated. Throws
-// InputError for invalid options, a sequence that cannot be read, or files that cannot be
-// written.
+// InputError for invalid options, a sequence that cannot be read, or files that cannot be written.
+// The fragments run with loop closure, and without calibration, refinement, final map and pictures.
+// camera_R.flags is written only if camera_frames is positive.
 ScanPlan PlanScan(const ScanPlanOptions& options);
 
 // Reads plan.json, and sets the cameras that are already calibrated. `scan`: folder of the scan.

@@ -170,7 +170,9 @@ OpenedRecording OpenSens(const std::string& path, double frames_per_second);
 RgbdCamera ReadSensCamera(const std::string& path);
 
 // Opens a ROS bag of this format, or a folder of bags. Depth and colour messages are paired by
-// their timestamps. Throws InputError naming the file, and the topic or option at fault.
+// their timestamps. Throws InputError naming the file, and the topic or option at fault. The limit
+// is kMaxBetweenImages_s. If no message of a topic has a timestamp, recording times are used, with
+// a warning.
 OpenedRecording OpenBag(const SequenceOptions& options, const std::string& format, bool is_folder);
 
 // Opens a recording of OpenNI2 (.oni). Its intrinsics are computed from the field of view. Throws
