@@ -109,7 +109,7 @@ class PlaneResidual {
   double along_ray_, from_camera_;  // N, D
 };
 
-// Motion between the middle of the readout and the row of an observation. `rows`: image height.
+// Camera motion at the row of an observation, see RowMotion. `rows`: image height.
 inline RowMotion MotionOf(const PlaneObservation& observation, const KeyframeReadout& readout,
                           int rows) {
   const double share = (observation.v + 0.5) / rows - 0.5;

@@ -53,16 +53,17 @@ struct JointProblem {
   JointKernels kernels;
 };
 
+// JointReport::iterations if the initial cost is not finite or Ceres fails.
 inline constexpr int kNoSolution = -1;
 
 // Statistics of a minimisation.
 struct JointReport {
-  int iterations = 0;  // number of steps, or kNoSolution if the initial cost is not finite
+  int iterations = 0;  // number of steps, with rejected ones; kNoSolution after a failure
   // Initial cost, and the cost after each accepted step. Empty without a solution.
   std::vector<double> costs;
   double build_ms = 0;      // setup of a Ceres problem; 0 for "reduced"
-  double linearize_ms = 0;  // one linearisation at the initial state
-  double solve_ms = 0;      // everything except setup; 0 without a solution
+  double linearize_ms = 0;  // one linearisation: the first ("reduced") or the mean ("ceres")
+  double solve_ms = 0;      // everything except setup
 };
 
 // Returns which of the 11 calibration parameters are fixed, in the order of CalibrationToBlock().
