@@ -65,9 +65,9 @@ class LiveData {
   // Returns whether a page has requested this kind of data in the last 8 s.
   bool IsRequested(Shown what) const;
 
-  // Functions for the server. StateAfter(): JSON; null if the state is not newer than
-  // `number`.
+  // Functions for the server. They wait for the lock. Texts stay valid after updates.
   using Text = std::shared_ptr<const std::string>;
+  // JSON; null if the state is not newer than `number`.
   Text StateAfter(std::uint32_t number, bool is_paused);
   // JSON; null without path.
   Text Path();

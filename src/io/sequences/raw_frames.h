@@ -19,8 +19,9 @@ struct RawFrame {
   FrameStamps stamps;  // as recorded
 };
 
-// Frames of a sequence as recorded, in order. Not thread-safe. Order: FirstImages() once, then
-// Next(), and Read() after each Next().
+// Frames of a sequence as recorded, in order. Not thread-safe. Order: FirstImages(), then Next(),
+// and at most one Read() after each Next(). The frames of FirstImages() are returned by Next(),
+// too.
 class RawFrames {
  public:
   virtual ~RawFrames() = default;
@@ -60,7 +61,7 @@ RgbdFrame RectifyFrame(const RgbdCamera& camera, const FrameRectifier& rectifier
 
 // Open the frames of OpenSequence() and of OpenLive(), without conversion. Throw InputError like
 // these functions. Live frames end when `stop` becomes true. `stop` must outlive the frames.
-// `capacity`: maximum number of waiting frames.
+// `capacity`: maximum number of frames of a camera that wait. Above it, the oldest is dropped.
 RawSequence OpenRawSequence(const SequenceOptions& options);
 RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
                         const std::atomic<bool>& stop);
@@ -74,8 +75,7 @@ RawSequence OpenOpenNiCamera(const SequenceOptions& options, int capacity,
                              const std::atomic<bool>& stop);
 
 // Completes `info` with CompleteInfo() and the first images of `frames`. Throws InputError if no
-// frame can be read, if the image size is wrong, or for a bad depth field. Takes the frames before
-// the first call of Next().
+// frame can be read, if the image size is wrong, or for a bad depth field. `frames` must be new.
 RawSequence MakeRawSequence(SequenceInfo info, std::unique_ptr<RawFrames> frames,
                             const SequenceOptions& options);
 
