@@ -16,16 +16,20 @@ struct Page {
 };
 extern const Page kReportPage, kComparisonPage, kLivePage, kPlainPage;
 
-// Writes a self-contained page. Throws InputError with the path if writing fails.
+// Writes a self-contained page. Throws InputError with the path if writing fails. Atomic.
+// `write_data` writes the data with WriteData().
 void WritePage(const Page& page, const std::string& path,
                const std::function<void(std::ostream&)>& write_data);
 
-// Writes the data as an element <script type="application/json" class="name">.
+// Writes the data as an element <script type="application/json" class="name">. `name` is not
+// escaped.
 void WriteData(const std::string& name, const nlohmann::ordered_json& data, std::ostream* page);
 
+// Number with `digits` decimals.
 std::string Fixed(double number, int digits);
 
-// Page of text, tables and pictures without scripts. Write() throws like WritePage().
+// Page of text, tables and pictures without scripts. Elements appear in the order of the calls. All
+// text is escaped. Write() throws like WritePage().
 class PlainPage {
  public:
   struct Cell {
@@ -37,9 +41,12 @@ class PlainPage {
     std::string link;  // path relative to the page; empty: no link
   };
 
+  // Begins a section with a heading.
   void Section(const std::string& title);
   void Paragraph(const std::string& text);
+  // `file`: path relative to the page.
   void Picture(const std::string& file);
+  // The first row has the column titles.
   void Table(const std::vector<std::vector<Cell>>& rows);
   void Write(const std::string& title, const std::string& path) const;
 

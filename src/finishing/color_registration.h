@@ -10,10 +10,12 @@
 
 namespace surfit {
 
+// Pose of the camera `seconds` after `world_from_camera`, at constant velocity. Negative: before.
 Rigid3d ExtrapolatePose(const Rigid3d& world_from_camera, const CameraMotion& motion,
                         double seconds);
 
 // Renders colour and depth of the map with ModelRenderer, which is faster than DrawBlended().
+// `renderer` may have any options. Not thread-safe for one renderer.
 BlendedView RenderDiscs(const SurfelMap& map, const DepthSensor& sensor,
                         const Rigid3d& world_from_view, ModelRenderer* renderer);
 
@@ -32,7 +34,8 @@ BlendedView RenderDiscs(const SurfelMap& map, const DepthSensor& sensor,
 //
 // `drawn` is the rendered view at `world_from_drawn`, with the camera of `sensor`. The image size
 // must be a multiple of the view size. Returns `world_from_drawn` for fewer than 500 textured
-// points, or if a step is not finite.
+// points, or if a step is not finite. `motion`: camera velocity, zero: none. The minimisation runs
+// 12 Gauss-Newton steps in two passes.
 Rigid3d RegisterColors(const Image<Rgb8>& color, const BlendedView& drawn,
                        const DepthSensor& sensor, const CameraMotion& motion,
                        const Rigid3d& world_from_drawn);

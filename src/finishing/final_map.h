@@ -12,7 +12,9 @@
 
 namespace surfit {
 
-// Called with the numbers of completed frames and of surfels.
+// Called after each frame. `frames` counts fusion as two thirds and recolouring as one third of the
+// work of a frame, so it ends near the number of frames. `map_points`: surfels so far. Must not be
+// empty.
 using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>;
 
 // Builds the final map of a sequence from the final poses and the estimated calibration:
@@ -22,20 +24,22 @@ using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>
 //   3. recolours the surfels from every second frame, at the registered poses of the colour images
 //      (RegisterColors, ColorAverage)
 // Returns std::nullopt if interrupted. Throws InputError if the sequence cannot be read.
+// `interrupted` is checked before each frame.
 std::optional<SurfelMap> IntegrateFinalMap(const PosedSequence& known,
                                            const std::atomic<bool>& interrupted,
                                            const FinalMapProgress& progress);
 
+// Sequence that contributes to a map.
 struct MapSource {
   const PosedSequence& known;
-  std::vector<FrameRange> frames;  // empty: all frames
+  std::vector<FrameRange> frames;  // ascending and disjoint; empty: all frames
   int first_frame = 0;  // offset added to frame indices, so that sources do not share indices
 };
 
 // Part of a map: the surfels in a half-open box of the world frame.
 struct MapPart {
-  Eigen::AlignedBox3f box;
-  float margin_m = 0;  // width of the region around the box that is fused, then removed
+  Eigen::AlignedBox3f box;  // m
+  float margin_m = 0;       // width of the region around the box that is fused, then removed
   std::vector<MapSource> sources;
 };
 

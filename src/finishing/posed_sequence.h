@@ -23,11 +23,13 @@ namespace surfit {
 // Estimated calibration for prepared frames: undistorted and downsampled, with the input depth
 // field applied.
 struct EstimatedSensor {
-  std::optional<DepthCalibration> calibration;
-  double color_latency_s = 0;  // in addition to the input latency
+  std::optional<DepthCalibration> calibration;  // std::nullopt: input calibration
+  double color_latency_s = 0;                   // beyond the input latency
 
   // Returns the input sensor with the estimated camera and readout.
   DepthSensor Of(DepthSensor given) const;
+  // Corrects the depth of a prepared frame, and subtracts the latency from color_stamp_s. Call it
+  // once per frame.
   void Correct(RgbdFrame* frame) const;
 };
 
@@ -40,11 +42,12 @@ std::string CalibrationWarning(const DepthSensor& given, const DepthCalibration&
 struct PosedSequence {
   const SequenceOptions& sequence;  // options of the run
   const SlamOptions& slam;
-  const Trajectory& trajectory;
-  const std::vector<int>& frames;
-  const std::set<int>& left_out;  // indices of frames that are not fused
+  const Trajectory& trajectory;    // in the world frame of the map
+  const std::vector<int>& frames;  // frame index of each pose, ascending
+  const std::set<int>& left_out;   // indices of frames that are not fused
+  // Moving cells by frame index, as in FrameReport::moving. Frames without an entry have none.
   const std::map<int, Image<std::uint8_t>>& moving;
-  EstimatedSensor found;
+  EstimatedSensor found;  // estimated by the run
 };
 
 // Range of frame indices, both inclusive.
@@ -59,7 +62,7 @@ std::unique_ptr<FrameSource> ReopenSequence(const SequenceOptions& sequence,
 
 // Calls `call` for each readable frame with a pose. `pose` is the index in the trajectory. The
 // frame is uncalibrated and without moving objects. The source may have another image size than the
-// run. Returns false if interrupted.
+// run. Returns false if interrupted. `interrupted` is checked before each frame.
 bool ReadPosedFrames(const PosedSequence& known, FrameSource* source,
                      const std::atomic<bool>& interrupted,
                      const std::function<void(std::size_t pose, RgbdFrame frame)>& call);

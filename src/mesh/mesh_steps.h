@@ -12,8 +12,9 @@ namespace surfit {
 
 // Steps of MeshSurfels(), in order of execution.
 
-// Scales the relative sigmas of surfels to m. The scale is the median ratio of the measured
-// distance from local planes to sigma.
+// Scales the relative sigmas of surfels to m. The scale is the median ratio of the RMS distance
+// from local planes to sigma. A larger local RMS distance replaces the scaled sigma, up to 4 times
+// this sigma. At last, 0.5 mm is added in quadrature. The vector must not be empty.
 void FindSigmas(std::vector<MeshSurfel>* surfels);
 
 // Moves surfels along their normals into local planes, and replaces their normals. Planes are
@@ -21,6 +22,8 @@ void FindSigmas(std::vector<MeshSurfel>* surfels);
 // neighbourhood gives normals with the standard deviation normal_noise_rad. `done` is called from
 // several threads. Each call passes the fraction of the work completed since the previous call. The
 // fractions add up to 1.
+// It must be thread-safe. Surfels without a plane stay. Requires sigmas in m: call FindSigmas()
+// first.
 void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& done,
                    std::vector<MeshSurfel>* surfels);
 
@@ -30,6 +33,7 @@ void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& d
 // A vertex needs a nearby surfel whose normal agrees with the sign of the field. `done` is called
 // from several threads. Each call passes the fraction of the work completed since the previous
 // call. The fractions add up to 1.
+// `surfels` must be those of the field.
 TriangleMesh ExtractSurface(const DistanceField& field, const SurfelCubes& surfels,
                             const std::function<void(double)>& done);
 
@@ -39,7 +43,7 @@ void DropSmallPieces(double min_component_m, MeshSummary* summary, TriangleMesh*
 
 // Reduces the mesh to max_triangles by edge collapses (Garland and Heckbert 1997), which keep
 // borders and components. If necessary, then merges clusters of vertices. Returns the geometric
-// error, m.
+// error, m. 0 if the mesh is small enough.
 double Decimate(std::size_t max_triangles, TriangleMesh* mesh);
 
 // Makes the mesh watertight:

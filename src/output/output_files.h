@@ -23,7 +23,8 @@ Json ReadJson(const std::string& path);
 void WriteJson(const Json& json, const std::string& path, int indent = 2);
 
 // Writes an array of JSON objects with equal keys as CSV: a header, then one line per object. Null
-// becomes an empty cell. Throws InputError with the path if writing fails.
+// becomes an empty cell. Throws InputError with the path if writing fails. The order of the keys
+// must be equal, too. No rows give an empty file.
 void WriteCsv(const Json& rows, const std::string& path);
 
 // Camera as an object with width, height, fx, fy, cx and cy. CameraFromJson() throws an
@@ -31,6 +32,7 @@ void WriteCsv(const Json& rows, const std::string& path);
 Json CameraToJson(const PinholeCamera& camera);
 PinholeCamera CameraFromJson(const Json& json);
 
+// Implement OptionsToJson() and OptionsFromJson().
 nlohmann::ordered_json TableToJson(const OptionTable& table);
 void ReadTable(const nlohmann::ordered_json& json, const OptionTable& table);
 
@@ -41,7 +43,7 @@ nlohmann::ordered_json OptionsToJson(Options options) {
 }
 
 // Throws an nlohmann::json exception for a missing field or wrong type, and InputError for an
-// invalid text.
+// invalid text. Also reads the option names of version 0.1. Does not check the values.
 template <typename Options>
 Options OptionsFromJson(const nlohmann::ordered_json& json) {
   Options options;
@@ -49,8 +51,8 @@ Options OptionsFromJson(const nlohmann::ordered_json& json) {
   return options;
 }
 
-// Converts a calibration of corrected depth to a calibration of measured depth. `found` was
-// estimated from frames corrected by `given_field`.
+// Converts a calibration of corrected depth to a calibration of measured depth, for prepared
+// frames. `found` was estimated from frames corrected by `given_field`.
 DepthCalibration CalibrationOfRawDepth(const SequenceInfo& info,
                                        const InverseDepthField& given_field,
                                        const DepthCalibration& found);
@@ -62,8 +64,10 @@ void WriteEstimatedCamera(const SequenceInfo& info, const InverseDepthField& giv
 
 // [tx, ty, tz, qx, qy, qz, qw]
 Json ToJson(const Rigid3d& pose);
+// Object with fx, fy, cx, cy (px), inverse_depth_field (1/m) and readout_s.
 Json ToJson(const DepthCalibration& calibration);
-// Standard deviations from RefinementSummary::calibration_covariance; null without a covariance.
+// Standard deviations from RefinementSummary::calibration_covariance, with the keys of ToJson();
+// null for an empty covariance.
 Json CalibrationSigmasToJson(const Eigen::MatrixXd& covariance);
 
 }  // namespace surfit

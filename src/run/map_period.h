@@ -2,16 +2,20 @@
 
 namespace surfit {
 
-// Adapts SlamOptions::map_period to the load. The period is doubled if frames arrive too
-// fast, so that no frame is dropped. It is halved when there is time again.
+// Adapts SlamOptions::map_period to the load. The period is doubled if frames arrive too fast, so
+// that no frame is dropped. It is halved when there is time again. The limits are the given period
+// and 8 times this period. Not thread-safe.
 class MapPeriod {
  public:
+  // `given`: period in frames, at least 1.
   explicit MapPeriod(int given) : given_(given), period_(given) {}
 
   // Returns the period for the next frame. Call once per frame. `queued_ms`: time of this frame in
   // the queue.
   int For(double queued_ms);
 
+  // Longest returned period; 0 before the first call. Number of frames with a period above the
+  // given one.
   int longest() const { return longest_; }
   int frames_with_longer_map_period() const { return hurried_; }
 

@@ -15,7 +15,7 @@
 namespace surfit {
 
 // Parses "tx,ty,tz,qx,qy,qz,qw" (translation in m, non-zero quaternion). Throws InputError with the
-// option and the text.
+// option and the text. Normalises the quaternion.
 Rigid3d ParsePose(const std::string& option, const std::string& text);
 
 // world_from_camera of the first frame: "identity", "groundtruth" (pose at the timestamp) or a pose
@@ -28,9 +28,10 @@ Rigid3d InitialPose(const std::string& initial_pose, const SequenceInfo& info,
 // mirrored. Throws InputError with the path.
 Trajectory ReadEstimate(const std::string& path, const SequenceInfo& info);
 
+// Frame with its ground-truth pose.
 struct PosedView {
   ColoredView view;
-  std::optional<Rigid3d> world_from_camera;
+  std::optional<Rigid3d> world_from_camera;  // std::nullopt: no ground truth at its time
 };
 
 // Reads frame `index` without intensities, regardless of `first`, `last` and `stride`. Throws
@@ -38,6 +39,7 @@ struct PosedView {
 PosedView ReadPosedView(const SequenceOptions& options, int index,
                         const PreprocessOptions& preprocess);
 
+// Two frames for registration.
 struct PosedPair {
   PosedView source, target;
 
@@ -46,16 +48,18 @@ struct PosedPair {
 };
 
 // Reads two frames, with intensities if the error model needs them. Throws like ReadPosedView().
+// Intensities need colour images.
 PosedPair ReadPosedPair(const SequenceOptions& options, int source, int target,
                         const PreprocessOptions& preprocess, const ErrorModel& error_model);
 
 // Median point-to-plane distance |n . (p' - q)| of projective correspondences, m. std::nullopt
-// without correspondences within the default gates.
+// without correspondences within the default gates. p': source vertex in the target frame, q and n:
+// target vertex and normal.
 std::optional<double> MedianSurfaceDistance(const FrameLevel& source, const FrameLevel& target,
                                             const Rigid3d& target_from_source);
 
 // Ground truth from the first to the last timestamp, with a margin for interpolation. `stamps_s`
-// must not be empty.
+// must not be empty. Timestamps are in ascending order.
 Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth);
 
 }  // namespace surfit

@@ -17,17 +17,17 @@ struct RunOutcome {
   const SequenceInfo& info;
   const RunTrajectory& trajectory;
   const EstimatedSensor& found;
-  const Backend* backend;
+  const Backend* backend;  // null: no loop closure and no calibration
   const SurfelMap& map;
   const KeptViews& views;
   const Thumbnails& thumbnails;
-  const std::vector<double>& stamps_s;
-  const std::optional<TrajectoryEvaluation>& evaluation;
+  const std::vector<double>& stamps_s;                    // of all frames, s
+  const std::optional<TrajectoryEvaluation>& evaluation;  // std::nullopt: no ground truth
   const SlamRunOptions& options;
 };
 
 // Writes map, views, poses and pictures into the output folder. Adds errors to `failures` and
-// continues.
+// continues. Call after the last correction of trajectory and map.
 void WriteRunResults(const RunOutcome& run, Failures* failures);
 
 }  // namespace surfit

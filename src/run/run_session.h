@@ -13,18 +13,23 @@
 
 namespace surfit {
 
-// Session of a run: saved, continued, or used for localisation.
+// Session of a run: saved, continued, or used for localisation. Order: MakeSlam() or a new Slam,
+// then Begin(), Shift() and SaveIfDue() per frame, Finish(), Improve(). Not thread-safe.
 class RunSession {
  public:
   // Opens the session, and enables loop closure in the options. Keeps a reference to the options.
   // Skips frames of the sequence that a continued session already has, by `sequence.first`. Throws
   // InputError like ReadSession() and SessionWriter. Also throws if no frame remains, and for
-  // localisation in an empty session.
+  // localisation in an empty session. Changes `options->sequence.first` for this. A session to
+  // continue that does not exist is begun, with a warning.
   explicit RunSession(SlamRunOptions* options);
 
+  // Converts frame indices of the sequence to indices of the session.
   void Shift(ReadResult* result) const;
+  // Session index of the first frame of this run; 0 for a new session.
   int first_index() const { return first_index_; }
   bool is_localized() const { return options_.localize; }
+  // Returns whether there are frames to start from, before MakeSlam().
   bool has_state() const { return state_.has_value(); }
 
   // Creates a Slam that continues from the session. Requires has_state(). Call once, because the
@@ -34,9 +39,11 @@ class RunSession {
   void Begin(const SequenceInfo& info, Slam* slam);
   // Call after each frame. Saves periodically.
   void SaveIfDue(const Slam& slam, double stamp_s);
+  // Saves the final state. Requires Begin().
   void Finish(const Slam& slam);
   // Replaces poses, calibration and map after Finish(). `frames`: session index of each pose.
-  // Residuals of the pose graph do not change.
+  // Residuals of the pose graph do not change. Frames without an entry move with the frame before
+  // them.
   void Improve(const Slam& slam, const Trajectory& trajectory, const std::vector<int>& frames,
                const EstimatedSensor& found, const SurfelMap& map);
   // Number of saves that waited for the previous save.

@@ -11,22 +11,30 @@
 namespace surfit {
 
 // Counts and times of the frames of a run, for the summary. elapsed_s() begins with construction.
+// Order per frame: CountRead(), then CountSkipped() or CountProcessed(), RecordPoseTime(),
+// CompleteFrame() and AddTimes(). Not thread-safe.
 class RunStatistics {
  public:
+  // Keeps a reference to the options.
   explicit RunStatistics(const SlamOptions& options);
 
+  // Starts the time of the first frame. Call once, before the first frame.
   void BeginFrames() { last_completion_ = Clock::now(); }
   // Counts a read or unreadable frame. Excludes ReadResult::waited_ms.
   void CountRead(const ReadResult& result);
   void CountSkipped() { ++summary_.frames_skipped; }
+  // Counts a frame that Slam has processed.
   void CountProcessed(const RgbdFrame& frame, const FrameReport& report);
   // Call when the pose of the current frame is known.
   void RecordPoseTime() { pose_known_ = Clock::now(); }
-  // Completes the current frame. Returns its frame time, ms.
+  // Completes the current frame. Returns its frame time, ms. It is the time since the previous
+  // completion.
   double CompleteFrame();
+  // `offered`: the frame did not wait for the program, so its latency is counted.
   void AddTimes(const ReadResult& result, const StageTimes& times, double write_ms, bool offered);
   // Time of an offered frame since its arrival, ms.
   double AgeMs(const ReadResult& result) const { return AgeMs(result, Clock::now()); }
+  // Runs `call` and excludes its duration from the frame time.
   template <typename Call>
   void LeaveOut(const Call& call) {
     const Clock::time_point before = Clock::now();
@@ -34,11 +42,13 @@ class RunStatistics {
     last_completion_ += Clock::now() - before;
   }
 
+  // Number of frames so far, with dropped frames.
   int frames_done() const { return summary_.frames_total + summary_.frames_dropped; }
   double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
   const std::vector<double>& stamps_s() const { return stamps_s_; }
 
-  // Summary with counts and times only. Other fields have their defaults.
+  // Summary with counts and times only. Other fields have their defaults. Without frames, the
+  // ratios of the stages are NaN.
   SlamRunSummary Summary(std::size_t map_points) const;
 
  private:

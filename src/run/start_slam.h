@@ -12,7 +12,8 @@ namespace surfit {
 // Creates the Slam of a run. It continues from the session if that has a state, else it starts at
 // InitialPose(). `options.dump_failures` enables dumps of lost frames. `session` may be null.
 // `options` and `session` must outlive the result. Throws InputError for invalid options, or for a
-// session of another sensor.
+// session of another sensor. Also starts saving (RunSession::Begin()). `first_stamp_s`: timestamp
+// of the first frame.
 std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInfo& info,
                                 RunSession* session, double first_stamp_s);
 

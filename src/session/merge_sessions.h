@@ -8,10 +8,12 @@
 
 namespace surfit {
 
+// Statistics of the merged session.
 struct MergeSummary {
   std::size_t sessions = 0;
-  std::size_t loops_between = 0;
-  std::vector<std::string> apart;  // sessions that are not connected to the first session
+  std::size_t loops_between = 0;  // verified loop closures between sessions, without outliers
+  std::vector<std::string>
+      apart;  // folders of sessions that are not connected to the first session
   std::size_t frames = 0, keyframes = 0, surfels = 0;
   std::size_t merged_duplicates = 0;  // merged duplicate surfels
 };
@@ -20,7 +22,8 @@ struct MergeSummary {
 // all earlier sessions. The joint pose graph is optimised with outlier rejection, and duplicate
 // surfels are merged. The first calibration of the sessions is used. The input sessions do not
 // change. Sessions without a loop closure become disconnected submaps. Throws InputError like
-// ReadSession() and SessionWriter, and for different sensors.
+// ReadSession() and SessionWriter, and for different sensors. `folders` must not be empty, and each
+// session needs a frame. Enables loops in the options. `output` must not have a session.
 MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOptions& options,
                            const std::string& output);
 

@@ -10,9 +10,11 @@
 
 namespace surfit {
 
+// Files in the folder of a session: the database, and the folder of the tiles.
 inline std::string DatabaseOf(const std::string& folder) { return folder + "/session.db"; }
 inline std::string TilesOf(const std::string& folder) { return folder + "/tiles"; }
 
+// Columns of a table, without the checksum.
 struct TableLayout {
   const char* name;
   const char* columns;
@@ -47,37 +49,42 @@ inline constexpr TableLayout kTables[] = {
      5},
 };
 
+// Layout of one of kTables. Other names are not checked.
 const TableLayout& LayoutOf(const std::string& table);
 
-// Row of table `session`, with the row counts of all other tables.
+// Row of table `session`, its only row, with the row counts of all other tables.
 struct SessionRow {
   DepthSensor sensor;
   std::optional<DepthCalibration> calibration;
-  double color_latency_s = 0;
+  double color_latency_s = 0;  // beyond the input latency
   std::int64_t runs = 0, frames = 0, keyframes = 0, views = 0, calibration_frames = 0, edges = 0,
                tiles = 0;
-  std::int64_t settled_keyframes = 0;
-  std::int64_t saves = 0;
+  std::int64_t settled_keyframes = 0;  // keyframes whose loop search is complete
+  std::int64_t saves = 0;              // number of saves so far
 };
 
+// Edge of the pose graph. `in_graph`: inlier loop closure; false for odometry.
 struct StoredEdge {
   PoseGraphEdge edge;
   bool in_graph = false;
 };
 
+// Tile of the map, in the file TileName(key, save).
 struct TileRow {
-  std::int64_t key = 0;  // TileKey()
-  std::int64_t save = 0;
-  std::int64_t bytes = 0;
-  std::int64_t crc = 0;
+  std::int64_t key = 0;    // TileKey()
+  std::int64_t save = 0;   // number of the save that wrote the file
+  std::int64_t bytes = 0;  // file size
+  std::int64_t crc = 0;    // Crc() of the file
   std::int64_t surfels = 0;
 };
 
-// Creates a database with an empty session, atomically.
+// Creates a database with an empty session, atomically. Replaces an existing database.
 void MakeDatabase(const std::string& path, const Row& session);
-// Throws InputError for other databases and versions.
+// Throws InputError for other databases and versions. Call before reading.
 void RequireSchema(Database* database);
 
+// Rows for Database::Put(). The key of a frame is its index, and that of a view or calibration
+// frame is its keyframe. Other rows are numbered from 0.
 Row RowOf(const SessionRow& session);
 Row RowOf(std::int64_t key, const SessionRun& run);
 Row RowOf(const PosedFrame& frame);
@@ -93,6 +100,7 @@ class RowReader {
  public:
   RowReader(const Row& row, std::string from) : row_(row), from_(std::move(from)) {}
 
+  // Next value, which must have the type T. The reference is valid as long as the row.
   template <typename T>
   const T& Take() {
     const T* const value = at_ < row_.size() ? std::get_if<T>(&row_[at_]) : nullptr;
@@ -100,7 +108,9 @@ class RowReader {
     ++at_;
     return *value;
   }
+  // Next value, which must fit into int.
   int TakeInt();
+  // Reads several values. Numbers must be finite, and rotations of unit length.
   template <typename... Ts>
   void Pass(Ts&... values) {
     (TakeInto(&values), ...);
@@ -124,10 +134,13 @@ class RowReader {
   std::size_t at_ = 0;
 };
 
-// Calls `take` for each row of a table. Throws InputError at the first damaged row.
+// Calls `take` for each row of a table. Throws InputError at the first damaged row. Rows are in the
+// order of their keys.
 void ForEachIntact(Database* database, const char* table,
                    const std::function<void(RowReader*)>& take);
 
+// Read the rows of RowOf(). Keys are skipped, except those of frames and tiles. Throw InputError
+// for invalid values.
 SessionRow TakeSession(RowReader* row);
 SessionRun TakeRun(RowReader* row);
 PosedFrame TakeFrame(RowReader* row);

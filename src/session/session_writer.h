@@ -25,16 +25,18 @@ struct SessionContent {
   std::size_t settled_keyframes = 0;
   bool is_calibrating = false;                  // Backend::is_calibrating()
   std::optional<DepthCalibration> calibration;  // std::nullopt: input calibration
-  double color_latency_s = 0;
+  double color_latency_s = 0;                   // beyond the input latency
   const SurfelMap& map;
-  int map_corrections = 0;
+  int map_corrections = 0;  // Slam::corrections_of_map()
 };
 
-// Content of a Slam with loop closure.
+// Content of a Slam with loop closure. Requires Slam::backend(). The result refers to `slam`.
 SessionContent ContentOf(const Slam& slam);
 
 // Saves a session during SLAM, in a background thread. The content does not depend on the writing
-// speed. Not thread-safe: call all functions from one thread.
+// speed. Not thread-safe: call all functions from one thread. Order: Begin(), then KeepViews() if
+// needed, SaveIfDue() per frame, Finish(), and at last Replace(). The destructor waits for the
+// running save and logs its error.
 class SessionWriter {
  public:
   // Creates the folder if missing, and locks it until destruction. Throws InputError with the path
@@ -48,15 +50,17 @@ class SessionWriter {
   // keyframe callback of `slam`, so this object must outlive `slam` or its last frame. Throws
   // InputError if the session is damaged or has another sensor.
   void Begin(const std::vector<SessionRun>& new_runs, const DepthSensor& sensor, Slam* slam);
-  // Adds views from another session that this session does not have.
+  // Adds views from another session that this session does not have. `views[k]` belongs to
+  // `keyframes[k]`, an empty view is skipped. Keyframes are in ascending order of frames.
   void KeepViews(const std::vector<KeyframeLink>& keyframes, const std::vector<PlaceView>& views);
 
   // Call after each frame. Saves after 0.5 s of recording time or 15 frames. Waits for the previous
   // save, so at most 1 s of the recording is unsaved. Throws InputError if the previous save
-  // failed.
+  // failed. Does nothing before the first frame with a pose.
   void SaveIfDue(const Slam& slam, double stamp_s);
 
-  // Saves the final state, and syncs it to the disk.
+  // Saves the final state, and syncs it to the disk. Marks the new runs as ended. Waits for the
+  // disk, and throws InputError if a save fails.
   void Finish(const Slam& slam) { Finish(ContentOf(slam)); }
 
   // Replaces map, poses and edges after Finish(), and syncs them to the disk. Requires the frames

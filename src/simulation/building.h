@@ -27,7 +27,8 @@ struct BuildingPlan {
 
   enum class Row { kOuterSouth, kInnerSouth, kInnerNorth, kOuterNorth };
 
-  // In the room frame, the doorway is in the middle of the wall y = 0.
+  // Room. In the room frame, the doorway is in the middle of the wall y = 0. `column` counts from
+  // the west, `floor` from the bottom, both from 0. `doorway` is in the world frame, m.
   struct Place {
     int floor, column;
     Row row;
@@ -38,6 +39,7 @@ struct BuildingPlan {
   // Throws InputError unless all floors have the same number of rooms.
   explicit BuildingPlan(const BuildingOptions& options);
 
+  // Size of the block of rooms along x and y, m, with the south and north corridors.
   double Length() const { return columns * (kRoomWidth_m + kGap_m) - kGap_m; }
   static double Depth() { return 2 * kCorridor_m + 2 * kRoomDepth_m + 3 * kGap_m; }
   // Centre lines of the corridors, m: y of south and north corridors, x of west and east corridors.
@@ -45,21 +47,25 @@ struct BuildingPlan {
   static double NorthAisle() { return Depth() - kCorridor_m / 2; }
   static double WestAisle() { return -kGap_m - kCorridor_m / 2; }
   double EastAisle() const { return Length() - WestAisle(); }
+  // x of the centre line of a staircase, m.
   double StaircaseAisle(bool east) const;
 
-  static constexpr double kGap_m = 0.4;
+  static constexpr double kGap_m = 0.4;  // thickness of the wall between two cells
 
-  int floors, columns;
+  int floors, columns;  // columns: rooms per row
   std::vector<Place> rooms;
 };
 
-// Control points of a closed camera path through all rooms, at eye height.
+// Control points of a closed camera path through all rooms, at eye height. World frame, m.
 std::vector<Eigen::Vector3d> BuildingRoute(const BuildingPlan& plan);
 
 struct RoomPlan;
 // Adds the flight from `floor` to the next floor: steps, landings, handrails and pictures.
+// `staircase`: plan of the whole staircase, from the ground floor.
 void AddFlight(const RoomPlan& staircase, int floor);
 
+// Building with furnished rooms, and a camera route through all of them. Rooms 2 k and 2 k + 1 have
+// equal furniture and different pictures. Throws InputError like BuildingPlan.
 Scene MakeBuilding(std::uint64_t seed, const BuildingOptions& options);
 
 }  // namespace surfit

@@ -14,21 +14,24 @@ namespace surfit {
 // Geometric content of a view of 640 x 480 px with a focal length of 525 px. Visible pixels have
 // depths of 0.4 to 4.5 m.
 struct ViewQuality {
-  double visible_ratio = 0;
-  double two_planes_ratio = 0;
+  double visible_ratio = 0;     // visible pixels / pixels
+  double two_planes_ratio = 0;  // pixels on the two largest flat faces / visible pixels
 
   bool IsPlanar() const { return two_planes_ratio >= 0.8; }
   // True if registration would be degenerate
   bool IsDegenerate() const { return two_planes_ratio > 0.95 || visible_ratio < 0.5; }
 };
 
+// Evaluates a view by rendering it at 20 x 15 px.
 ViewQuality EvaluateView(const Scene& scene, const Rigid3d& world_from_camera);
 
+// Ratio of planar and of degenerate views of a camera path.
 struct PathQuality {
   double planar_ratio = 0;
   double degenerate_ratio = 0;
 };
 
+// Evaluates every tenth pose. The ratios are NaN for an empty path.
 PathQuality EvaluatePath(const Scene& scene, const Trajectory& path);
 
 // Viewing direction that moves continuously from target to target on the unit sphere. It has a
@@ -36,9 +39,11 @@ PathQuality EvaluatePath(const Scene& scene, const Trajectory& path);
 // or two planes.
 class Gaze {
  public:
-  // Keeps a pointer to the scene, which must have at least two targets.
+  // Keeps a pointer to the scene, which must have at least two targets. `position`: camera in
+  // world, m. Equal seeds give equal motions.
   Gaze(const Scene& scene, const Eigen::Vector3d& position, std::uint64_t seed);
 
+  // Changes the choice of the next targets.
   void Reseed(std::uint64_t seed) { random_ = Random(seed); }
 
   // world_from_camera: z along the gaze, x right, y down, level horizon.

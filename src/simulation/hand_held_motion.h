@@ -17,6 +17,8 @@ namespace surfit {
 // Smooth random function in [-1, 1]: three sines with random frequency and phase.
 class SmoothNoise {
  public:
+  // Frequencies are in cycles per unit of the argument of At(). The smooth function is fixed at
+  // construction.
   SmoothNoise(double lowest_frequency, double highest_frequency, Random* random) {
     for (Wave& wave : waves_) {
       wave.frequency = random->Uniform(lowest_frequency, highest_frequency);
@@ -25,6 +27,7 @@ class SmoothNoise {
       sum_ += wave.amplitude;
     }
   }
+  // Value at x, in [-1, 1].
   double At(double x) const {
     double value = 0;
     for (const Wave& wave : waves_) {
@@ -41,6 +44,7 @@ class SmoothNoise {
   double sum_ = 0;
 };
 
+// Three independent functions SmoothNoise.
 class SmoothNoise3 {
  public:
   SmoothNoise3(double lowest_frequency, double highest_frequency, Random* random)
@@ -55,7 +59,8 @@ class SmoothNoise3 {
 
 // Speed variation and hand tremor, per frame. The total speed is within [low, high]: 70 % of the
 // half range is speed variation, 30 % is tremor. A tremor of frequency f and amplitude a has a
-// speed of at most 2 pi f a per axis.
+// speed of at most 2 pi f a per axis. Units are those of `low` and `high`: for example m or rad per
+// frame.
 class Hand {
  public:
   Hand(double low, double high, double frames_per_second, Random* random)
@@ -67,6 +72,7 @@ class Hand {
         speed_(0.1, 0.5, random),
         tremble_(1, kFastest_hz, random) {}
 
+  // Speed without tremor, and displacement by the tremor, at a frame.
   double SpeedAt(int frame) const { return middle_ + swing_ * speed_.At(frame / fps_); }
   Eigen::Vector3d TrembleAt(int frame) const { return amplitude_ * tremble_.At(frame / fps_); }
 
@@ -82,6 +88,7 @@ class Hand {
 // Closed Catmull-Rom spline.
 class Loop {
  public:
+  // Requires at least one corner.
   explicit Loop(std::vector<Eigen::Vector3d> corners) : corners_(std::move(corners)) {}
 
   // Point of the curve at the parameter `place`. At(i) is corner i. Periodic.
@@ -114,9 +121,11 @@ class Walk {
     half_ = {0.1, 0.1, 0.15};
   }
 
+  // Current position in the world frame, m.
   Eigen::Vector3d Position() const { return At(place_); }
 
-  // Advances to the next point of the curve at a straight distance of `step_m`.
+  // Advances to the next point of the curve at a straight distance of `step_m`. Requires step_m
+  // below the extent of the walk, or it does not end.
   void Advance(double step_m) {
     const Eigen::Vector3d from = Position();
     const auto too_near = [&](double place) { return (At(place) - from).norm() < step_m; };

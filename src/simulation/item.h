@@ -12,6 +12,7 @@ namespace surfit {
 // Procedural textures in the object frame. Lengths in m, colours linear in [0, 1].
 using Color = Eigen::Vector3f;
 
+// One colour.
 Texture Plain(const Color& color);
 // Colour with fractal noise: plaster, fabric.
 Texture Mottled(const Color& color, double scale_m, float contrast, std::uint64_t seed);
@@ -24,23 +25,28 @@ Texture Wood(const Color& light, const Color& dark, int grain_axis, std::uint64_
 // Floor boards along x with random shades and narrow joints.
 Texture Boards(const Color& light, const Color& dark, double width_m, double length_m,
                std::uint64_t seed);
+// Framed random picture in x and z. Its centre is the origin.
 Texture Poster(double width_m, double height_m, std::uint64_t seed);
+// Random pattern with a border, in x and y. Its centre is the origin.
 Texture Rug(double width_m, double depth_m, std::uint64_t seed);
 
 // Shortest rotation from the z axis to `direction`, which must not be zero.
 // Quaterniond::FromTwoVectors() would take 30 s to compile with sanitizers.
 Eigen::Quaterniond TurnZInto(const Eigen::Vector3d& direction);
 
-// Furniture. Adds parts to the scene in the item frame: z up, m. The scene must outlive it.
+// Furniture. Adds parts to the scene in the item frame: z up, m. The scene must outlive it. Not
+// thread-safe.
 class Item {
  public:
   Item(Scene* scene, const Rigid3d& world_from_item) : scene_(scene), frame_(world_from_item) {}
 
+  // Frame inside this frame, turned about z.
   Item At(const Eigen::Vector3d& position, double turn_rad = 0) const;
   Eigen::Vector3d InWorld(const Eigen::Vector3d& point) const { return frame_ * point; }
   // Adds a target of camera paths.
   void Target(const Eigen::Vector3d& point) const { scene_->targets.push_back(frame_ * point); }
 
+  // Add a solid to the scene. `glow` as in SceneObject.
   void Add(ShapePtr shape, const Rigid3d& item_from_part, const Texture& texture,
            float glow = 0) const;
   void Add(ShapePtr shape, const Eigen::Vector3d& center, const Texture& texture,

@@ -7,9 +7,11 @@
 namespace surfit {
 
 // Random numbers that are identical on all platforms, unlike the distributions of the C++ library.
-// At most one argument of a call may draw a number: the evaluation order is unspecified.
+// At most one argument of a call may draw a number: the evaluation order is unspecified. Not
+// thread-safe.
 class Random {
  public:
+  // Streams of one seed are independent.
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0)
       : engine_(Mix(Mix(seed) + stream)) {}
 

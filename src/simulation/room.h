@@ -13,6 +13,7 @@ namespace surfit {
 // Furnished room. Size, furniture and colours depend on the seed.
 Scene MakeRoom(std::uint64_t seed);
 
+// Opening in a wall of a room, see RoomPlan::WallFrame().
 struct Doorway {
   static constexpr double kWidth_m = 1.2, kHeight_m = 2.1;
   int wall;
@@ -20,11 +21,14 @@ struct Doorway {
   double bottom_m = 0;  // z of the lower edge in the wall frame
 };
 
+// Item that Line() places at a wall. `add` gets the frame of the middle of its width.
 struct WallItem {
   double width_m;
   std::function<void(const Item&)> add;
 };
 
+// Plan of a rectangular room. Does not own `scene` and the random numbers. Several rooms can share
+// a scene.
 struct RoomPlan {
   static constexpr double kHeight_m = 2.5;
   static constexpr double kThick_m = 0.2;  // thickness of walls, floor and ceiling, outwards
@@ -43,12 +47,15 @@ struct RoomPlan {
 
   Random* Pictures() const { return pictures != nullptr ? pictures : random; }
   Item Frame() const { return Item(scene, WorldFromRoom()); }
+  // Maps the room frame to the world frame: turn about z, then shift, m.
   Rigid3d WorldFromRoom() const {
     return {Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())),
             corner_in_world};
   }
-  // Region of PointLight::lit: the room with half of each doorway.
+  // Region of PointLight::lit: with lights_only_itself, the room extended by the wall thickness, so
+  // by half of each doorway. Otherwise empty: everywhere.
   Eigen::AlignedBox3d Lit() const;
+  // Space between walls, floor and ceiling, in the world frame, m.
   Eigen::AlignedBox3d SpaceInWorld() const;
   // Frame of wall i: x from 0 to WallLength(i) along its lower edge, y into the room, z up.
   Item WallFrame(int i) const;
@@ -70,6 +77,7 @@ void AddFurnishedRoom(const RoomPlan& room);
 void Line(const RoomPlan& room, int wall, double from_m, double to_m,
           std::vector<WallItem> stretches);
 
+// Poster of random size, with a camera target below it.
 WallItem PosterItem(const RoomPlan& room);
 
 // Adds shell, lamps, and items along the walls.

@@ -11,22 +11,28 @@
 namespace surfit {
 
 // Owns the map: fuses frames, renders model views, and applies corrections by loop closures and
-// calibrations.
+// calibrations. Call Fuse() or Skip() for each frame with a pose, and Correct() between frames. All
+// functions run on the tracking thread.
 class Mapper : public ModelViews {
  public:
   // Keeps a reference to the options. With loops, `fusion.active_frames` must be
-  // LoopOptions::active_frames.
+  // LoopOptions::active_frames. `use`: kLocalize disables ActivateAround().
   Mapper(const DepthSensor& sensor, const SlamOptions& options, StateUse use);
 
-  // Continues with a map. `fused_frames`: indices of its fused frames.
+  // Replaces the map. Call before the first frame. `fused_frames`: indices of its fused frames,
+  // ascending; may be empty.
   void ContinueFrom(SurfelMap map, const std::vector<int>& fused_frames);
-  // Keeps the pointer. Null: the calibration of the input sensor.
+  // Keeps the pointer, and reads it in each call. Null: the calibration of the input sensor.
   void UseCalibration(const DepthCalibration* calibration) { calibration_ = calibration; }
 
+  // Current map. The reference stays valid, the content changes with Fuse(), Correct() and
+  // ActivateAround().
   const SurfelMap& map() const { return map_; }
+  // Total number of merged duplicate surfels, and number of calls of Correct().
   std::size_t merged_duplicates() const { return merged_duplicates_; }
   int corrections() const { return corrections_; }
 
+  // Input sensor with the current camera and readout.
   DepthSensor sensor() const;
 
   const ReferenceView& View() const override { return view_; }
@@ -40,15 +46,21 @@ class Mapper : public ModelViews {
   // Does nothing in localisation.
   void ActivateAround(int frame_index, int now) override;
 
-  // Replaces SlamOptions::map_period.
+  // Replaces SlamOptions::map_period. Requires frames >= 1.
   void SetPeriod(int frames) { period_ = frames; }
   bool has_longer_period() const { return period_ > options_.map_period; }
   // True after the period, or after a large image shift since the last fused frame.
+  // `max_view_shift` limits the shift.
   bool IsTurnToFuse(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) const;
+  // Fuses a frame without moving objects. `motion`: camera velocity during the frame. Restarts the
+  // period.
   FusionReport Fuse(const PreprocessedFrame& frame, const Rigid3d& world_from_camera,
                     const CameraMotion& motion);
+  // Counts a frame that is not fused.
   void Skip() { ++unfused_count_; }
 
+  // Moves the map by a loop closure or a calibration, and merges duplicate surfels. `frame_index`:
+  // index of the current frame. Also activates surfels near loop closures.
   void Correct(const WorldCorrection& correction, int frame_index);
 
  private:

@@ -12,16 +12,23 @@
 
 namespace surfit {
 
+// Returns whether at least IcpOptions::min_inliers pixels have a normal.
 bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_options);
 
+// Registers a frame to a view and validates the result. Thread-safe while options and regions do
+// not change.
 class FrameRegistration {
  public:
   // Keeps references to the arguments.
   FrameRegistration(const TrackingOptions& options, const MovingRegions& regions)
       : options_(options), regions_(regions) {}
 
-  // `motion_prior` is the covariance of the left increment at the initial pose. A rejected
-  // frame is registered again without the objects that move relative to the initial pose.
+  // Registers `frame` to `reference` from the camera pose `world_from_initial`. `motion_prior`:
+  // covariance (rad, m) of the camera motion at this pose, in the camera frame. The result then
+  // combines prior and registration. A rejected frame is registered again without the objects that
+  // move relative to the initial pose.
+  //
+  // A failed registration is lost, with the verdict kRejected. An uncertain result has a pose.
   Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_initial, const IcpOptions& icp_options,
                    const std::optional<Matrix6d>& motion_prior = std::nullopt) const;

@@ -6,6 +6,7 @@
 
 namespace surfit {
 
+// View that frames are registered to: a rendered view of the map, or an earlier frame.
 struct ReferenceView {
   ColoredView view;  // colours only with photometric residuals
   Rigid3d world_from_view;
@@ -14,26 +15,31 @@ struct ReferenceView {
   bool has_intensities() const { return !view.pyramid.levels.front().intensity.empty(); }
 };
 
+// Renders the map for tracking. Mapper implements it. All functions run on the tracking thread.
 class ModelViews {
  public:
   virtual ~ModelViews() = default;
 
+  // Last view of Update(). Empty before the first Update(). The reference is valid for the life of
+  // this object, its content until the next Update().
   virtual const ReferenceView& View() const = 0;
-  // Renders View() at a predicted pose if `must` is true, after fusion of a frame, or if the
-  // image shift is large. Returns whether View() was rendered for this pose.
+  // Renders View() at a predicted pose if `must` is true, after fusion of a frame, or if the image
+  // shift exceeds SlamOptions::max_view_shift. Returns whether View() has this pose.
+  // `with_intensities`: with colours of the map.
   virtual bool Update(const Rigid3d& world_from_predicted, bool must, bool with_intensities) = 0;
-  // Renders the stable surfels.
+  // Renders a view at any pose, and keeps View(). Unstable surfels are visible only in pixels
+  // without stable surfels.
   virtual ReferenceView ViewAt(const Rigid3d& world_from_view, bool with_intensities) = 0;
-  // Renders stable and unstable surfels, so that new surfaces occlude the surfaces behind
+  // As ViewAt(), but treats all surfels as stable, so that new surfaces occlude the surfaces behind
   // them.
   virtual ReferenceView NewestViewAt(const Rigid3d& world_from_view, bool with_intensities) = 0;
-  // Activates inactive surfels that were last observed near frame `frame_index`. `now`: index
-  // of the current frame.
+  // Activates inactive surfels that were last observed near frame `frame_index`. `now`: index of
+  // the current frame. Does nothing if surfels never become inactive.
   virtual void ActivateAround(int frame_index, int now) = 0;
 };
 
-// Approximate image shift by a motion at the mean depth, as a ratio of the image width. Infinite
-// without depth.
+// Approximate image shift by a relative camera motion, as a ratio of the image width: fx / width
+// (angle + distance / mean depth). `level` gives camera and depth. Infinite without depth.
 double ImageShift(const Rigid3d& motion, const FrameLevel& level);
 
 }  // namespace surfit

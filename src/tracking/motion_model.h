@@ -10,32 +10,39 @@
 
 namespace surfit {
 
+// Motion from the last frame with a pose to the current frame.
 struct MeasuredMotion {
-  Rigid3d last_from_frame;
-  double seconds = 0;
-  bool is_found = false;               // pose from PoseSearch
-  bool is_expected = false;            // the pose is near the predicted pose
-  std::optional<Matrix6d> covariance;  // in the camera frame
+  Rigid3d last_from_frame;   // camera frame of the current frame to that of the last frame, m
+  double seconds = 0;        // since the last frame with a pose
+  bool is_found = false;     // pose from PoseSearch
+  bool is_expected = false;  // the pose is near the predicted pose
+  std::optional<Matrix6d> covariance;  // rad, m; in the camera frame; std::nullopt: unknown
 };
 
+// Predicts the camera motion (TrackingOptions::motion_model) and its uncertainty. Call Update() or
+// Lose() once per frame, except duplicates. Not thread-safe.
 class MotionModel {
  public:
   // Keeps a reference to the options.
   explicit MotionModel(const TrackingOptions& options);
 
-  // Pose of the next frame. std::nullopt for the model so3, which needs the images of the
-  // frame.
+  // Pose of the next frame (camera to world). Returns `world_from_last`, the pose of the last frame
+  // with a pose, for the model constant_pose and if the motion is not predictable. Returns
+  // std::nullopt for the model so3, which needs the images of the frame.
   std::optional<Rigid3d> PredictPose(const TrackingState& state,
                                      const Rigid3d& world_from_last) const;
-  // Zero after lost frames.
+  // Camera velocity of the last frame with a pose. Zero after lost frames.
   CameraMotion PredictMotion(const TrackingState& state) const;
-  // Covariance (rad, m) of the motion to the next frame. std::nullopt without a motion prior.
+  // Covariance (rad, m) of the motion to the next frame, in the camera frame. `seconds`: time since
+  // the last frame with a pose. std::nullopt if the motion is not predictable, or if `seconds` is
+  // not positive.
   std::optional<Matrix6d> PriorCovariance(const TrackingState& state, double seconds) const;
-  // Returns whether there is a motion prior, and few enough frames were lost to predict the
-  // motion.
+  // Returns whether there is a motion prior (acceleration_m_per_s2 > 0), and few enough frames were
+  // lost to predict the motion.
   bool HasPredictableMotion(const TrackingState& state) const;
 
-  // Zero after lost frames and for intervals of 0.1 s or more.
+  // Constant velocity from the last pose to `last_from_frame`. Zero after lost frames and for
+  // intervals of 0.1 s or more.
   static CameraMotion Velocity(const TrackingState& state, const Rigid3d& last_from_frame,
                                double seconds);
 

@@ -13,7 +13,8 @@ struct ExpectedPose {
   Matrix6d covariance;
 };
 
-// Transforms a predicted pose into another target frame.
+// Transforms a predicted pose into another target frame. `new_from_old_target` maps the old target
+// frame to the new one. The covariance is transformed as well.
 ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected);
 
 // Kalman update of a predicted pose (covariance P) by a registered pose (information I of the
@@ -21,8 +22,10 @@ ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected
 // both poses along a column of V. The result moves by z w / (1 + w) along this column. The
 // variance shrinks by the factor 1 / (1 + w).
 //
-// The variance of z is 1 + 1 / w. If z exceeds `most_sigmas` standard deviations, the
-// registration is overconfident: w is reduced until z is within this bound.
+// The variance of z is 1 + 1 / w. If z exceeds `most_sigmas` standard deviations, the registration
+// is overconfident: w is reduced until z is within this bound. Infinity: no bound. Both poses have
+// the same frames. The covariance of `expected` must be positive definite. Directions without
+// information keep the predicted pose.
 ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
                         const Matrix6d& information, double most_sigmas);
 
@@ -30,14 +33,16 @@ ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
 // accelerations.
 class MotionPrior {
  public:
+  // Standard deviations of the accelerations, per axis.
   MotionPrior(double acceleration_m_per_s2, double angular_acceleration_rad_per_s2);
 
+  // Makes the velocity unknown.
   void Forget() { of_velocity_.reset(); }
-  // Sets the velocity covariance from the covariance of the last motion (rad, m), in the
-  // camera frame, and its duration.
+  // Sets the velocity covariance from the covariance of the last motion (rad, m), in the camera
+  // frame, and its duration. Requires seconds > 0.
   void Keep(const Matrix6d& covariance, double seconds);
-  // Covariance (rad, m) of the motion in the next `seconds`. An unknown velocity has the
-  // variance of typical hand motion.
+  // Covariance (rad, m) of the motion in the next `seconds`, in the camera frame. An unknown
+  // velocity has the standard deviations 1.5 rad/s and 3 m/s, which are typical of hand motion.
   Matrix6d Covariance(double seconds) const;
 
  private:

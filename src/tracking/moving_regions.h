@@ -14,18 +14,24 @@ namespace surfit {
 using CellMask = Image<std::uint8_t>;
 
 // Detects moving objects. A connected region in front of the model is moving if an earlier frame
-// observed free space at most of its points. Otherwise it may be a new surface.
+// observed free space at most of its points. Otherwise it may be a new surface. Views of the last
+// 10 s are compared. Call Remember() for each frame with a pose, after Find(). Not thread-safe:
+// Find() must not run beside the other functions.
 class MovingRegions {
  public:
   MovingRegions();
   ~MovingRegions();
 
-  // Returns the moving cells of a frame. `comparison`: result of CompareViews() for the frame.
+  // Returns the moving cells of a frame; empty: none. `comparison`: result of CompareViews() for
+  // the frame at this pose. `stamp_s`: timestamp of the frame.
   CellMask Find(const FrameLevel& frame, const ViewComparison& comparison,
                 const Rigid3d& world_from_camera, double stamp_s) const;
 
+  // Stores the view if the last stored view is 0.2 s old. `moving`: result of Find(); an object
+  // that moved stays detected in the next frame.
   void Remember(const FrameLevel& frame, const CellMask& moving, const Rigid3d& world_from_camera,
                 double stamp_s);
+  // Applies a correction of the world frame to the stored poses.
   void Move(const Rigid3d& new_from_old_world);
 
  private:
@@ -43,7 +49,8 @@ class MovingRegions {
   std::unique_ptr<PastView> last_;  // last frame with its moving cells; null if there are none
 };
 
-// Removes the depth of moving cells.
+// Sets the depth, vertices and normals of moving cells to 0, at any resolution. An empty mask
+// changes nothing. The colours stay.
 Image<float> Without(Image<float> depth_m, const CellMask& moving);
 RgbdFrame Without(RgbdFrame frame, const CellMask& moving);
 FramePyramid Without(FramePyramid pyramid, const CellMask& moving);

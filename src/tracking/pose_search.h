@@ -13,12 +13,14 @@
 
 namespace surfit {
 
+// Pose of a lost camera by relocalisation, and the matching keyframe.
 struct KeyframePose {
   int keyframe = 0;  // position in the list of keyframes
   int frame_index = 0;
-  Rigid3d world_from_camera;
+  Rigid3d world_from_camera;  // of the lost camera
 };
 
+// Place recognition for lost frames. Functions run on the tracking thread.
 class Relocalizer {
  public:
   virtual ~Relocalizer() = default;
@@ -30,16 +32,20 @@ class Relocalizer {
   virtual std::optional<Rigid3d> BeginSubmap(int lost_frames, const Rigid3d& world_from_last) = 0;
 };
 
+// Situation before the searched frame. References must be valid during the search.
 struct SearchStart {
   const TrackingState& state;
-  const ReferenceView& last;  // last frame with a pose
-  double seconds = 0;         // since the last frame with a pose
+  const ReferenceView&
+      last;            // last frame with a pose; `view` only with TrackingOptions::initialize
+  double seconds = 0;  // since the last frame with a pose
   // Predicted pose; std::nullopt without a motion prior.
   std::optional<Rigid3d> expected;
 };
 
-// Estimates poses of lost or uncertain frames by global registration and relocalisation. Each
-// pose is verified by registration to the map.
+// Estimates poses of lost or uncertain frames by global registration and relocalisation. Each pose
+// is verified by registration to the map. Global registration runs for every fifth lost frame, and
+// for each of the first five with TrackingOptions::VerifiesBySearch(). Relocalisation runs for
+// every third lost frame.
 class PoseSearch {
  public:
   // Keeps references and the pointer.
@@ -50,8 +56,9 @@ class PoseSearch {
   // Null: no place recognition.
   void UseRelocalizer(Relocalizer* relocalizer) { relocalizer_ = relocalizer; }
 
-  // Searches the pose of a frame. `tracked`: outcome of its registration from the predicted
-  // pose. A pose that needs confirmation becomes tentative, and the frame is lost.
+  // Searches the pose of a frame. `tracked`: outcome of its registration from the predicted pose. A
+  // pose that needs confirmation becomes tentative, and the frame is lost. An uncertain frame
+  // without a search result is lost. Changes only the model views: ActivateAround().
   Tracked Search(const PreprocessedFrame& frame, const SearchStart& start, Tracked tracked) const;
 
  private:

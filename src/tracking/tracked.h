@@ -11,6 +11,7 @@
 
 namespace surfit {
 
+// Result of the validation of a registered pose.
 enum class Verdict {
   kAccepted,   // residuals, surfaces and brightness agree with the pose
   kUncertain,  // accepted if a second registration agrees with the pose
@@ -25,11 +26,13 @@ struct TentativePose {
   int keyframe = -1;  // keyframe of the relocalisation; -1: none
 };
 
+// Outcome of a frame. The first frame, a frame with a given pose and a duplicate have no
+// registration, so `icp` has its defaults.
 struct Tracked {
   FrameState state = FrameState::kLost;
   Rigid3d world_from_camera;  // undefined if lost
   IcpResult icp;
-  Verdict verdict = Verdict::kAccepted;
+  Verdict verdict = Verdict::kAccepted;  // of the last registration
   FrameQuality quality;
   bool found_by_search = false;  // pose from PoseSearch
   bool has_second = false;       // two registrations agree on the pose
@@ -38,7 +41,7 @@ struct Tracked {
   CellMask moving;               // moving cells: neither registered nor fused
   double moving_ratio = 0;       // moving cells / cells with depth
   double behind_ratio = 0;       // cells behind the model / compared cells
-  bool has_two_motions = false;
+  bool has_two_motions = false;  // see FeatureMotion; false if the check did not run
   // Covariance of the motion to this frame, in the camera frame. Only with a motion prior.
   std::optional<Matrix6d> motion_covariance;
   std::optional<TentativePose> tentative;  // set if the frame is lost with a tentative pose

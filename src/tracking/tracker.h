@@ -19,10 +19,12 @@
 
 namespace surfit {
 
+// Predicted pose of a frame, and the view for its registration. `reference` is valid until the next
+// Predict() or PredictAhead().
 struct Prediction {
   Rigid3d world_from_camera;
   const ReferenceView* reference = nullptr;
-  bool has_own_view = false;
+  bool has_own_view = false;  // the view was rendered for this pose
 };
 
 // Each frame passes Predict(), Track() and Update() in this order:
@@ -31,22 +33,29 @@ struct Prediction {
 //            search for uncertain frames        pose_search.h
 //            feature check of the pose          feature_watch.h
 //   Update   state transition                   tracking_state.h
+// First, IsDuplicate() is called for each frame. A duplicate gets Repeat() and nothing else. Until
+// a frame has a pose, TrackFirst() replaces Predict() and Track(). TrackGiven() replaces them for a
+// frame with a given pose. Move() is called between frames. Not thread-safe.
 class Tracker {
  public:
-  // Keeps a reference to the options and the pointer.
+  // Keeps a reference to the options and the pointer. `world_from_first_camera`: pose of the first
+  // frame; with StartInGivenMap(), the last pose in the map.
   Tracker(const TrackingOptions& options, const Rigid3d& world_from_first_camera,
           ModelViews* views);
 
+  // Keeps the pointer. Null: no place recognition.
   void UseRelocalizer(Relocalizer* relocalizer);
+  // Called within Track() if a frame has no pose, also before it begins a new submap. Not called
+  // for a frame that TrackFirst() or the feature check loses.
   void OnLostFrame(std::function<void(const LostFrame&)> call) { on_lost_ = std::move(call); }
-  // Starts with a given map and an unknown camera pose. `last_stamp_s`: time of the last pose
-  // in the map.
+  // Starts with a given map and an unknown camera pose. `last_stamp_s`: time of the last pose in
+  // the map. Call before the first frame.
   void StartInGivenMap(double last_stamp_s);
 
   const TrackingState& state() const { return state_; }
   // Returns whether the next frame may need photometric residuals.
   bool NeedsIntensities() const;
-  // Zero after lost frames.
+  // Predicted velocity during the next frame. Zero after lost frames.
   CameraMotion ExpectedMotion() const { return motion_model_.PredictMotion(state_); }
   // Camera velocity from the last frame to a pose. Zero after lost frames and for intervals of
   // 0.1 s or more.
@@ -54,20 +63,29 @@ class Tracker {
   // As above. Also zero if the pose was found by search.
   CameraMotion MotionTo(double stamp_s, const Tracked& tracked) const;
 
-  // Returns whether the depth equals the depth of the previous frame. Call once per frame.
+  // Returns whether the depth equals the depth of the previous frame. Call once per frame. False
+  // before the first frame with a pose.
   bool IsDuplicate(const RgbdFrame& frame);
-  // Outcomes of a duplicate frame, the first frame and a frame with a given pose.
+  // Outcome of a duplicate frame: the last pose, or lost after a lost frame. Update() must not
+  // follow.
   Tracked Repeat() const;
+  // Outcome of the first frame. It is lost if it has too little depth.
   Tracked TrackFirst(const PreprocessedFrame& frame);
+  // Outcome of a frame with a given pose, without any check.
   Tracked TrackGiven(const PreprocessedFrame& frame, const Rigid3d& world_from_camera);
 
+  // Requires a previous frame with a pose, or a given map.
   Prediction Predict(const PreprocessedFrame& frame);
+  // The tentative pose of the last frame is confirmed or dropped here.
   Tracked Track(const PreprocessedFrame& frame, const Prediction& prediction);
-  // Completes a frame. Not for duplicates. `frame`: without the pixels of moving objects.
+  // Completes a frame. Not for duplicates. `frame`: without the pixels of moving objects. Also for
+  // lost frames.
   void Update(PreprocessedFrame frame, Tracked tracked);
-  // Renders the model view of the next frame in advance.
+  // Renders the model view of the next frame in advance. Optional, after Update(). It saves time in
+  // Predict(). `has_color`: the next frame will have colour.
   void PredictAhead(bool has_color);
 
+  // Applies a correction of the world frame to all stored poses.
   void Move(const Rigid3d& new_from_old_world);
 
  private:

@@ -40,11 +40,12 @@ struct FrameQuality {
   bool is_by_newest = false;           // registered to all surfels, including unstable surfels
 };
 
+// State of the tracker between two frames.
 struct TrackingState {
   TrackingPhase phase = TrackingPhase::kNotStarted;
   int lost_frames = 0;       // consecutive frames without a pose
   bool is_localised = true;  // false: given map without a tracked frame yet
-  FrameQuality last;
+  FrameQuality last;         // of the last frame with a pose
 
   // Initial state with a given map: the camera pose is unknown.
   static TrackingState InGivenMap() { return {TrackingPhase::kLost, 0, false, {}}; }
@@ -60,11 +61,12 @@ struct TrackingState {
   bool NeedsSearch() const { return lost_frames > 0 || !is_localised; }
   // The pose of the next frame is searched if TrackingOptions::VerifiesBySearch() is true.
   bool NeedsVerification() const { return phase == TrackingPhase::kRelocalised; }
-  // Few enough frames were lost to predict the motion.
+  // Fewer than three frames were lost. False before the first pose, in a given map, and with a
+  // tentative pose.
   bool HasPredictableMotion() const;
 };
 
-// `quality` belongs to a frame with a pose.
+// `quality` belongs to a frame with a pose. Impossible transitions ("-") are not checked.
 TrackingState Next(const TrackingState& state, TrackingEvent event, FrameQuality quality = {});
 
 }  // namespace surfit

@@ -10,8 +10,8 @@
 
 namespace surfit {
 
-// Grid of about 80 columns for the comparison of views. A cell has step x step pixels and uses
-// the values of its centre pixel.
+// Grid of about 80 columns for the comparison of views. A cell has step x step pixels and uses the
+// values of its centre pixel. Narrower images have one cell per pixel.
 struct ViewGrid {
   explicit ViewGrid(const PinholeCamera& camera)
       : step(std::max(1, camera.width / 80)),
@@ -23,23 +23,28 @@ struct ViewGrid {
   int step, width, height;
 };
 
-// Position of a frame point relative to the model surface.
+// Position of a frame point relative to the model surface. Without depth, outside of the model view
+// or without a model surface, it is kUnknown. Within the bound of CompareViews(), it is kAtSurface.
 enum class Side : std::uint8_t { kUnknown, kAtSurface, kInFront, kBehind };
 
+// Result of CompareViews(). All counts are numbers of frame cells.
 struct ViewComparison {
   Image<Side> sides;  // per cell of the frame
   int points = 0;     // cells with depth
   int compared = 0;   // cells with depth and a model surface
   int in_front = 0;   // cells clearly in front of the model
   int behind = 0;     // cells clearly behind the model: free-space violations
-  double alike = 1;   // correlation of brightness at the surface; 1 if it cannot be computed
+  double alike = 1;   // correlation of brightness at the surface, in [-1, 1]; 1 if unknown
 
+  // Number of cells in front of the model with a nonzero mask. An empty mask gives 0.
   int CountInFront(const Image<std::uint8_t>& mask) const;
 };
 
-// Compares a frame with the model. "Clearly": farther than kFreeSpaceSigmas of the error model
-// from the surface, along its normal. `model_grey`: brightness per model cell, 0 if unknown.
-// `model_grey` and `color` may be empty.
+// Compares a frame with the model. "Clearly": farther than kFreeSpaceSigmas (5) standard deviations
+// from the surface, along its normal. `color`: image of the frame with the size of this level;
+// empty: `alike` is 1. `model_grey`: brightness per cell of the model view, 0 if unknown; may be
+// empty. `alike` is also 1 with fewer than 200 compared cells, or without texture.
+// `model_from_frame` maps points of the frame camera to the model camera, m.
 ViewComparison CompareViews(const FrameLevel& frame, const Image<Rgb8>& color,
                             const FrameLevel& model, const Image<float>& model_grey,
                             const ErrorModel& error_model, const Rigid3d& model_from_frame);

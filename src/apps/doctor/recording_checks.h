@@ -46,6 +46,7 @@ std::vector<RecordingCheck> ChecksOfFrames(const RecordingEvidence& evidence);
 std::vector<RecordingCheck> ChecksOfStamps(const RecordingEvidence& evidence);
 std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence);
 
+// Number with three significant digits.
 inline std::string Rounded(double value) { return Concat(std::setprecision(3), value); }
 
 }  // namespace surfit

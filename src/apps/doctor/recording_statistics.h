@@ -10,20 +10,23 @@
 
 namespace surfit {
 
+// Statistics of a colour image. A pixel is saturated if all channels are at least 250.
 struct ColorStatistics {
-  double brightness = 0;       // mean, in [0, 1]
-  double saturated_ratio = 0;  // saturated pixels / pixels
-  std::optional<double> edge_width;
+  double brightness = 0;             // mean, in [0, 1]
+  double saturated_ratio = 0;        // saturated pixels / pixels
+  std::optional<double> edge_width;  // EdgeWidth(); std::nullopt: too few edges
 };
 
+// Statistics of one frame of a recording.
 struct FrameStatistics {
   int index = 0;
-  FrameStamps stamps;
+  FrameStamps stamps;         // s, as recorded
   std::string error;          // read error; if not empty, the following members are unset
   double valid_ratio = 0;     // pixels with depth / pixels
   double median_depth_m = 0;  // over valid pixels; 0: no valid pixel
-  bool repeats_depth = false, repeats_color = false;  // bitwise identical to the previous frame
-  std::optional<ColorStatistics> color;
+  bool repeats_depth = false,
+       repeats_color = false;            // bitwise identical to the last readable frame
+  std::optional<ColorStatistics> color;  // std::nullopt: no colour
 };
 
 // Typical width of edges relative to the image width (after Crete et al., SPIE 2007). Uses the
@@ -32,6 +35,7 @@ struct FrameStatistics {
 // the image has too few edges above the noise.
 std::optional<double> EdgeWidth(const Image<Rgb8>& color);
 
+// Statistics of all frames of a recording. Add frames in order. Not thread-safe.
 class RecordingStatistics {
  public:
   // `depth_units_per_metre`: unit of integer depth images. Float images are in metres.
@@ -41,11 +45,13 @@ class RecordingStatistics {
   // `images`: raw images. `depth_m`: depth after undistortion and scaling.
   void Add(int index, const FrameStamps& stamps, const FrameImages& images,
            const Image<float>& depth_m);
+  // Adds a frame that cannot be read. `error` must not be empty.
   void AddUnreadable(int index, const FrameStamps& stamps, const std::string& error);
 
   const std::vector<FrameStatistics>& frames() const { return frames_; }
-  // Median step of inverse depth between adjacent depth values of the sensor, 1/m. Returns
-  // std::nullopt for float depth, and for fewer than 30 steps.
+  // Median step of inverse depth between adjacent depth values of the sensor, 1/m. Steps below four
+  // raw counts are rounding of the file and are ignored. Returns std::nullopt for float depth, and
+  // for fewer than 30 steps.
   std::optional<double> InverseDepthStep() const;
 
  private:

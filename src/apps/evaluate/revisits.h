@@ -15,7 +15,7 @@ class OptionVisitor;
 struct RevisitOptions {
   SequenceOptions sequence;  // `stride` selects the compared frames
   std::string estimate;      // trajectory file, TUM format, in the pose convention of the sequence
-  int min_gap = 300;
+  int min_gap = 300;         // minimum frame index difference
   double max_distance_m = 0.3;
   double max_angle_rad = 0.26;
   PreprocessOptions preprocess;
@@ -31,8 +31,9 @@ struct SurfaceAgreement {
   ErrorStatistics icp_translation_m, icp_rotation_deg;
 };
 
+// Result of CompareAtRevisits().
 struct RevisitReport {
-  int pairs = 0;
+  int pairs = 0;         // revisits, with skipped pairs
   int unregistered = 0;  // skipped pairs: no overlap or failed ICP
   int without_pose = 0;  // skipped frames: unreadable, or without estimated or true pose
   // 0 if no pair has a result.

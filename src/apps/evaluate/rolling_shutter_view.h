@@ -14,11 +14,13 @@ struct RowTimes {
 
 // Surfaces in the margin can enter the view during the readout.
 inline constexpr int kRollMargin_px = 32;
+// Camera with kRollMargin_px more pixels on each side.
 PinholeCamera WithRollMargin(PinholeCamera camera);
 
-// Resamples a view with margin as a rolling-shutter view. With `motion`, a static point X is at
-// X - t (turn x X + velocity) in the camera frame at time t. Colour: bilinear interpolation
-// between pixels with depth. Depth: nearest pixel.
+// Resamples a view with margin as a rolling-shutter view. With `motion`, a static point X is at X -
+// t (turn x X + velocity) in the camera frame at time t. Colour: bilinear interpolation between
+// pixels with depth. Depth: nearest pixel. `camera`: camera without margin, in whose size the
+// result is. Pixels without depth are black.
 BlendedView Rolled(const BlendedView& with_margin, const PinholeCamera& camera,
                    const CameraMotion& motion, const RowTimes& times);
 

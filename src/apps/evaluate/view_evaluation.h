@@ -10,6 +10,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of EvaluateViews().
 struct ViewEvaluationOptions {
   SequenceOptions sequence;  // sequence of the run, with the same options
   std::string run;           // output folder of a run, with poses.json, map.ply and summary.json
@@ -33,19 +34,21 @@ struct ViewError {
   // As psnr_covered_db and ssim_covered, but at the pose of RegisterColors().
   double psnr_registered_db = 0, ssim_registered = 0;
   double coverage = 0;  // covered pixels / compared pixels
-  // |rendered - measured| depth.
+  // |rendered - measured| depth, over pixels that have both.
   double depth_error_median_m = 0, depth_error_mean_m = 0;
 };
 
+// Errors of one view.
 struct EvaluatedView {
   int frame = 0;  // index in the sequence
   ViewError error;
 };
 
+// Result of EvaluateViews().
 struct ViewEvaluation {
   bool held_out = false;  // the evaluated frames were not fused
   std::vector<EvaluatedView> views;
-  ViewError mean;
+  ViewError mean;          // over the views
   int without_color = 0;   // skipped frames without colour
   std::string worst_view;  // path of the picture; empty: none
 };

@@ -8,19 +8,20 @@
 
 namespace surfit {
 
+// Evaluated view with its images, which have equal sizes.
 struct ComparedView {
   EvaluatedView view;
   Image<Rgb8> frame, drawn;
 };
 
-// Keeps the views with the lowest psnr_covered_db.
+// Keeps the views with the lowest psnr_covered_db. At most `most` views. Not thread-safe.
 class WorstViews {
  public:
   explicit WorstViews(int most) : most_(most) {}
 
   void Offer(ComparedView view);
-  // Returns the path of the first picture, or an empty string. Throws InputError with the file
-  // name.
+  // Writes the pictures into the output folder. Returns the path of the first picture, or an empty
+  // string. Throws InputError with the file name.
   std::string Write(const std::string& folder) const;
 
  private:
@@ -28,7 +29,7 @@ class WorstViews {
   std::vector<ComparedView> views_;  // worst first
 };
 
-// Throws InputError with the file name.
+// Writes views.json (means) and views.csv (all views). Throws InputError with the file name.
 void WriteViewFiles(const ViewEvaluation& evaluation, const std::string& folder);
 
 }  // namespace surfit

@@ -23,7 +23,7 @@ struct HttpTarget {
   std::uint32_t Number(const std::string& name) const;  // 0 if missing
 };
 
-// Returns std::nullopt for other forms.
+// Returns std::nullopt for other forms. Does not check the token.
 std::optional<HttpTarget> ParseTarget(const std::string& target);
 
 // Returns whether a Host header is an IP address, localhost or the name of this machine.

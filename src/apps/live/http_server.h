@@ -8,6 +8,7 @@
 
 namespace surfit {
 
+// Request without its body.
 struct HttpRequest {
   std::string method;
   std::string target;
@@ -15,6 +16,7 @@ struct HttpRequest {
   std::optional<std::string> origin;
 };
 
+// Answer to a request. A null body is empty.
 struct HttpAnswer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
@@ -22,13 +24,14 @@ struct HttpAnswer {
   bool has_token = false;  // the request had the valid token
 };
 
+// Limits against slow or malicious clients.
 struct HttpLimits {
   // Connections without valid token. Above the limit, the oldest connection is closed.
   std::size_t strangers = 32;
-  std::size_t clients = 64;  // connections with valid token; further connections are refused
-  std::size_t header_bytes = 8192;
-  std::size_t body_bytes = 1024;
-  double request_s = 5;  // maximum time to the first request with valid token
+  std::size_t clients = 64;         // connections with valid token; further connections are refused
+  std::size_t header_bytes = 8192;  // per request; above it: status 431
+  std::size_t body_bytes = 1024;    // per request; above it: status 413
+  double request_s = 5;  // maximum time of each request before the first one with valid token
   double idle_s = 60;    // maximum time between requests with valid token
   double hold_s = 5;     // maximum delay of an answer
   double write_s = 20;   // maximum time to send an answer
@@ -43,13 +46,15 @@ class HttpServer {
   // answer.
   using Handler = std::function<std::optional<HttpAnswer>(const HttpRequest& request, bool must)>;
 
-  // Starts the server thread with low priority. Port 0: any free port. Throws InputError if
-  // the port cannot be opened.
+  // Starts the server thread with low priority. Port 0: any free port. Throws InputError if the
+  // port cannot be opened. The address must be an IP address. The destructor stops the thread and
+  // closes all connections.
   HttpServer(const std::string& address, int port, const HttpLimits& limits, Handler handler);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
+  // Address and port that are open.
   std::string address() const;
   int port() const;
   // Calls the handler again for all delayed answers. Thread-safe.

@@ -20,9 +20,12 @@
 
 namespace surfit {
 
+// Kinds of data of the web page: kFrame is the input image, kModel and kNormals are views of the
+// map.
 enum class Shown { kState, kMap, kPath, kFrame, kModel, kNormals };
 constexpr std::size_t kShownCount = 6;
 
+// State of a run for the page.
 struct ShownState {
   std::string status;
   FrameState frame_state = FrameState::kFirst;
@@ -30,19 +33,21 @@ struct ShownState {
   double frames_per_second = 0;
   bool is_at_result = false, is_done = false;
   std::vector<Advice> advice;
-  std::optional<Rigid3d> world_from_camera;  // last pose
+  std::optional<Rigid3d> world_from_camera;  // last pose; std::nullopt: none yet
   PinholeCamera camera;
   std::size_t loops = 0;
-  std::optional<std::pair<int, int>> last_loop;
+  std::optional<std::pair<int, int>> last_loop;  // frame indices; std::nullopt: none
 };
 
+// Camera positions and loop closures in the world frame, m.
 struct LivePath {
   std::vector<Eigen::Vector3f> positions;
   std::vector<LoopSegment> loops;
 };
 
 // The thread of the run writes, the server thread reads. Without `must`, an update is skipped if
-// the server has the lock, so that the run does not wait. Updates have increasing numbers.
+// the server has the lock, so that the run does not wait. Updates have increasing numbers. Number 0
+// means no data.
 class LiveData {
  public:
   explicit LiveData(std::size_t max_surfels) : sample_(max_surfels) {}
@@ -52,15 +57,17 @@ class LiveData {
   bool UpdatePath(const LivePath& path, bool must);
   // Pictures of the same frame get the same number.
   bool UpdatePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool must);
-  // Returns the result of MapSample::Update(); std::nullopt if the update was skipped.
+  // Returns the result of MapSample::Update(); std::nullopt if the update was skipped. `slots`:
+  // number of updated slots.
   std::optional<bool> UpdateMap(const SurfelMap& map, std::size_t slots);
+  // Replaces the sample by the final map. Waits for the lock.
   void ResetMap(const SurfelMap& map);
   // Returns whether a page has requested this kind of data in the last 8 s.
   bool IsRequested(Shown what) const;
 
-  // Functions for the server. StateAfter(): JSON; null if the state is not newer than
-  // `number`.
+  // Functions for the server. They wait for the lock. Texts stay valid after updates.
   using Text = std::shared_ptr<const std::string>;
+  // JSON; null if the state is not newer than `number`.
   Text StateAfter(std::uint32_t number, bool is_paused);
   // JSON; null without path.
   Text Path();
@@ -69,6 +76,7 @@ class LiveData {
   // SampleChanges, little endian: epoch, level, slots, version, next and count as uint32, then
   // `count` slots as uint32, then `count` PackedSurfel.
   Text Map(const SamplePlace& place, std::size_t most);
+  // Call for each request, so that IsRequested() is true for 8 s.
   void RecordRequest(Shown what);
   // Marks the state as changed.
   void MarkChanged() { ++number_; }

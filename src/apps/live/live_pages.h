@@ -12,12 +12,15 @@
 
 namespace surfit {
 
+// Answers the requests of the live page with LiveData, and controls the run. Without valid token,
+// Host or Origin, the status is 403. Data that do not exist yet give 204.
 class LivePages {
  public:
+  // Keeps the pointers.
   LivePages(std::string token, LiveRun* run, LiveData* shown)
       : token_(std::move(token)), run_(*run), shown_(*shown) {}
 
-  // Implements HttpServer::Handler.
+  // Implements HttpServer::Handler. Call on the server thread only.
   std::optional<HttpAnswer> Answer(const HttpRequest& request, bool must);
 
   // Seconds since the last answer to a request with valid token. Thread-safe.

@@ -19,8 +19,8 @@
 
 namespace surfit {
 
-// Limits the rate of a periodic task: at least min_gap_s between two calls, and at most the
-// ratio `share` of the time.
+// Limits the rate of a periodic task: at least min_gap_s between two calls, and at most the ratio
+// `share` of the time. Not thread-safe.
 class RateLimiter {
  public:
   RateLimiter(double min_gap_s, double share) : min_gap_(min_gap_s), share_(share) {}
@@ -43,12 +43,14 @@ class RateLimiter {
   Clock::time_point next_;
 };
 
+// Advice for the camera operator.
 struct Advice {
   std::string kind;  // "lost", "too_fast", "too_close", "little_depth", "little_shape" or "moving"
   std::string text;
 };
 
-// `world_from_camera_before`: pose of the previous frame; null: none.
+// Advice for a frame; empty: none. `world_from_camera_before`: pose of the previous frame; null:
+// none.
 std::vector<Advice> Advise(const SlamRunFrame& frame, const Rigid3d* world_from_camera_before);
 
 // Camera positions at both ends of a loop closure, in the world frame.
@@ -56,7 +58,8 @@ struct LoopSegment {
   Eigen::Vector3d a, b;
 };
 
-// Viewer of a run, for example a web page. The thread of the run calls these functions.
+// Viewer of a run, for example a web page. The thread of the run calls these functions. Order:
+// Show() and Wait() per frame, ShowWork(), Keep(), Stay().
 class RunViewer {
  public:
   virtual ~RunViewer() = default;
@@ -66,6 +69,7 @@ class RunViewer {
   virtual void Wait(const SlamRunFrame& frame, int wait_ms) = 0;
   // Called during refinement and re-integration.
   virtual void ShowWork() = 0;
+  // Called once with the final results, after the last ShowWork().
   virtual void Keep(const SlamRunResult& result) = 0;
   // Blocks until the result is no longer viewed.
   virtual void Stay() = 0;
@@ -82,7 +86,8 @@ class LiveRun {
   // Call before the run.
   void Add(std::unique_ptr<RunViewer> viewer) { viewers_.push_back(std::move(viewer)); }
 
-  // Callbacks of RunSlam(). Update() blocks while the run is paused.
+  // Callbacks of RunSlam(). Update() blocks while the run is paused. It does nothing without
+  // viewers.
   void Update(const SlamRunProgress& progress);
   void Keep(const SlamRunResult& result);
   // Call at the end.
@@ -92,9 +97,11 @@ class LiveRun {
   void Pause() { pauses_ = true; }
   void GoOn() { pauses_ = false; }
   void Step();  // processes one frame, then pauses
+  // Interrupts the run once. Later calls do nothing.
   void Stop();
   bool is_paused() const { return pauses_ && !is_at_result_; }
   bool is_interrupted() const { return interrupted_; }
+  // Returns whether the next frame may be processed.
   bool MayContinue() const { return !pauses_ || steps_ || interrupted_; }
 
   // Functions for the thread of the run only.
@@ -111,6 +118,7 @@ class LiveRun {
   const std::optional<std::pair<int, int>>& last_loop() const { return last_loop_; }
   // Image of the last frame with a pose.
   const Image<Rgb8>& last_good() const { return last_good_; }
+  // State of the run in one line.
   std::string Status() const;
 
  private:

@@ -17,6 +17,7 @@ namespace surfit {
 //   confidence   uint8: WeightByte
 using PackedSurfel = std::array<std::uint8_t, 16>;
 
+// Packs a surfel. Values outside of the ranges are clamped.
 PackedSurfel PackSurfel(const Surfel& surfel);
 
 // Position of a page in the stream of changes. A round goes through all slots and transfers
@@ -28,6 +29,7 @@ struct SamplePlace {
   std::uint32_t slot = 0;
 };
 
+// Changes since a place in the stream. `slot` and `surfel` have equal sizes.
 struct SampleChanges {
   std::uint32_t epoch = 0;  // the page clears its slots if its epoch differs
   std::uint32_t level = 0;  // the page drops every second slot until it has this level
@@ -38,9 +40,9 @@ struct SampleChanges {
   std::vector<PackedSurfel> surfel;
 };
 
-// Subset of a map for display, with limited size. Slot s contains the surfel with id s *
-// 2^level, if it exists. If the map grows beyond the limit, `level` increases and every second
-// slot is dropped.
+// Subset of a map for display, with limited size. Slot s contains the surfel with id s * 2^level,
+// if it exists. If the map grows beyond the limit, `level` increases and every second slot is
+// dropped. Not thread-safe.
 class MapSample {
  public:
   explicit MapSample(std::size_t most_slots) : most_slots_(most_slots) {}
@@ -48,14 +50,17 @@ class MapSample {
   // Updates the next `slots` slots. Returns true after the last slot. The next call then
   // starts again.
   bool Update(const SurfelMap& map, std::size_t slots);
-  // Pages start again.
+  // Replaces the sample by a map, and begins a new epoch: pages start again.
   void Reset(const SurfelMap& map);
 
+  // At most `most` changes, starting with the slot of `place`. A place of another epoch gets all
+  // surfels.
   SampleChanges ChangesFrom(SamplePlace place, std::size_t most) const;
 
   // NoiseConfidence() of the sample, as WeightByte.
   std::uint8_t Dust() const;
 
+  // Number of slots with a surfel.
   std::size_t shown() const { return shown_; }
 
  private:

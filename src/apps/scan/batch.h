@@ -17,16 +17,18 @@ class OptionVisitor;
 //   table.csv, summary.json, report.html    ReportBatch()
 // All functions throw InputError with the name of the file or option.
 
+// Options of PlanBatch().
 struct BatchOptions {
-  std::string sequences;
-  std::string output;
-  SlamRunOptions run;    // options of each run; sequence path and output are set per run
-  int memory_mb = 4000;  // job limit of clusters: memory of a run, MB
-  int minutes = 600;     // job limit of clusters: time of a run
+  std::string sequences;  // folder of the sequences
+  std::string output;     // folder of the batch, created if missing
+  SlamRunOptions run;     // options of each run; sequence path and output are set per run
+  int memory_mb = 4000;   // job limit of clusters: memory of a run, MB
+  int minutes = 600;      // job limit of clusters: time of a run
 
   void Visit(OptionVisitor& visitor);
 };
 
+// Run of one sequence.
 struct BatchRun {
   // File name of the sequence. Characters except letters, digits, '.', '-' and '_' are
   // replaced by %XX.

@@ -17,9 +17,10 @@ void WriteIfChanged(const std::string& text, const std::string& path);
 // Paths of the files with this extension (".json"), sorted. Empty if the folder does not exist.
 std::vector<std::string> FilesIn(const std::string& folder, const std::string& extension);
 
+// Absolute path without "." and "..". The file need not exist.
 std::string AbsolutePath(const std::string& path);
 
-// Makes the paths of the options absolute.
+// Makes the paths of the options absolute. Camera presets stay.
 SequenceOptions WithAbsolutePaths(SequenceOptions sequence);
 
 // Text of a flag file (--flagfile): flags of `run` that differ from `other` or from the
@@ -30,7 +31,7 @@ std::string FlagFileOf(const SlamRunOptions& run);
 // Result of a job, written by tools/workflow/job.py.
 struct JobReceipt {
   std::string job;  // RULE or RULE_NAME
-  int exit = 0;
+  int exit = 0;     // exit code; 0: success
   double seconds = 0, peak_mb = 0;
   std::string error;    // empty: success
   std::string product;  // output file, relative to the folder of the workflow; empty: none
@@ -38,6 +39,7 @@ struct JobReceipt {
   std::string Rule() const { return job.substr(0, job.find('_')); }
 };
 
+// Path of the receipt of a job. Reading throws InputError if the receipt is missing or invalid.
 std::string ReceiptPath(const std::string& folder, const std::string& job);
 JobReceipt ReadReceipt(const std::string& path);
 

@@ -13,9 +13,10 @@ namespace surfit {
 // Loop candidate: keyframes of two fragments. The source is in the later fragment.
 struct PlaceProposal {
   int source_frame = 0, target_frame = 0;  // frame indices in the sequences
-  double similarity = 0;
+  double similarity = 0;                   // of the views, as in PlaceCandidate
 };
 
+// Loop candidates between two fragments.
 struct FragmentCandidates {
   std::string target, source;  // fragment names
   std::vector<PlaceProposal> proposals;

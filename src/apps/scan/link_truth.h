@@ -8,12 +8,14 @@
 namespace surfit {
 
 // Error of a measured relative pose of two keyframes, which are given by index in
-// RunPlaces::keyframes. Returns std::nullopt without ground truth for both.
+// RunPlaces::keyframes. Interpolates the ground truth at their timestamps. Returns std::nullopt
+// without ground truth for both.
 std::optional<PoseError> ErrorOfLink(const Trajectory& ground_truth, const RunPlaces& source,
                                      int source_keyframe, const RunPlaces& target,
                                      int target_keyframe, const Rigid3d& target_from_source);
 
-// Replaces `worst` if `error` has a larger translation error, or if `worst` is empty.
+// Replaces `worst` if `error` has a larger translation error, or if `worst` is empty. An empty
+// `error` changes nothing.
 void UpdateMaximum(const std::optional<PoseError>& error, std::optional<PoseError>* worst);
 
 }  // namespace surfit

@@ -10,6 +10,7 @@
 
 namespace surfit {
 
+// Fragment of a scan before and after the optimisation.
 struct GraphFragment {
   RunPlaces places;             // in the world frame of the fragment, without keyframe views
   std::vector<Rigid3d> solved;  // optimised world_from_camera per keyframe; empty: disconnected
@@ -26,28 +27,31 @@ struct GraphLink {
   bool is_rejected = false;  // outlier, or link to a disconnected fragment
 };
 
+// Pose graph of the keyframes of all fragments. Not thread-safe.
 class ScanGraph {
  public:
   // `fragments`: std::nullopt if missing. `recordings`: index of the recording per fragment.
-  // Consecutive fragments of a recording share frames.
+  // Consecutive fragments of a recording share frames. Both have one value per fragment of the
+  // scan, in order.
   ScanGraph(std::vector<std::optional<RunPlaces>> fragments, std::vector<int> recordings,
             std::vector<GraphLink> links, const LoopOptions& options);
 
-  // Optimises the largest connected part, and rejects outliers. Call once. Returns false if
-  // the solver fails.
+  // Optimises the largest connected part, and rejects outliers. Call once. Returns false if the
+  // solver fails. Then nothing changes.
   bool Solve();
 
   // std::nullopt: missing fragment.
   const std::vector<std::optional<GraphFragment>>& fragments() const { return fragments_; }
   const std::vector<GraphLink>& links() const { return links_; }
-  // Difference of the measured and the optimised relative pose of a link, in the source
-  // camera. std::nullopt for a disconnected fragment.
+  // Difference of the measured and the optimised relative pose of a link, in the source camera.
+  // std::nullopt for a disconnected fragment. Call after Solve(). Both fragments must exist.
   std::optional<Rigid3d> Residual(const GraphLink& link) const;
+  // Returns whether a fragment exists, but is not in the largest part. Call after Solve().
   bool IsDisconnected(std::size_t fragment) const {
     return fragments_[fragment] && fragments_[fragment]->solved.empty();
   }
-  // Poses of the frames of a recording in the largest part, in ascending order. Poses of
-  // shared frames are blended.
+  // Poses of the frames of a recording in the largest part, in ascending order. Poses of shared
+  // frames are blended. Call after Solve(). Empty if all its fragments are disconnected.
   std::vector<PosedFrame> Frames(int recording) const;
 
  private:

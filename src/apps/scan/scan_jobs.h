@@ -27,30 +27,36 @@ class OptionVisitor;
 // equal output. All functions throw InputError with the name of the file or option. A fragment
 // without places.bin has failed and is skipped.
 
+// Options of FindCandidates().
 struct CandidatesOptions {
   std::string scan;  // folder of the plan
   // Output folder for A_B.json, created if missing. Other .json files in this folder are
   // deleted. Unchanged files keep their modification time.
   std::string output;
-  int min_gap = 100;  // minimum frame index difference within a recording
-  int max_similar = 3;
+  int min_gap = 100;    // minimum frame index difference within a recording
+  int max_similar = 3;  // maximum number of candidates per keyframe
   // Memory limit of the place index. If all keyframes exceed it, every n-th keyframe is used.
   std::size_t max_index_bytes = std::size_t{500} << 20;
 
   void Visit(OptionVisitor& visitor);
 };
 
+// Statistics of FindCandidates(). `missing`: failed fragments, `pairs`: fragment pairs with
+// candidates.
 struct CandidatesResult {
   int fragments = 0, missing = 0, keyframes = 0;
   int looked_up = 0;  // used keyframes
   int pairs = 0;
 };
+// Finds similar keyframes of different fragments, and writes one file per fragment pair. Does not
+// verify them.
 CandidatesResult FindCandidates(const CandidatesOptions& options);
 
+// Options of LinkFragments().
 struct LinkOptions {
-  std::string scan;  // folder of the plan
-  std::string candidates;
-  std::string output;
+  std::string scan;        // folder of the plan
+  std::string candidates;  // file of the candidates, from FindCandidates()
+  std::string output;      // file of the results
   int threads = 1;
 
   void Visit(OptionVisitor& visitor);
@@ -62,10 +68,11 @@ struct ScanLink {
   GlobalRegistrationResult verdict;
 };
 // Verifies all candidates of two fragments (VerifyLoop()). Then verifies further keyframe pairs
-// that are near each other according to an accepted link. Writes all results, also rejected
-// pairs.
+// that are near each other according to an accepted link. Writes all results, also rejected pairs.
+// Throws InputError if a fragment has no places.bin.
 std::vector<ScanLink> LinkFragments(const LinkOptions& options);
 
+// Options of BuildScanGraph().
 struct GraphOptions {
   std::string scan;    // folder of the plan
   std::string output;  // output folder, created if missing
@@ -73,6 +80,7 @@ struct GraphOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Result of BuildScanGraph(). `missing`: failed fragments.
 struct GraphResult {
   int fragments = 0, missing = 0;
   int apart = 0;  // disconnected fragments
@@ -83,7 +91,8 @@ struct GraphResult {
   // ATE with one alignment of all recordings. Only meaningful if their ground truths have the
   // same frame.
   std::optional<double> ate_rmse_m;
-  // Largest ground-truth error of inlier links, and of inlier loop closures within fragments.
+  // Largest ground-truth error of inlier links, and of inlier loop closures within fragments. Links
+  // between recordings are not compared. std::nullopt without ground truth.
   std::optional<PoseError> worst_link, worst_loop;
 };
 // Optimises the pose graph of the largest connected part (ScanGraph). Consecutive fragments of a
@@ -94,6 +103,7 @@ struct GraphResult {
 // - trajectory_R.png
 GraphResult BuildScanGraph(const GraphOptions& options);
 
+// Options of FuseTile().
 struct TileOptions {
   std::string scan;       // folder of the plan
   std::string tile;       // tile name in graph/tiles.json
@@ -110,16 +120,19 @@ struct TileOptions {
 std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interrupted,
                      const std::function<void(int frames)>& progress);
 
+// Options of ReportScan().
 struct ScanReportOptions {
-  std::string scan;
+  std::string scan;  // folder of the plan
 
   void Visit(OptionVisitor& visitor);
 };
+// Result of one recording. Unknown errors are std::nullopt.
 struct ScannedRecording {
   std::string sequence;
   int frames_total = 0, frames = 0;  // frames: with a pose
   std::optional<double> ate_rmse_m;  // with separate alignment
 };
+// Content of summary.json of a scan.
 struct ScanSummary {
   std::string digest;                // hash of trajectories and tiles, hexadecimal
   int frames_total = 0, frames = 0;  // frames: with a pose
@@ -132,6 +145,7 @@ struct ScanSummary {
 // for several recordings). Deletes trajectories and tiles of a former plan. Without graph.json,
 // all values of the graph are 0 or empty.
 ScanSummary ReportScan(const ScanReportOptions& options);
+// Reads summary.json. `scan`: folder of the scan.
 ScanSummary ReadScanSummary(const std::string& scan);
 
 // Deletes receipts, so that the workflow repeats these jobs: successful jobs without their

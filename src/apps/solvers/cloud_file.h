@@ -7,14 +7,16 @@
 
 namespace surfit {
 
+// Point cloud for registration.
 struct PreparedCloud {
   PointCloud cloud;  // finite points with normals of the file or estimated normals
-  PointSet points;
+  PointSet points;   // the same points with sigmas
   RegisteredCloud about;
 };
 
-// Sets normals and sigmas as RunRegister(). Throws InputError for a cloud without finite points
-// or with more than 2^30 points. `what`: name of the cloud in messages.
+// Sets normals and sigmas as RunRegister(). Throws InputError for a cloud without finite points or
+// with more than 2^30 points. `what`: name of the cloud in messages. Zero and non-finite normals
+// become (0, 0, 0). `floor_sigma_m`: smallest sigma, m.
 PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what, const CloudSensor& sensor,
                            const CloudNormalOptions& normals, double floor_sigma_m);
 

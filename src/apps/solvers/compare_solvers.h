@@ -24,8 +24,8 @@ struct CompareOptions {
 
   SequenceOptions sequence;  // empty path: none; `stride` is not used
   int pairs = 4;             // number of frame pairs, evenly spread; 0: none, requires `slam`
-  int gap = 10;
-  bool slam = false;
+  int gap = 10;              // frames between source and target of a pair
+  bool slam = false;         // also run SLAM with each combination
 
   std::string source, target;  // clouds: PLY or PCD
   std::string truth;           // target_from_source: tx,ty,tz,qx,qy,qz,qw; empty: unknown
@@ -61,6 +61,7 @@ struct CompareOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Names of a compared method.
 struct SolverCombination {
   std::string solver;
   std::string linear_solver;  // only for ceres_per_point, and for ceres in refinement
@@ -108,6 +109,7 @@ struct SlamComparisonRow {
   std::optional<double> surface_distance_mean_m, surface_distance_p90_m, shared_surface;
 };
 
+// Progress of CompareSolvers(). `done` and `total` are in the given unit.
 struct CompareProgress {
   std::string unit;  // "run", or "frame" for SLAM
   int done = 0;
@@ -115,6 +117,7 @@ struct CompareProgress {
   double elapsed_s = 0;
 };
 
+// Results of CompareSolvers().
 struct Comparison {
   std::vector<ComparisonRow> rows;
   std::vector<SlamComparisonRow> slam;

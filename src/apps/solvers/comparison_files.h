@@ -9,8 +9,9 @@
 
 namespace surfit {
 
+// One solve from one perturbed pose.
 struct ComparedRun {
-  int problem = 0;
+  int problem = 0;  // index in PoseProblems
   PerturbationCell cell;
   SolveOutcome outcome;
   // std::nullopt: the truth is unknown.
@@ -18,21 +19,25 @@ struct ComparedRun {
   std::optional<bool> converged;
 };
 
+// All solves of one combination.
 struct ComparedRuns {
   SolverCombination combination;
   int threads = 0;
   std::vector<ComparedRun> runs;
 };
 
+// Computes errors and convergence by the limits of the options. `problem` and `cell` are not set.
 ComparedRun Compare(SolveOutcome outcome, const std::optional<Rigid3d>& truth,
                     const CompareOptions& options);
 
+// Medians of the runs, see ComparisonRow. Requires at least one run.
 ComparisonRow RowOf(const ComparedRuns& runs);
 
 // Converged runs / runs of a cell. std::nullopt without runs or if the truth is unknown.
 std::optional<double> ConvergedRatio(const ComparedRuns& runs, const PerturbationCell& cell);
 
-// Results are in <output>/slam.
+// Runs SLAM with each combination. Results are in <output>/slam. If interrupted, returns the rows
+// so far.
 std::vector<SlamComparisonRow> CompareSlam(
     const CompareOptions& options, const std::atomic<bool>& interrupted,
     const std::function<void(const CompareProgress&)>& progress);

@@ -13,6 +13,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of RunRefinement().
 struct RefineRunOptions {
   SequenceOptions sequence;  // sequence of the run, with the same options
   std::string trajectory;    // trajectory of the run: TUM format, pose convention of the sequence
@@ -43,7 +44,7 @@ struct RefineRunSummary {
   std::optional<TrajectoryEvaluation> before, after;
   std::size_t map_points = 0;
   double total_s = 0;
-  std::string failure;  // messages of results that were not written
+  std::string failure;  // messages of results that were not written; RunRefinement() then throws
 };
 
 // Refines keyframes and calibration of a run (Refine()), corrects the other poses, and fuses the

@@ -14,11 +14,12 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of RunAlign().
 struct AlignRunOptions {
   SequenceOptions sequence;  // first, last and stride are not used
-  int source = 0;
-  int target = 1;
-  std::string output;  // output folder, created if missing
+  int source = 0;            // frame index
+  int target = 1;            // frame index
+  std::string output;        // output folder, created if missing
   PreprocessOptions preprocess;
   InitializeOptions initialize;
   IcpOptions icp = GlobalIcpOptions();
@@ -27,6 +28,7 @@ struct AlignRunOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Result of RunAlign(). The errors belong also to a rejected registration.
 struct AlignRunResult {
   GlobalRegistrationResult registration;
   // Errors of the identity and of the result; std::nullopt without ground truth.
@@ -42,6 +44,7 @@ AlignRunResult RunAlign(const AlignRunOptions& options);
 
 class OptionVisitor;
 
+// Options of RunRegister().
 struct RegisterRunOptions {
   std::string source;  // clouds: PLY or PCD, m
   std::string target;
@@ -54,6 +57,7 @@ struct RegisterRunOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Statistics of a cloud after preparation.
 struct RegisteredCloud {
   std::size_t points = 0;
   std::size_t not_finite = 0;      // removed points
@@ -61,6 +65,7 @@ struct RegisteredCloud {
   double normal_radius_m = 0;      // minimum radius for normal estimation; 0: normals of the file
 };
 
+// Result of RunRegister().
 struct RegisterRunResult {
   IcpResult icp;
   RegisteredCloud source, target;

@@ -7,11 +7,12 @@
 
 namespace surfit {
 
-// Unknown values are null. Throws InputError with the file name.
+// Writes refinement.json: summary and options. Unknown values are null. Throws InputError with the
+// file name.
 void WriteRefinementJson(const RefineRunSummary& summary, const RefineRunOptions& options,
                          const std::string& path);
 
-// Throws InputError with the file name.
+// Writes registration.json: result and options. Throws InputError with the file name.
 void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOptions& options,
                            const std::string& path);
 

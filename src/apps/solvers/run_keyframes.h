@@ -10,10 +10,11 @@
 
 namespace surfit {
 
+// Keyframes of a run, with their images, for Refine().
 struct RunKeyframes {
   SequenceInfo info;
-  Trajectory trajectory;  // trajectory of the run, in the pose convention of the frames
-  std::vector<double> stamps_s;
+  Trajectory trajectory;           // trajectory of the run, in the pose convention of the frames
+  std::vector<double> stamps_s;    // of all frames
   std::vector<std::size_t> poses;  // indices of the keyframes in `trajectory`
   std::vector<RefinementKeyframe> keyframes;
   int frames_without_pose = 0, frames_unreadable = 0;  // of all frames
@@ -21,8 +22,8 @@ struct RunKeyframes {
   std::vector<int> frames;               // frame indices of these poses
 };
 
-// Throws InputError for unreadable files, or a trajectory without poses at frames of the
-// sequence.
+// Selects the keyframes by the options, and reads their images. Throws InputError for unreadable
+// files, or a trajectory without poses at frames of the sequence.
 RunKeyframes ReadRunKeyframes(const RefineRunOptions& options);
 
 }  // namespace surfit

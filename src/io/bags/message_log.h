@@ -13,13 +13,14 @@ enum class Serialization { kRos1, kCdr, kOther };
 
 // Position of a message in the file, and its first bytes, which contain the timestamp.
 struct MessageLocation {
-  std::int64_t recorded_ns = 0;  // recording time
+  std::int64_t recorded_ns = 0;  // recording time, clock of the recorder
   int part = -1;                 // chunk with the message; -1: not in a chunk
   std::uint64_t at = 0;          // position of the first byte in the part; SQLite: row id
   std::uint64_t size = 0;        // bytes
   std::array<char, 16> head{};   // first bytes, padded with zeros
 };
 
+// Messages of one name, type and serialization.
 struct Topic {
   std::string name;
   std::string type;  // package/Name, also for package/msg/Name of ROS 2
@@ -27,15 +28,17 @@ struct Topic {
   std::vector<MessageLocation> messages;  // in file order
 };
 
-// Bag file: recorded messages of topics. Not thread-safe.
+// Bag file: recorded messages of topics. The file must not change. Not thread-safe.
 class MessageLog {
  public:
   virtual ~MessageLog() = default;
   virtual const std::string& path() const = 0;
+  // Valid as long as the log.
   virtual const std::vector<Topic>& topics() const = 0;
   // Descriptions of damaged or missing parts that were skipped.
   virtual const std::vector<std::string>& warnings() const = 0;
-  // Throws InputError with the path if the message cannot be read.
+  // Bytes of a message of this log, after decompression. Throws InputError with the path if the
+  // message cannot be read.
   virtual std::string Read(const MessageLocation& place) const = 0;
 };
 

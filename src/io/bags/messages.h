@@ -11,12 +11,13 @@
 namespace surfit {
 
 // ROS messages of images and cameras (docs.ros.org: sensor_msgs, geometry_msgs, tf2_msgs). All
-// readers throw InputError with `name` for invalid bytes.
+// readers throw InputError with `name` for invalid bytes, and for CDR that is not plain
+// little-endian. `name` names the message in errors. `topic` gives serialization and type.
 
 // std_msgs/Header.
 struct MessageHeader {
-  std::int64_t stamp_ns = 0;
-  std::string frame;  // without a leading slash
+  std::int64_t stamp_ns = 0;  // time of capture; 0: not set
+  std::string frame;          // without a leading slash
 };
 
 // Timestamp in ns from the first bytes of a message; 0: not set.
@@ -27,12 +28,13 @@ std::int64_t StampOf(const MessageLocation& place, const Topic& topic, const std
 struct ImageMessage {
   MessageHeader header;
   std::uint32_t width = 0, height = 0;  // px
-  std::string encoding;
+  std::string encoding;                 // for example 16UC1, rgb8; see message_images.h
   bool is_big_endian = false;
   std::uint32_t step = 0;  // bytes per row
   std::string data;
   bool is_compressed = false;
 };
+// Reads a whole message, see MessageLog::Read().
 ImageMessage ReadImageMessage(const std::string& bytes, const Topic& topic,
                               const std::string& name);
 
@@ -41,16 +43,17 @@ struct CameraInfo {
   MessageHeader header;
   std::uint32_t width = 0, height = 0;  // px
   std::string distortion_model;
-  std::vector<double> distortion;
+  std::vector<double> distortion;       // coefficients of distortion_model; may be empty
   std::array<double, 9> intrinsics{};   // K of the raw image, row-major
   std::array<double, 12> projection{};  // P of the rectified image, row-major
 };
+// Reads a whole message.
 CameraInfo ReadCameraInfo(const std::string& bytes, const Topic& topic, const std::string& name);
 
 // geometry_msgs/TransformStamped.
 struct FrameTransform {
-  std::string parent, child;
-  Rigid3d parent_from_child;
+  std::string parent, child;  // tf frames without a leading slash
+  Rigid3d parent_from_child;  // m; maps coordinates of the child frame to the parent frame
 };
 // Transforms of a tf2_msgs/TFMessage or tf/tfMessage. Omits invalid rigid transforms.
 std::vector<FrameTransform> ReadTransforms(const std::string& bytes, const Topic& topic,

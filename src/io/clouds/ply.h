@@ -17,6 +17,7 @@ namespace surfit {
 // PLY files (G. Turk, 1994). The header lists elements. An element is a table with named
 // properties.
 
+// Types of values.
 enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
 
 // Bytes of one binary value.
@@ -24,18 +25,21 @@ std::size_t PlySize(PlyType type);
 // "uchar", "float", ...
 std::string_view PlyName(PlyType type);
 
+// Column of an element: a scalar, or a list of varying length.
 struct PlyProperty {
   std::string name;
   PlyType type = PlyType::kFloat32;
   std::optional<PlyType> count_type = {};  // type of the length of a list; empty for a scalar
 };
 
+// Table of `count` rows.
 struct PlyElement {
   std::string name;
   std::int64_t count = 0;
   std::vector<PlyProperty> properties;
 };
 
+// Header of a PLY file. Big-endian files are not supported.
 struct PlyHeader {
   bool ascii = false;  // false: binary little endian
   std::vector<PlyElement> elements;
@@ -43,7 +47,7 @@ struct PlyHeader {
   int line_count = 0;
 };
 
-// Throws InputError with `path`, line and reason.
+// Throws InputError with `path`, line and reason. `file`: whole file; only the header is read.
 PlyHeader ParsePlyHeader(std::string_view file, const std::string& path);
 
 // First element with this name, valid as long as `header`. Throws InputError with `path` and `name`
@@ -54,20 +58,23 @@ const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
 // Column of a scalar property; std::nullopt if there is no such property.
 std::optional<std::size_t> FindPlyColumn(const PlyElement& element, std::string_view name);
 
-// std::nullopt if one of three scalar properties is missing.
 using PlyNames = std::array<const char*, 3>;
 using PlyColumns = std::array<std::size_t, 3>;
+// Columns of three scalar properties; std::nullopt if one is missing.
 std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNames& names);
+// Vector of three columns of a row of ReadPlyElement().
 inline Eigen::Vector3f VectorAt(const double* row, const PlyColumns& c) {
   return Eigen::Vector3d(row[c[0]], row[c[1]], row[c[2]]).cast<float>();
 }
 
+// Header of a binary little-endian file, up to the first byte of the body.
 std::string FormatPlyHeader(const std::vector<PlyElement>& elements);
 
 // Calls `row` for each row of the first element with this name. The argument has one value per
 // property in file order; the value of a list is 0. `begin` is called before the first row, after
-// the file size has been checked.
-// Throws InputError with `path`, element and row if the body is truncated or invalid.
+// the file size has been checked. Throws InputError with `path`, element and row if the body is
+// truncated or invalid. Without such an element, calls nothing. The argument of `row` is valid
+// during the call.
 void ReadPlyElement(std::string_view file, const PlyHeader& header, const std::string& name,
                     const std::string& path, const std::function<void()>& begin,
                     const std::function<void(const double*)>& row);

@@ -5,7 +5,8 @@
 
 namespace surfit {
 
-// Creates a folder and its parents if they do not exist. Throws InputError with the path.
+// Creates a folder and its parents if they do not exist. Throws InputError with the path. Does
+// nothing for an existing folder.
 void CreateFolder(const std::string& folder);
 
 // Output folder, locked by one process. A lock file in the folder stores the process id and is

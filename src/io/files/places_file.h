@@ -9,7 +9,8 @@
 
 namespace surfit {
 
-// Poses, keyframes and pose graph of a run, for merging runs.
+// Poses, keyframes and pose graph of a run, for merging runs. Poses are camera-to-world in the
+// world frame of the run, m.
 struct RunPlaces {
   std::vector<PosedFrame> frames;    // all frames with a pose, by ascending index
   std::vector<Keyframe> keyframes;   // with views; poses are equal to those in `frames`
@@ -24,7 +25,7 @@ void WritePlaces(const RunPlaces& places, const std::string& path);
 enum class PlacesPart { kAll, kFeatures };
 
 // Throws InputError with the path if the file cannot be read or is invalid. A damaged file cannot
-// exhaust the memory.
+// exhaust the memory. The limit is 4 GiB. With kFeatures, views have no images.
 RunPlaces ReadPlaces(const std::string& path, PlacesPart part = PlacesPart::kAll);
 
 }  // namespace surfit

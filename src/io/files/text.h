@@ -10,6 +10,7 @@
 
 namespace surfit {
 
+// Line of a text file.
 struct TextRow {
   std::string place;  // "file:line", for error messages
   std::vector<std::string> columns;
@@ -22,7 +23,7 @@ void ForEachTextRow(const std::string& path, const std::function<void(const Text
 // Returns the rows of ForEachTextRow(). They take many times the memory of the file.
 std::vector<TextRow> ReadTextRows(const std::string& path);
 
-// Parses a finite number. Throws InputError with the word.
+// Parses a finite number. Throws InputError with the word. The whole word must be the number.
 double FiniteNumber(std::string_view word);
 
 // FiniteNumber() with the place in the error message.
@@ -30,7 +31,7 @@ double ParseNumber(const std::string& text, const std::string& place);
 
 // Rigid transform from tx ty tz qx qy qz qw, translation in m. Normalises the quaternion. Throws
 // InputError if its norm differs from 1 by more than 1 %, or a coordinate exceeds 1e9 m (squared
-// errors would lose all precision).
+// errors would lose all precision). Seven numbers.
 Rigid3d RigidFromNumbers(const double* numbers);
 
 // Rigid transform from a 4 x 4 matrix, translation in m. Throws InputError with the place unless
@@ -39,12 +40,13 @@ Rigid3d RigidFromMatrix(const Eigen::Matrix4d& matrix, const std::string& place)
 
 // Rigid transform from the rows [first, first + 4) of a text file, a 4 x 4 matrix. Throws
 // InputError with the place unless these are four rows of four finite numbers that
-// RigidFromMatrix() accepts.
+// RigidFromMatrix() accepts. `path`: name for an error at the end of the file.
 Rigid3d ParseRigid(const std::vector<TextRow>& rows, std::size_t first, const std::string& path);
 
 using Words = std::vector<std::string_view>;
 
-// Splits a line at spaces, tabs and carriage returns. The words are views of `line`.
+// Splits a line at spaces, tabs and carriage returns. The words are views of `line`. Empty for a
+// blank line.
 Words SplitWords(std::string_view line);
 
 // Parses an integer of at least 0. Throws InputError with the word.

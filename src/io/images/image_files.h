@@ -27,7 +27,8 @@ void RequireValidSize(ImageSize size, const std::string& path);
 // Readers of image files: PNG, JPEG, TIFF, PGM and PPM of up to 1 GiB. All functions throw
 // InputError with the path if the file is missing, truncated, visibly damaged or of another format.
 
-// One channel of 16-bit raw counts, or of 32-bit floats in metres.
+// One channel of 16-bit raw counts, or of 32-bit floats in metres. JPEG is refused. Missing depth
+// is kept as stored.
 RawDepth ReadDepthImage(const std::string& path);
 RawDepth DecodeDepthImage(const std::string& bytes, const std::string& path);
 
@@ -41,6 +42,7 @@ Image<std::uint8_t> DecodeConfidenceImage(const std::string& bytes, const std::s
 Image<Rgb8> ReadColorImage(const std::string& path);
 Image<Rgb8> DecodeColorImage(const std::string& bytes, const std::string& path);
 
+// Test the first bytes only.
 bool IsJpeg(const std::string& bytes);
 
 // Image size from the header, without decoding. Throws InputError with `path` for an unknown

@@ -29,7 +29,8 @@ struct PngChunk {
 };
 
 // Returns the chunks of a PNG file up to IEND. Throws InputError with `path` if a chunk is
-// truncated or has a wrong checksum (PNG specification, 5.3).
+// truncated or has a wrong checksum (PNG specification, 5.3). The views are valid as long as `png`,
+// which must begin with the PNG signature.
 std::vector<PngChunk> PngChunks(const std::string& png, const std::string& path);
 
 // Fast decoders of PNG files without interlacing: 16-bit grey or 8-bit RGB. Return std::nullopt for
@@ -37,12 +38,14 @@ std::vector<PngChunk> PngChunks(const std::string& png, const std::string& path)
 std::optional<Image<std::uint16_t>> ReadPlainCounts(const std::vector<PngChunk>& png);
 std::optional<Image<Rgb8>> ReadPlainColor(const std::vector<PngChunk>& png);
 
+// Test the first bytes only. IsPnm() includes PGM and PPM.
 bool IsTiff(const std::string& bytes);
-bool IsPnm(const std::string& bytes);  // PGM and PPM
+bool IsPnm(const std::string& bytes);
 
 // Image size from the header of a PGM or PPM file.
 ImageSize PnmSize(const std::string& bytes, const std::string& path);
 
+// Errors with the path and the constraint. The caller throws them. `bits`: per channel.
 InputError NotADepthImage(int channels, int bits, const std::string& path);
 InputError NotAConfidenceImage(int channels, int bits, const std::string& path);
 InputError DamagedImage(const std::string& path);

@@ -23,11 +23,15 @@ class CameraConnection {
   ~CameraConnection();
   CameraConnection& operator=(CameraConnection&&) = delete;
 
-  // Valid until the device is disconnected.
+  // Requires a connected device: after construction, or after Next() has returned an image. Valid
+  // until the next call of Next().
   const OpenNiDevice& device() const { return *device_; }
+  // Vendor and product.
   std::string name() const;
 
-  // Next image; std::nullopt without an image within 0.1 s or while the camera is disconnected.
+  // Next image; std::nullopt without an image within 0.1 s or while the camera is disconnected. A
+  // camera without images for 5 s counts as disconnected. Throws InputError for an unreadable image
+  // of a connected camera.
   std::optional<DeviceImage> Next();
   // Duration of a disconnection before the last image of Next(), s; 0: none.
   double paused_before_s() const { return paused_before_s_; }

@@ -39,6 +39,7 @@ class OpenNiDevice {
   void SetUp(const SequenceOptions& options);
   // Configures a recording: images are played on request, in an endless loop. Call before Start().
   void PlayOnRequest(const SequenceOptions& options);
+  // Starts the streams. Call once.
   void Start();
 
   const OniDeviceInfo& info() const { return info_; }

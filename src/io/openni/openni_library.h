@@ -32,7 +32,7 @@ namespace surfit {
   X(oniDeviceIsImageRegistrationModeSupported)
 
 // OpenNI2, loaded with dlopen() by the constructor, so that programs run without it. The destructor
-// calls oniShutdown().
+// calls oniShutdown(). The code stays loaded. Members are the functions of OniCAPI.h.
 class OpenNiLibrary {
  public:
   // `name`: argument of dlopen(). Throws InputError if loading or initialisation fails, or the file

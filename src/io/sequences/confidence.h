@@ -12,7 +12,7 @@ namespace surfit {
 // range of the values is decided once per recording, so that a frame without high values has the
 // same limit as all other frames.
 
-// Folder of the confidence images.
+// Folder of the confidence images. It may not exist.
 std::string ConfidenceFolder(const std::string& folder);
 
 // Sets the confidence image of each frame, and its range. Images are matched to depth
@@ -21,7 +21,7 @@ std::string ConfidenceFolder(const std::string& folder);
 //   2. by the names in confidence/, see AddNamedConfidence().
 // Returns a warning if frames remain without a confidence image, and std::nullopt if the folder has
 // neither. Throws InputError that names the file if the list is malformed, or if two images have
-// the same number.
+// the same number. The range is decided by up to eight of the first images.
 std::optional<std::string> AddConfidence(const std::string& folder, bool has_clock,
                                          std::vector<FrameFiles>* frames);
 
@@ -30,7 +30,8 @@ std::optional<std::string> AddConfidence(const std::string& folder, bool has_clo
 // - if `has_clock`: timestamp of the depth image, within kMaxBetweenImages_s
 // - number of the depth image
 //
-// Calls `twice` with a message if two images have this number.
+// Calls `twice` with a message if two images have this number. Then the first image by name is
+// used. Frames without a match stay without image. Does not set the range.
 void AddNamedConfidence(const std::string& confidence_folder, bool has_clock,
                         const DuplicateCallback& twice, std::vector<FrameFiles>* frames);
 
@@ -40,7 +41,8 @@ int ConfidenceRange(const Image<std::uint8_t>& confidence);
 
 // Removes depth with a confidence below a third of the range. An image of another size is resampled
 // by nearest neighbour. Throws InputError that names the file if it cannot be read. It must have
-// the aspect ratio of depth, and no value above the range.
+// the aspect ratio of depth, and no value above the range. Removed depth is 0. Also sets
+// FrameImages::low_confidence. `files` must have a confidence image and a range.
 void RemoveLowConfidence(const FrameFiles& files, FrameImages* images);
 
 }  // namespace surfit

@@ -6,21 +6,23 @@
 
 namespace surfit {
 
-// Sorted names of the entries of a folder. Empty if the folder does not exist.
+// Sorted names of the files and folders in a folder. Empty if the folder does not exist or is
+// unreadable.
 std::vector<std::string> NamesIn(const std::string& folder);
 
+// Follow symbolic links. False if the path does not exist.
 bool IsFolder(const std::string& path);
 bool IsFile(const std::string& path);
 // Returns whether an optional file exists. Throws InputError naming the path if it is not a regular
-// file, for example a folder, a pipe or a dangling symbolic link.
+// file, for example a folder, a pipe or a dangling symbolic link. False if nothing has this path.
 bool HasFile(const std::string& path);
 bool EndsWith(const std::string& name, const std::string& ending);
 
-// Whether the name has the ending of an image file.
+// Whether the name has the ending of an image file, in lower case.
 bool IsImageName(const std::string& name);
 
 // Number of the first digits in a file name: 12 for frame-000012.color.png. Returns std::nullopt
-// without digits.
+// without digits. Also std::nullopt if the number does not fit into `long`.
 std::optional<long> NumberInName(const std::string& name);
 
 // Time in a file name, in seconds: 1763820000.134 for 1763820000.134.png. A prefix without digits
@@ -30,7 +32,8 @@ std::optional<double> StampInName(const std::string& name);
 // Returns the path of the file `name` in `folder`, and follows a text link. Data sets share image
 // folders by symbolic links. Archives and some file systems replace such a link by a small text
 // file with the relative path of the folder. Throws InputError naming the link if its target is
-// outside of the parent folder of the sequence.
+// outside of the parent folder of the sequence. `name` may contain folders. Without a link, or if
+// its target does not exist, returns the plain path.
 std::string FollowTextLink(const std::string& folder, const std::string& name);
 
 // Names of the sequence formats:

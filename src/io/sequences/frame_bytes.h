@@ -10,7 +10,8 @@
 
 namespace surfit {
 
-// Binary file, read in parts. The file size is checked before memory is allocated.
+// Binary file, read in parts. The file size is checked before memory is allocated. The file must
+// not become shorter. Not thread-safe.
 class BinaryFile {
  public:
   // Throws InputError naming the file if it cannot be opened.
@@ -34,6 +35,7 @@ class BinaryFile {
 
 // Position of an image in a .klg or .sens file, in bytes. Raw depth has 16-bit little endian
 // counts, other depth is compressed by zlib. Raw colour is RGB, other colour is a JPEG or PNG file.
+// `count` 0: no image.
 struct ImageBytes {
   std::uint64_t at = 0, count = 0;
   ImageSize size;
@@ -42,11 +44,12 @@ struct ImageBytes {
 
 // Reads the images of a frame, without colour if `color` has no bytes. Throws InputError naming
 // file and frame if the bytes are not an image of this size. The size is checked before memory is
-// allocated.
+// allocated. `frame`: frame index, for messages.
 FrameImages ReadImages(const BinaryFile& file, int frame, const ImageBytes& depth,
                        const ImageBytes& color);
 
-// Adds a warning if the file has fewer frames than its header declares.
+// Adds a warning if the file has fewer frames than its header declares. `claimed`: number in the
+// header, `found`: number of complete frames.
 template <typename Count>
 void WarnIfShort(const std::string& path, Count claimed, int found, OpenedRecording* opened) {
   if (claimed == static_cast<Count>(found)) return;

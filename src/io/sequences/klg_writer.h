@@ -28,7 +28,8 @@ struct KlgSummary {
 // OpenKlg()). Timestamps are rounded to microseconds and depth to millimetres; 0: missing depth.
 // The format stores no camera and no poses. The camera is written to F.klg.yaml, which
 // OpenSequence() reads. Throws InputError for invalid options, if writing fails, or if no frame is
-// readable.
+// readable. A frame has one timestamp, the capture time of depth: latencies are subtracted. Images
+// are written as `source` returns them: undistorted and downsampled.
 KlgSummary WriteKlg(FrameSource* source, const std::string& path, const KlgOptions& options);
 
 }  // namespace surfit

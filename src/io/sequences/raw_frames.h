@@ -13,12 +13,15 @@
 
 namespace surfit {
 
+// Frame without its images.
 struct RawFrame {
   ReadResult head;     // index, times and counts; an error if the frame has no images
   FrameStamps stamps;  // as recorded
 };
 
-// Frames of a sequence as recorded, in order. Not thread-safe.
+// Frames of a sequence as recorded, in order. Not thread-safe. Order: FirstImages(), then Next(),
+// and at most one Read() after each Next(). The frames of FirstImages() are returned by Next(),
+// too.
 class RawFrames {
  public:
   virtual ~RawFrames() = default;
@@ -40,23 +43,25 @@ struct RawSequence {
   InverseDepthField field;  // ReadDepthField()
 
   // Rectifies the images and applies the depth correction. Throws InputError like RectifyFrame().
+  // `images`: result of RawFrames::Read() for this frame. Thread-safe.
   RgbdFrame MakeFrame(const RawFrame& raw, FrameImages images) const;
 };
 
 // Capture times of the images: the timestamp minus latency_s, for colour also minus
-// color_latency_s.
+// color_latency_s. In s. Latencies are positive if images are captured before their timestamp.
 FrameStamps CaptureTimes(const FrameStamps& stamps, const RgbdCamera& camera);
 
 // Throws InputError naming the image and both sizes if a size differs from the camera's.
 void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images);
 
 // Checks the image sizes and rectifies the images. `stamps` are timestamps as recorded. Throws
-// InputError like RequireSizeOf().
+// InputError like RequireSizeOf(). `rectifier` must belong to the camera.
 RgbdFrame RectifyFrame(const RgbdCamera& camera, const FrameRectifier& rectifier,
                        FrameImages images, int index, const FrameStamps& stamps);
 
 // Open the frames of OpenSequence() and of OpenLive(), without conversion. Throw InputError like
-// these functions.
+// these functions. Live frames end when `stop` becomes true. `stop` must outlive the frames.
+// `capacity`: maximum number of frames of a camera that wait. Above it, the oldest is dropped.
 RawSequence OpenRawSequence(const SequenceOptions& options);
 RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
                         const std::atomic<bool>& stop);
@@ -70,7 +75,7 @@ RawSequence OpenOpenNiCamera(const SequenceOptions& options, int capacity,
                              const std::atomic<bool>& stop);
 
 // Completes `info` with CompleteInfo() and the first images of `frames`. Throws InputError if no
-// frame can be read, if the image size is wrong, or for a bad depth field.
+// frame can be read, if the image size is wrong, or for a bad depth field. `frames` must be new.
 RawSequence MakeRawSequence(SequenceInfo info, std::unique_ptr<RawFrames> frames,
                             const SequenceOptions& options);
 

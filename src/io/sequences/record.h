@@ -11,6 +11,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of RecordSequence().
 struct RecordOptions {
   SequenceOptions sequence;  // `downsample` and `max_depth_m` must have their default values
   std::string output;        // folder, created if missing; must not contain depth.txt
@@ -50,6 +51,7 @@ struct RecordSummary {
 // Ends at the end of the sequence, at a limit of the options, or when `stop` becomes true. Calls
 // `progress`, which must not be empty, after each written frame. Throws InputError with the option,
 // file or folder at fault, if no frame could be recorded, and if only some frames have colour.
+// `stop` is checked before each frame.
 RecordSummary RecordSequence(const RecordOptions& options, const std::atomic<bool>& stop,
                              const std::function<void(const RecordSummary&)>& progress);
 

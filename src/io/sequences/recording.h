@@ -15,7 +15,7 @@
 
 namespace surfit {
 
-// Timestamps of the images of one frame. Both are equal without colour.
+// Timestamps of the images of one frame, s, as recorded. Both are equal without colour.
 struct FrameStamps {
   double depth_s = 0;
   double color_s = 0;
@@ -40,7 +40,8 @@ struct FrameImages {
   LowConfidence low_confidence = {};
 };
 
-// Frames of a sequence in a folder of images or in one file. Not thread-safe.
+// Frames of a sequence in a folder of images or in one file. Not thread-safe. Indices are 0 to
+// frame_count() - 1.
 class Recording {
  public:
   virtual ~Recording() = default;
@@ -61,6 +62,7 @@ struct SourceCamera {
 // Returns the camera that a recording or device contains. Empty function: it contains none.
 using CameraReader = std::function<SourceCamera()>;
 
+// Open recording: frames, ground truth and camera.
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
   Trajectory ground_truth;            // in the convention of the files
@@ -70,6 +72,7 @@ struct OpenedRecording {
   CameraReader read_camera = {};      // valid as long as `frames`
 };
 
+// Files of one frame.
 struct FrameFiles {
   FrameStamps stamps;
   std::string depth_path;
@@ -85,7 +88,7 @@ struct StampedFile {
 };
 
 // Reads a list of timestamps and files, such as depth.txt, in ascending order of time. Throws
-// InputError that names the file and the line.
+// InputError that names the file and the line. `name`: list in `folder`. Paths are complete.
 std::vector<StampedFile> ReadStampedFiles(const std::string& folder, const std::string& name);
 
 // Files of a folder of images. The images are not opened.
@@ -167,7 +170,9 @@ OpenedRecording OpenSens(const std::string& path, double frames_per_second);
 RgbdCamera ReadSensCamera(const std::string& path);
 
 // Opens a ROS bag of this format, or a folder of bags. Depth and colour messages are paired by
-// their timestamps. Throws InputError naming the file, and the topic or option at fault.
+// their timestamps. Throws InputError naming the file, and the topic or option at fault. The limit
+// is kMaxBetweenImages_s. If no message of a topic has a timestamp, recording times are used, with
+// a warning.
 OpenedRecording OpenBag(const SequenceOptions& options, const std::string& format, bool is_folder);
 
 // Opens a recording of OpenNI2 (.oni). Its intrinsics are computed from the field of view. Throws

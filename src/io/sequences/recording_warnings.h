@@ -13,18 +13,23 @@ namespace surfit {
 // Returns a warning if the depth scale is implausible and another common scale fits better, or if
 // the median depth is below 0.2 m or above 20 m. Implausible: the median depth is outside of 0.4 to
 // 5 m, or almost all depth is too close. Returns std::nullopt for depth in metres (float images)
-// and for images without valid depth.
+// and for images without valid depth. `path`: name of the image in the warning.
 std::optional<std::string> DepthScaleWarning(const RawDepth& depth, double depth_units_per_metre,
                                              const std::string& path);
 
-// Best alignment of colour edges to depth edges.
+// Best alignment of colour edges to depth edges: a depth pixel is scaled about the image centre and
+// shifted to its colour pixel.
 struct RegistrationFit {
-  double scale = 1;               // size of colour relative to depth, about the image centre
-  int right_px = 0, down_px = 0;  // shift of colour after scaling, with an error of some pixels
+  double scale = 1;  // size of colour relative to depth, about the image centre
+  // Shift after scaling, in steps of 1/160 of the image width. Positive: colour is to the right, or
+  // below.
+  int right_px = 0, down_px = 0;
   bool is_doubtful = false;  // all frames, and both halves of them, contradict the registration
 };
 
-// Estimates the alignment. Returns std::nullopt without usable frames.
+// Estimates the alignment from raw or rectified images. `depth_camera`: camera of these images.
+// Frames are ignored without colour, with colour of another size, or with few depth edges. Returns
+// std::nullopt without usable frames.
 std::optional<RegistrationFit> FitRegistration(const std::vector<FrameImages>& frames,
                                                const PinholeCamera& depth_camera);
 

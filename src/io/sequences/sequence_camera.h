@@ -11,7 +11,7 @@ namespace surfit {
 // Sets the camera of `info`, its origin and warnings. info->format must be set. Precedence: values
 // in the options, options.camera, camera.yaml of the sequence, `tell`, the format. Keeps fy < 0. If
 // width and height are 0, they are set later from the images. Throws InputError with the option or
-// file at fault.
+// file at fault. fy < 0: mirrored images. `tell` may be empty.
 void ResolveCamera(const SequenceOptions& options, const CameraReader& tell, SequenceInfo* info);
 
 // "525 525 319.5 239.5 px, 1000 depth units per metre", with distortion coefficients if not 0.
@@ -20,7 +20,7 @@ std::string FormatDepthCamera(const RgbdCamera& camera);
 // True if image size, intrinsics and distortion are equal.
 bool HaveEqualIntrinsics(const PinholeCamera& a, const PinholeCamera& b);
 
-// Comma-separated names of the presets with this image size.
+// Comma-separated names of the presets with this image size. Empty if there are none.
 std::string PresetsOfSize(int width, int height);
 
 // Sets the latency to 0 for sequences whose timestamps are not from a clock. Throws InputError if

@@ -12,13 +12,15 @@
 
 namespace surfit {
 
-// Averages the points of a surfel to one observation.
+// Averages the points of a surfel to one observation. The position and normal are weighted means,
+// the radius is the smallest. The observation is at a depth edge if all points are.
 class PointAverage {
  public:
   // Coarser points and points at depth edges do not affect the shape.
   explicit PointAverage(float max_radius_m)
       : max_radius_m_(max_radius_m), radius_m_(max_radius_m) {}
 
+  // Adds a point with its weight (PointWeights()), which must be positive.
   void Add(const MeasuredPoint& point, float weight) {
     const bool has_shape = !point.at_edge & (point.radius_m < max_radius_m_);
     const float shape_weight = has_shape ? weight : 0.f;
@@ -34,7 +36,8 @@ class PointAverage {
     at_edge_ &= point.at_edge;
   }
 
-  // Requires at least one point. Colours are added later.
+  // Requires at least one point. Colours are added later. Position and normal are in the world
+  // frame, and unset if `shape_weight` is 0. The normal has no unit length.
   SurfelObservation Observation(const PosedCamera& camera) const {
     SurfelObservation seen;
     seen.weight = weight_;
@@ -61,8 +64,10 @@ class PointAverage {
   bool at_edge_ = true;
 };
 
+// Observations of the surfels of a map in one frame.
 class FrameObservations {
  public:
+  // Number of assigned points, and of surfels that have points.
   struct Counts {
     int points = 0;
     int surfels = 0;
@@ -76,7 +81,9 @@ class FrameObservations {
   // Points coarser than `max_radius_ratio` times the surfel radius do not affect the shape.
   explicit FrameObservations(float max_radius_ratio) : max_radius_ratio_(max_radius_ratio) {}
 
-  // Averages the points of each chosen candidate, and sets Candidate::seen until the next call.
+  // Averages the points of each chosen candidate, and sets Candidate::seen, which is valid until
+  // the next call. `points` and `weights` are per pixel. `choice`: after AssignAll(). Without
+  // colour, all colour weights are 0.
   Counts Gather(const RgbdFrame& frame, const FrameColors& colors,
                 const std::vector<MeasuredPoint>& points, const Image<float>& weights,
                 const PosedCamera& camera, const SurfelAssignment& choice);

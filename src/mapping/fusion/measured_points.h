@@ -9,24 +9,27 @@
 
 namespace surfit {
 
-// Point of a pixel, aligned to one cache line.
+// Point of a pixel in the camera frame, m. Aligned so that it does not cross a cache line.
 struct alignas(32) MeasuredPoint {
-  Patch patch = {};
+  Patch patch = {};  // normal towards the camera; unspecified without a point
   // Radius of the disc that covers the pixel footprint: sqrt(2) z / f / |n_z|, limited at grazing
   // angles. 0: no point.
   float radius_m = 0;
-  bool at_edge = false;
+  bool at_edge = false;  // depth edge: the normal is from a neighbour
 
   Eigen::Vector3f position() const { return {patch.x, patch.y, patch.z}; }
   Eigen::Vector3f normal() const { return {patch.nx, patch.ny, patch.nz}; }
 };
 
-// Computes the points of a frame in raster order. Reuses the memory of `points`.
+// Computes the points of a frame in raster order, one per pixel. `surface`: preprocessed depth of
+// the frame. A pixel without a normal gets the normal of a neighbour within half a sigma, or else
+// no point. Reuses the memory of `points`.
 void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const FusionOptions& options,
                    std::vector<MeasuredPoint>* points);
 
 // Free depth per pixel, m: surfels with a smaller depth violate free space. Minimum of the measured
-// depth minus margin over 3 x 3 pixels; 0 if a depth is missing.
+// depth minus margin over 3 x 3 pixels; 0 if a depth is missing. The margin is free_space_margin_m
+// plus 4 sigma.
 Image<float> FreeDepths(const Image<float>& depth_m, const DepthNoise& noise,
                         const FusionOptions& options);
 

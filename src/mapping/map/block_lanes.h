@@ -13,6 +13,7 @@ namespace surfit {
 template <typename T>
 using PerSurfel = T[SurfelBlock::kCapacity];
 
+// Masks have bit k for surfel k of a block. Flags must be 0 or 1.
 inline std::uint64_t MaskOf(const PerSurfel<std::uint8_t>& flags) {
   std::uint64_t mask = 0;
   for (int byte = 0; byte < 8; ++byte) {
@@ -24,11 +25,12 @@ inline std::uint64_t MaskOf(const PerSurfel<std::uint8_t>& flags) {
   return mask;
 }
 
+// Mask of all surfels. The block must not be empty.
 inline std::uint64_t MaskOfAll(const SurfelBlock& block) {
   return ~std::uint64_t{0} >> (SurfelBlock::kCapacity - block.count);
 }
 
-// Mask of the surfels last seen in `frame` or later.
+// Mask of the surfels last seen in `frame` or later. It can have bits of unused places.
 inline std::uint64_t MaskOfActive(const SurfelBlock& block, int frame) {
   if (block.bounds.least_last_seen >= frame) return ~std::uint64_t{0};
   PerSurfel<std::uint8_t> seen;
@@ -36,6 +38,7 @@ inline std::uint64_t MaskOfActive(const SurfelBlock& block, int frame) {
   return MaskOf(seen);
 }
 
+// Calls f(k) for each set bit k, in ascending order.
 template <typename F>
 void ForEachBit(std::uint64_t mask, const F& f) {
   for (; mask != 0; mask &= mask - 1) f(__builtin_ctzll(mask));
@@ -52,6 +55,7 @@ inline float LeastOf(const PerSurfel<float>& numbers) {
   return least[0];
 }
 
+// Sets the bounds of the positions. The block must not be empty.
 inline void BoundPositions(SurfelBlock* block) {
   WithInstructions([&](auto) {
     const PerSurfel<float>* const positions[] = {&block->x, &block->y, &block->z};
@@ -68,6 +72,7 @@ inline void BoundPositions(SurfelBlock* block) {
   });
 }
 
+// Prefetches the memory in [begin, end).
 inline void Fetch(const void* begin, const void* end) {
   constexpr std::ptrdiff_t kLine = 64;
   for (auto* line = static_cast<const char*>(begin); line < end; line += kLine) {

@@ -7,15 +7,19 @@
 
 namespace surfit {
 
-// Observations of a block in one frame, for vectorised merging.
+// Observations of a block in one frame, for vectorised merging. Call Clear() before reuse. Not
+// thread-safe.
 class BlockObservations {
  public:
+  // Removes all observations.
   void Clear();
-  // Adds an observation with positive weight. Each surfel can have one observation.
+  // Adds an observation with positive weight. Each surfel can have one observation. `place`: index
+  // in the block.
   void Add(int place, const SurfelObservation& seen);
   bool empty() const { return mask_ == 0; }
 
-  // Merges all observations. Bitwise identical to SurfelBlock::Merge().
+  // Merges all observations. Bitwise identical to SurfelBlock::Merge(). Does not change `last_seen`
+  // and the bounds.
   void MergeInto(SurfelBlock* block, float max_confidence) const;
 
  private:

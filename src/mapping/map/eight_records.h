@@ -6,13 +6,14 @@ namespace surfit {
 
 // Transposes eight records of eight floats to eight vectors and back: lane j of columns[i] is
 // records[j][i]. Vectors combine halves of the records k and k + 4, so no shuffle crosses the
-// 128-bit halves.
+// 128-bit halves. Reads and writes all eight floats of each record. Records need no alignment.
 template <typename Instructions>
 class EightRecords {
  public:
   using V = Lanes<float, Instructions>;
   static_assert(V::kCount == 8);
 
+  // Loads or stores all eight records.
   static void Load(const float* const (&records)[8], V (&columns)[8]) {
     for (int half = 0; half < 2; ++half) {
       V rows[4];

@@ -9,6 +9,7 @@
 
 namespace surfit {
 
+// Position (m) and unit normal of a surface patch. All patches of a call are in one frame.
 template <typename Number>
 struct PatchOf {
   Number x, y, z;
@@ -24,8 +25,10 @@ using Patch = PatchOf<float>;
 //   h = n . (p - s) along the normal,  a = p - s - h / (n . p) p across the surface.
 class MergeGate {
  public:
+  // Result without a match.
   static constexpr float kNever = std::numeric_limits<float>::infinity();
 
+  // Copies the thresholds.
   explicit MergeGate(const FusionOptions& options)
       : max_distance_m_(options.merge_distance_m),
         max_spacing_m_(options.max_spacing_m),
@@ -33,7 +36,8 @@ class MergeGate {
         duplicate_ratio_(options.duplicate_ratio) {}
 
   // h^2 + a^2 of a measured point and a surfel in the camera frame; kNever without a match. Radius
-  // 0 and missing normals never match.
+  // 0 and missing normals never match. Matches have |h| <= merge_distance_m, |a| <= min(radius,
+  // max_spacing_m) and an angle of normals of at most merge_angle_rad.
   template <typename Number>
   Number SquaredDistanceOnRay(const PatchOf<Number>& point, const Number& point_radius_m,
                               const PatchOf<Number>& surfel) const {
@@ -52,6 +56,7 @@ class MergeGate {
     return max_distance_m_ * normal.array().abs() + max_spacing_m_ * across;
   }
 
+  // As SquaredDistanceOnRay(), but in any frame: a is the offset p - s - h n across the surface.
   template <typename Number>
   Number SquaredDistance(const PatchOf<Number>& point, const Number& point_radius_m,
                          const PatchOf<Number>& surfel) const {
@@ -59,7 +64,9 @@ class MergeGate {
     return SquaredDistanceWithin(reach, point, surfel);
   }
 
-  // Squared distance of two duplicate surfels; kNever for other surfels.
+  // Squared distance of two duplicate surfels along and across the normal of `b`; kNever for other
+  // surfels. Duplicates pass the gate with a smaller limit of |a|: duplicate_ratio times the least
+  // of both radii and max_spacing_m.
   template <typename Number>
   Number SquaredDistanceOfDuplicates(const PatchOf<Number>& a, const Number& radius_a_m,
                                      const PatchOf<Number>& b, const Number& radius_b_m) const {

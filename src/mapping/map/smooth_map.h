@@ -17,7 +17,8 @@ namespace surfit {
 // sqrt(2), at which the sensor has the noise sigma. Steps and creases above the noise remain.
 //
 // Neighbours at depth edges are ignored, because their normals come from other pixels. The
-// algorithm makes two passes. The result is bitwise identical for any number of threads.
+// algorithm makes two passes. The result is bitwise identical for any number of threads. Surfels
+// without neighbours stay. `sensor`: sensor of the fused frames.
 void SmoothMap(const DepthSensor& sensor, SurfelMap* map);
 
 }  // namespace surfit

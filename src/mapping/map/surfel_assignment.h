@@ -14,22 +14,25 @@
 
 namespace surfit {
 
-// Surfel that matches the point of its pixel.
+// Surfel that matches the point of its pixel. `patch` is in the camera frame.
 struct Candidate {
   Patch patch;
-  float radius_m, confidence;
-  std::int32_t surfel;
-  int pixel;
-  float distance2;
-  bool is_duplicate = false;  // duplicate of a better candidate nearby
-  const SurfelObservation* seen = nullptr;
+  float radius_m, confidence;               // of the surfel
+  std::int32_t surfel;                      // id in the map
+  int pixel;                                // index in raster order
+  float distance2;                          // MergeGate::SquaredDistanceOnRay(), m^2
+  bool is_duplicate = false;                // duplicate of a better candidate nearby
+  const SurfelObservation* seen = nullptr;  // null: no points, see FrameObservations
 };
 
+// Candidates of a map cell.
 struct CandidateList {
   std::vector<Candidate> candidates;  // sorted by surfel
-  BucketList bands;
+  BucketList bands;                   // indices of `candidates` per image band (bands.h)
 };
 
+// Finds the surfels that match the points of a frame. Keeps references to all arguments. Surfels
+// last seen before frame `active_since` are ignored.
 class CandidateFinder {
  public:
   CandidateFinder(const PosedCamera& camera, const std::vector<MeasuredPoint>& points,
@@ -46,7 +49,9 @@ class CandidateFinder {
     return !bounds.empty() && frustum_.MaySee(bounds);
   }
 
-  // Appends the candidates of some blocks. Marks free-space violations for removal.
+  // Appends the candidates of some blocks. Marks free-space violations for removal. `blocks`:
+  // indices in the map. Calls for different blocks may run in parallel. Does not set
+  // CandidateList::bands.
   void Find(const std::vector<std::int32_t>& blocks, SurfelMap* map,
             std::vector<Candidate>* candidates) const;
 
@@ -68,16 +73,21 @@ class CandidateFinder {
 
 struct RowOutcome;
 
-// Assigns each point to the nearest matching candidate of 3 x 3 pixels.
+// Assigns each point to the nearest matching candidate of 3 x 3 pixels. Order per frame:
+// SetCandidates(), AssignAll(), then AssignmentsOfRow(), and SelectNew(). Not thread-safe, except
+// AssignmentsOfRow().
 class SurfelAssignment {
  public:
   // State of the point of a pixel. Values below kOpen: assigned to the surfel of pixel (u + state %
   // 3 - 1, v + state / 3 - 1). kOpen: not assigned. kNew: becomes a new surfel.
   enum State : std::uint8_t { kOwn = 4, kOpen = 9, kNew = 10, kNoPoint = 11 };
 
+  // Keeps a reference to the gate.
   explicit SurfelAssignment(const MergeGate& gate) : gate_(gate) {}
 
-  // Starts a frame. Keeps the nearest candidate per pixel, and marks the others as duplicates.
+  // Starts a frame. Keeps the nearest candidate per pixel. If another candidate of the pixel is its
+  // duplicate, marks the less confident of both. Keeps pointers to the candidates, which must not
+  // move.
   void SetCandidates(int width, int height, std::vector<CandidateList>* lists);
 
   // Assigns all points, and marks duplicates of neighbouring candidates. Returns the number of
@@ -85,13 +95,15 @@ class SurfelAssignment {
   int AssignAll(const std::vector<MeasuredPoint>& points);
 
   // Selects new surfels from the points without assignment, except points that match another new
-  // surfel. Returns their pixels in raster order, one list per band.
+  // surfel. Returns their pixels in raster order, one list per band. The result is valid until the
+  // next call.
   const std::vector<std::vector<int>>& SelectNew(const std::vector<MeasuredPoint>& points);
 
+  // Nearest candidate of a pixel; null: none.
   Candidate* OfPixel(int pixel) const { return own_[pixel]; }
 
   // Masks of the pixels of row v. Bit k: the point of pixel k of 3 x 3, row by row, is assigned to
-  // this pixel's surfel.
+  // this pixel's surfel. `masks` has one value per column.
   void AssignmentsOfRow(int v, std::uint16_t* masks) const;
 
  private:

@@ -10,7 +10,8 @@
 
 namespace surfit {
 
-// Viewing volume of a camera with an image margin: five planes in the world frame.
+// Viewing volume of a camera with an image margin: five planes in the world frame. There is no far
+// plane. The near plane is at kMinDepth.
 class ViewFrustum {
  public:
   ViewFrustum(const PosedCamera& camera, float margin_px);
@@ -44,6 +45,7 @@ class ViewFrustum {
   float camera_position_norm_;
 };
 
+// Indices of the cells that may have visible surfels, ascending.
 std::vector<std::int32_t> VisibleCells(const SurfelMap& map, const ViewFrustum& frustum);
 
 }  // namespace surfit

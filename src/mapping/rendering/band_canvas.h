@@ -26,16 +26,17 @@ namespace surfit {
 // Therefore the ray meets the disc if rho > 0 and |du a + dv b|^2 <= rho^2. All values are relative
 // to the centre, which avoids cancellation for distant discs.
 struct Disc {
-  float u, v;
-  float rho, rho_u, rho_v;  // 1 / p_z and the derivatives, 1/m and 1/(m px)
-  float aa, ab, bb;         // |a|^2, 2 a . b, |b|^2
-  std::int32_t surfel;
-  std::int16_t u_begin, v_begin;
+  float u, v;                     // image of p, px
+  float rho, rho_u, rho_v;        // 1 / p_z and the derivatives, 1/m and 1/(m px)
+  float aa, ab, bb;               // |a|^2, 2 a . b, |b|^2
+  std::int32_t surfel;            // id in the map
+  std::int16_t u_begin, v_begin;  // bounding rectangle in the image, px
   std::uint8_t columns, rows;
 
   int u_end() const { return u_begin + columns; }
   int v_end() const { return v_begin + rows; }
 
+  // Inverse depth of the intersection, 1/m. Not positive: no intersection.
   float Rho(float pixel_u, float pixel_v) const {
     return rho + rho_u * (pixel_u - u) + rho_v * (pixel_v - v);
   }
@@ -86,9 +87,11 @@ struct DiscLayer {
   void Add(const Disc& disc);
 };
 
-// Possibly visible discs of a map cell.
+// Possibly visible discs of a map cell. Surfels that face away, lie at depth edges or were last
+// seen before frame `active_since` have no disc.
 class DiscList {
  public:
+  // Replaces the discs. Thread-safe for different objects.
   void Assign(const SurfelMap& map, const SurfelCell& cell, const PosedCamera& camera,
               const ViewFrustum& frustum, const RenderOptions& options, int active_since);
 
@@ -99,15 +102,19 @@ class DiscList {
 };
 
 // Renders one band of the image. Discs are drawn in the order of the surfels, so parallel rendering
-// of bands is deterministic.
+// of bands is deterministic. Keeps references to the arguments. Call Draw() for kStable, then for
+// kUnstable, and then WriteTo(). Different bands may run in parallel.
 class BandCanvas {
  public:
   BandCanvas(int band, const PosedCamera& camera, const DepthNoise& noise,
              const RenderOptions& options);
 
-  // Draws the discs of one layer into pixels without a disc of an earlier layer.
+  // Draws the discs of one layer into pixels without a disc of an earlier layer. The lists must not
+  // change until WriteTo(). Aborts above 2^24 discs.
   void Draw(const std::vector<DiscList>& lists, Layer layer);
 
+  // Writes surfel indices, vertices and normals of the rows of the band. Pixels without a disc get
+  // no surfel, and vertices and normals of 0.
   void WriteTo(ModelView* view) const;
 
  private:

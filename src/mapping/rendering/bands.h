@@ -5,12 +5,14 @@
 
 namespace surfit {
 
+// Images are processed in bands of kBandRows rows.
 constexpr int kBandRows = 16;
 inline int BandCount(int height) { return (height + kBandRows - 1) / kBandRows; }
 
 // Indices of items per bucket, in order of insertion.
 class BucketList {
  public:
+  // Empties all buckets and sets their number. Call before Add(). Indices are not checked.
   void Clear(int bucket_count) {
     buckets_.resize(bucket_count);
     for (std::vector<int>& bucket : buckets_) bucket.clear();

@@ -9,6 +9,7 @@
 
 namespace surfit {
 
+// Colour (red, green, blue from 0 to 255) with its weight. Weight 0: no colour.
 struct SeenColor {
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
   float weight = 0;
@@ -19,6 +20,7 @@ struct SeenColor {
 struct ColorBatch {
   static constexpr int kCapacity = 64;
 
+  // Adds a point, m, with its unit normal. Requires count < kCapacity.
   void Add(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
     const float values[] = {point.x(), point.y(), point.z(), normal.x(), normal.y(), normal.z()};
     for (int i = 0; i < 6; ++i) patch[i][count] = values[i];
@@ -32,19 +34,23 @@ struct ColorBatch {
   alignas(32) float weight[kCapacity] = {};
 };
 
-// Colours of points from the colour image of a frame. The motion between the pose and the capture
-// time t of a colour row is corrected: instead of X, the colour camera sees the point
+// Colours of points from the colour image of a frame. Points are in the camera frame of the pose at
+// RgbdFrame::stamp_s. The motion between this time and the capture time of a colour row is
+// corrected, t later: instead of X, the colour camera sees the point
 //   X - t (turn x X + velocity).
 // The weight of a colour is
 //   (n / 500)^2 |cos a| / (1 + b^2)^2
 // for n pixels per metre at the point, the angle a between normal and ray, and b pixels of motion
-// in 5 ms. Black image borders have weight 0.
+// in 5 ms. It is 0 outside of the image and at black image borders.
 class FrameColors {
  public:
+  // Keeps a reference to the colour image. `camera`: intrinsics; its pose is not used.
   FrameColors(const RgbdFrame& frame, const PosedCamera& camera, const FrameMotion& motion);
 
-  // Sets colours and weights of the batch. Requires a frame with colours.
+  // Sets colours and weights of the batch. Requires a frame with colours, and points with z > 0.
+  // Thread-safe.
   void LookUp(ColorBatch* batch) const;
+  // Colour of one point. Same requirements.
   SeenColor At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
 
  private:

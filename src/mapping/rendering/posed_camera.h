@@ -8,6 +8,7 @@
 
 namespace surfit {
 
+// Pinhole camera with its pose, in float precision.
 struct PosedCamera {
   PosedCamera(const PinholeCamera& camera, const Rigid3d& world_from_camera)
       : rotation(world_from_camera.Inverse().rotation.toRotationMatrix().cast<float>()),
@@ -21,6 +22,7 @@ struct PosedCamera {
         cx(static_cast<float>(camera.cx)),
         cy(static_cast<float>(camera.cy)) {}
 
+  // Transforms a point from the camera to the world frame, m.
   Eigen::Vector3f PointInWorld(const Eigen::Vector3f& point_in_camera) const {
     return world_rotation * point_in_camera + world_translation;
   }
@@ -36,12 +38,14 @@ struct PosedCamera {
 // surfels with a smaller depth are not visible
 constexpr float kMinDepth = 0.05f;  // metres
 
+// Surfel centres of a block in the camera frame, m. Unused places have any values.
 struct BlockCentres {
   alignas(32) PerSurfel<float> x, y, z;
   // Inverse depth (1/m) and pixel; invalid if z <= kMinDepth.
   alignas(32) PerSurfel<float> rho, u, v;
 };
 
+// Computes the centres for all places of a block.
 inline void FindCentres(const SurfelBlock& block, const PosedCamera& camera, BlockCentres* c) {
   const Eigen::Matrix3f r = camera.rotation;
   const Eigen::Vector3f t = camera.translation;
@@ -64,10 +68,12 @@ inline void FindCentres(const SurfelBlock& block, const PosedCamera& camera, Blo
   }
 }
 
+// Surfel normals of a block in the camera frame.
 struct BlockNormals {
   alignas(32) PerSurfel<float> x, y, z;
 };
 
+// Computes the normals for all places of a block.
 inline void FindNormals(const SurfelBlock& block, const PosedCamera& camera, BlockNormals* n) {
   const Eigen::Matrix3f r = camera.rotation;
   const float r00 = r(0, 0), r01 = r(0, 1), r02 = r(0, 2);

@@ -14,7 +14,8 @@ struct CellPatches {
   static constexpr int kEdges = 12, kCorners = 8;
   static constexpr std::uint8_t kNone = 0xff;  // edge without cut
 
-  std::uint8_t count = 0;
+  std::uint8_t count = 0;  // number of patches
+  // Patch of each edge, from 0 to count - 1, or kNone.
   std::array<std::uint8_t, kEdges> of_edge = {};
 };
 
@@ -24,6 +25,7 @@ constexpr int EdgeCorner(int axis, int k) {
   return (k & 1) << (axis + 1) % 3 | (k >> 1) << (axis + 2) % 3;
 }
 
+// Patches of all patterns. Computed at the first call, which is thread-safe.
 const std::array<CellPatches, 256>& AllCellPatches();
 
 }  // namespace surfit

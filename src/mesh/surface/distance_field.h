@@ -10,7 +10,8 @@
 
 namespace surfit {
 
-// Weight of a surfel at the distance d: w = (1 - d^2 / support^2)^2 / sigma^2.
+// Weight of a surfel at a distance d below its support: w = (1 - d^2 / support^2)^2 / sigma^2.
+// Farther away, w is 0.
 struct SurfelKernel {
   float square, per_square, scale;  // support^2, 1 / support^2, 1 / sigma^2
 
@@ -27,7 +28,10 @@ struct SurfelKernel {
 // Signed distance to the surface at the points of a grid, positive on the observed side. Implicit
 // moving least squares (Kolluri 2005),
 //   f(x) = sum w_i(x) n_i . (x - p_i) / sum w_i(x),
-// with the weights of SurfelKernel. NaN without surfels near x. Points are stored in blocks.
+// with the weights of SurfelKernel. NaN without surfels near x. Points are stored in blocks. p_i,
+// n_i: position and normal of surfel i. Point (x, y, z) of the grid is at cell_m times its integer
+// coordinates. A block has kSide points per axis, and exists only near surfels. Const functions are
+// thread-safe.
 class DistanceField {
  public:
   static constexpr int kSide = 8;
@@ -38,19 +42,25 @@ class DistanceField {
 
   // Requires surfels in cubes of kSide cells. `done` is called from several threads. Each call
   // passes the fraction of the work completed since the previous call. The fractions add up to 1.
+  // `done` must be thread-safe. Does not keep `surfels`.
   DistanceField(const SurfelCubes& surfels, float cell_m, const std::function<void(double)>& done);
 
   float cell_m() const { return cell_m_; }
+  // Support of a surfel, and the largest support of all surfels, m.
   float SupportOf(const MeshSurfel& surfel) const {
     return std::max(surfel.reach_m, kFewestCells * cell_m_);
   }
   float support_m() const { return support_m_; }
 
   int block_count() const { return static_cast<int>(keys_.size()); }
+  // Block coordinates, in units of kSide points.
   Cube BlockAt(int i) const { return CubeKey::ToCube(keys_[i]); }
+  // Index of a block; -1 if it does not exist.
   int FindBlock(const Cube& block) const;
+  // Position of a grid point, m.
   Eigen::Vector3f PointAt(const Cube& point) const { return point.cast<float>() * cell_m_; }
-  // Loads block i with its border. NaN in missing blocks.
+  // Loads block i with its border. NaN in missing blocks. Value (x, y, z), each from -1 to kSide,
+  // is at ((z + 1) kWide + y + 1) kWide + x + 1.
   void Load(int i, WideBlock* values) const;
 
  private:

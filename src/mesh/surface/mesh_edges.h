@@ -15,8 +15,10 @@ class TriangleNeighbors {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
+  // Does not keep a reference.
   explicit TriangleNeighbors(const std::vector<TriangleMesh::Triangle>& triangles);
 
+  // Indices of the neighbours at the sides 0, 1 and 2.
   const std::array<std::uint32_t, 3>& Of(std::uint32_t triangle) const { return beyond_[triangle]; }
 
  private:

@@ -8,6 +8,7 @@
 
 namespace surfit {
 
+// Surfel for meshing. Before FindSigmas(), `sigma_m` is relative.
 struct MeshSurfel {
   Eigen::Vector3f position;  // m
   Eigen::Vector3f normal;    // unit length
@@ -19,7 +20,8 @@ struct MeshSurfel {
 
 using Cube = Eigen::Vector3i;
 
-// Integer coordinates of a cube, sorted by z, y, x. Coordinates are within +-2^20.
+// Integer coordinates of a cube, sorted by z, y, x. Coordinates are within +-2^20. Other
+// coordinates are not checked.
 class CubeKey {
  public:
   static constexpr int kMaxCubes = 1 << 20;
@@ -38,25 +40,30 @@ class CubeKey {
   static std::uint64_t Part(int i) { return static_cast<std::uint32_t>(i + kMaxCubes); }
 };
 
-// Surfels sorted by cube. Keeps the order within a cube.
+// Copy of surfels, sorted by the cube that contains them. Keeps the order within a cube. Const
+// functions are thread-safe.
 class SurfelCubes {
  public:
   struct Range {
     std::uint32_t begin, end;
   };
 
+  // `cube_m`: edge length. Throws InputError if a point is too far from the origin for CubeKey.
   SurfelCubes(const std::vector<MeshSurfel>& surfels, float cube_m);
 
   float cube_m() const { return cube_m_; }
+  // Sorted surfels, and the input index of each.
   const std::vector<MeshSurfel>& surfels() const { return surfels_; }
   const std::vector<std::uint32_t>& order() const { return order_; }
 
   // Number of non-empty cubes, which are sorted by key.
   int cube_count() const { return static_cast<int>(keys_.size()); }
   Cube CubeOf(int i) const { return CubeKey::ToCube(keys_[i]); }
+  // Indices in surfels() of cube i, half-open.
   Range SurfelsOf(int i) const { return {begin_[i], begin_[i + 1]}; }
 
-  // Replaces `ranges` by the surfels of all cubes that overlap the box.
+  // Replaces `ranges` by the surfels of all cubes that overlap the box. The ranges are half-open
+  // indices in surfels().
   void FindWithin(const Eigen::Vector3f& low, const Eigen::Vector3f& high,
                   std::vector<Range>* ranges) const;
 

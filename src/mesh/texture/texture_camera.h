@@ -8,7 +8,8 @@
 namespace surfit {
 
 // Projects world points into the colour image of a frame. Corrects the motion as FrameColors does:
-// projects X - t (turn x X + velocity) for a row with capture time t.
+// projects X - t (turn x X + velocity) for a row with capture time t. X is in the camera frame at
+// RgbdFrame::stamp_s, which is the time of the pose. t is relative to this time.
 class TextureCamera {
  public:
   // Pixel, depth in m, and image motion in px/s. z = 0: behind the camera.
@@ -16,6 +17,7 @@ class TextureCamera {
     float u = 0, v = 0, z = 0, speed = 0;
   };
 
+  // Copies all values. Requires a frame with colour.
   explicit TextureCamera(const TextureFrame& frame)
       : rotation_(frame.world_from_camera.Inverse().rotation.toRotationMatrix().cast<float>()),
         translation_(frame.world_from_camera.Inverse().translation.cast<float>()),
@@ -33,6 +35,7 @@ class TextureCamera {
   float fx() const { return fx_; }
   const Eigen::Vector3f& center() const { return center_; }
 
+  // Projects a point. It can be outside of the image.
   Place See(const Eigen::Vector3f& point_in_world) const {
     constexpr float kLeastDepth = 0.05f;  // metres
     const Eigen::Vector3f x = rotation_ * point_in_world + translation_;

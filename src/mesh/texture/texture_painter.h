@@ -8,18 +8,23 @@
 
 namespace surfit {
 
+// Paints the charts of a mesh into a texture. Not thread-safe.
 class TexturePainter {
  public:
+  // Keeps references to the mesh, which must have colours, and to the layout. The charts must be
+  // packed into `size`.
   TexturePainter(const TriangleMesh& mesh, const TextureLayout& layout, const PackedSize& size);
 
-  // Paints frame colours times the gain. Adds the smoothed difference to the mesh colours, so that
-  // charts meet without steps.
+  // Paints frame colours times the gain. Adds the smoothed difference of the mesh colours and these
+  // colours, so that charts meet without steps. `frame`: colour image of the view of the chart.
   void Paint(const TextureChart& chart, const Image<Rgb8>& frame, const Eigen::Vector3f& gain);
+  // Paints the vertex colours, for a chart of ColorViews.
   void PaintColors(const TextureChart& chart);
 
   // Texture coordinates (0 to 1) of a pixel of the view.
   Eigen::Vector2f CoordinatesOf(const TextureChart& chart, const Eigen::Vector2f& pixel) const;
 
+  // Texture. Texels without a chart are black.
   Image<Rgb8>& image() { return image_; }
 
  private:

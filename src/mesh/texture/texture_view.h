@@ -8,12 +8,15 @@
 
 namespace surfit {
 
+// Visibility and sharpness of a mesh in a frame with colour.
 class TextureView {
  public:
+  // Computes all results. The mesh needs colours. Keeps references to the arguments.
   TextureView(const TriangleMesh& mesh, const TextureFrame& frame);
 
   const TextureCamera& camera() const { return camera_; }
-  // Sharpness per triangle: the colour weight of FrameColors. 0: not visible.
+  // Sharpness per triangle: the colour weight of FrameColors. 0: not visible. A visible triangle is
+  // not occluded, agrees with the measured depth, and has colours everywhere.
   const std::vector<float>& sharpness() const { return sharpness_; }
   // Gains per channel from frame colours to mesh colours.
   Eigen::Vector3f gain() const { return gain_; }

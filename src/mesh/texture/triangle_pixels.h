@@ -7,7 +7,9 @@
 namespace surfit {
 
 // Calls visit(u, v, shares) for all pixels with their centre in a triangle of any orientation.
-// `shares`: barycentric coordinates.
+// `shares`: barycentric coordinates. They are for a, b and c, at least 0, and their sum is 1.
+// Pixels outside of width x height, and degenerate triangles, are omitted. Pixel centres are
+// integers.
 template <typename Visit>
 void VisitPixels(const Eigen::Vector2f& a, const Eigen::Vector2f& b, const Eigen::Vector2f& c,
                  int width, int height, const Visit& visit) {

@@ -15,6 +15,7 @@
 
 namespace surfit {
 
+// Initial poses along a spanning forest of the pose graph.
 struct ChainedPoses {
   std::vector<Rigid3d> world_from_pose;
   // Roots of the trees, which fix the gauge: all fixed poses, and the first pose of each component
@@ -22,14 +23,18 @@ struct ChainedPoses {
   std::vector<bool> held;
 };
 
-// Uses loop closures only for poses that odometry does not reach.
+// Chains the measurements from the roots. Uses loop closures only for poses that odometry does not
+// reach. Roots keep their input poses.
 ChainedPoses ChainPoses(const PoseGraph& graph);
 
-// Chordal initial poses from two linear systems (Carlone et al.: Initialization techniques for
-// 3D SLAM, ICRA 2015, IV.B). First, matrices R_i minimise sum k |R_b - R_a R_ab|^2 over all
-// edges and are projected to rotations. Second, the translations minimise sum k' |t_b - t_a -
-// R_a t_ab|^2. k and k': mean of the diagonal information of rotation and translation. Held
-// poses do not move. Returns std::nullopt if a system cannot be solved.
+// Chordal initial poses from two linear systems (Carlone et al.: Initialization techniques for 3D
+// SLAM, ICRA 2015, IV.B). First, matrices R_i minimise sum k |R_b - R_a R_ab|^2 over all edges and
+// are projected to rotations. Second, the translations minimise sum k' |t_b - t_a - R_a t_ab|^2. k
+// and k': mean of the diagonal information of rotation and translation. (R_ab, t_ab) is
+// PoseGraphEdge::a_from_b.
+//
+// `held`: one value per pose. Held poses keep their input values. Each component must have a held
+// pose. Returns std::nullopt if a system cannot be solved.
 std::optional<std::vector<Rigid3d>> ChordalPoses(const PoseGraph& graph,
                                                  const std::vector<bool>& held);
 
@@ -38,23 +43,28 @@ std::optional<std::vector<Rigid3d>> ChordalPoses(const PoseGraph& graph,
 // chordal poses of a sphere graph with 10,000 poses.
 inline constexpr double kFarFromMinimum = 1e4, kNearMinimum = 1e10;
 
+// Nonlinear least-squares problem of a pose graph, solved by Ceres on one thread. Not thread-safe.
 class PoseGraphProblem {
  public:
-  // Held poses, and poses without edges, do not move. Keeps a reference to the graph.
+  // Starts at `world_from_pose`, and not at the poses of the graph. Both vectors have one value per
+  // pose. Held poses, and poses without edges, do not move. Keeps a reference to the graph.
   PoseGraphProblem(const PoseGraph& graph, const std::vector<Rigid3d>& world_from_pose,
                    const std::vector<bool>& held);
 
   // Minimises the weighted cost by Levenberg-Marquardt from the current poses. The poses stay
-  // unchanged after a failure.
+  // unchanged after a failure. Appends the iterations to `summary` and counts a round. Other
+  // members of `summary` do not change.
   PoseGraphTermination Minimize(const PoseGraphOptions& options, double initial_radius,
                                 PoseGraphSummary* summary);
 
-  // Odometry edges ignore their weights.
+  // Weights of all edges, in [0, 1], in the order of the graph. Initially 1. Odometry edges ignore
+  // their weights.
   void SetWeights(const std::vector<double>& weights);
 
-  // Unweighted squared errors of all edges at the current poses.
+  // Unweighted squared errors of all edges at the current poses: Mahalanobis distances.
   std::vector<double> SquaredErrors() const;
 
+  // Current poses.
   std::vector<Rigid3d> Poses() const;
 
  private:
@@ -76,9 +86,10 @@ class PoseGraphProblem {
 };
 
 // Weights of graduated non-convexity with truncated least squares. Source: Yang, Antonante,
-// Tzoumas, Carlone: Graduated Non-Convexity for Robust Spatial Perception, RA-L 2020, eq. 12 to
-// 14 and remark 5. The cost of a squared error e^2 (r^2 in the paper) changes from a convex
-// surrogate to min(e^2, c^2). The control parameter mu grows by a factor of 1.4 per round.
+// Tzoumas, Carlone: Graduated Non-Convexity for Robust Spatial Perception, RA-L 2020, eq. 12 to 14
+// and remark 5. The cost of a squared error e^2 (r^2 in the paper) changes from a convex surrogate
+// to min(e^2, c^2). The control parameter mu grows by a factor of 1.4 per round. Call Update() once
+// per round, after the minimisation. If no initial error exceeds c^2, all weights stay 1.
 class LoopWeights {
  public:
   // `max_squared_error`: c^2. `squared_errors`: loop closures at the initial poses. The paper
@@ -92,7 +103,8 @@ class LoopWeights {
     if (!all_fit_) mu_ = max_squared_error / (2 * largest - max_squared_error);
   }
 
-  // Returns the weights, in [0, 1], for the current mu, and then increases mu.
+  // Returns the weights, in [0, 1], for the current mu, and then increases mu. `squared_errors`:
+  // loop closures at the current poses, in the order of the constructor.
   std::vector<double> Update(const std::vector<double>& squared_errors) {
     std::vector<double> weights(squared_errors.size(), 1);
     if (all_fit_) return weights;
@@ -117,6 +129,7 @@ class LoopWeights {
   bool all_fit_ = false;  // no initial error exceeds c^2: all weights stay 1
 };
 
+// Returns whether all weights are 0 or 1, so that GNC has converged.
 inline bool AreBinary(const std::vector<double>& weights) {
   return std::all_of(weights.begin(), weights.end(), [](double w) { return w == 0 || w == 1; });
 }

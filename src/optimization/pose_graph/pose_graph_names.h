@@ -7,6 +7,7 @@
 
 namespace surfit {
 
+// Values of PoseGraphOptions, with their names in flags and files.
 enum class PoseGraphInitialization { kGiven, kOdometry, kChordal };
 enum class LoopRobustness { kNone, kGnc };
 

@@ -21,6 +21,7 @@ using CalibrationRow = Eigen::Matrix<double, kCalibrationSize, 1>;
 template <int kUnknowns>
 using SurfelRow = Eigen::Matrix<double, kUnknowns, 1>;
 
+// Parameters of a surfel. They are eliminated from the joint problem.
 struct SurfelParameters {
   double displacement = 0;                            // m, along its normal
   Eigen::Vector2d texture = Eigen::Vector2d::Zero();  // intensity differences, in sigmas
@@ -36,7 +37,9 @@ struct JointRow {
 
 // Analytic version of PlaneInverseDepth for one observation. The displacement is d:
 //   r(d) = (1/z_measured + c - N / (D + d)) / sigma,  N = n . R e,  D = n . (p - t).
-// e and t: viewing ray and camera centre at the capture time of the pixel row.
+// e and t: viewing ray and camera centre at the capture time of the pixel row. c: depth field, 1/m.
+// sigma: 1 / inverse_sigma. Keeps no references. Results are not finite if the plane contains the
+// camera centre.
 class PlaneResidual {
  public:
   PlaneResidual(const PlaneObservation& observation, const SharedSurfel& surfel,
@@ -53,13 +56,15 @@ class PlaneResidual {
         from_camera_(surfel.normal_in_world.dot(surfel.point_in_world - translation) -
                      later_ * normal_in_camera_.dot(motion.way)) {}
 
+  // Residual r(d), and its derivative by d (1/m).
   double Residual(double displacement) const {
     return (corrected_ - PlaneInverse(displacement)) * inverse_sigma_;
   }
   double ByDisplacement(double displacement) const {
     return PlaneInverse(displacement) / (from_camera_ + displacement) * inverse_sigma_;
   }
-  // Distance of the measured point from the plane, m.
+  // Distance of the measured point from the plane along its normal, m. Positive: the point is in
+  // front.
   double Distance(double displacement) const {
     return (along_ray_ / corrected_) - (from_camera_ + displacement);
   }
@@ -104,7 +109,7 @@ class PlaneResidual {
   double along_ray_, from_camera_;  // N, D
 };
 
-// `rows`: image height.
+// Camera motion at the row of an observation, see RowMotion. `rows`: image height.
 inline RowMotion MotionOf(const PlaneObservation& observation, const KeyframeReadout& readout,
                           int rows) {
   const double share = (observation.v + 0.5) / rows - 0.5;
@@ -112,7 +117,8 @@ inline RowMotion MotionOf(const PlaneObservation& observation, const KeyframeRea
           share * readout.motion.velocity_m_per_s, readout.readout_s};
 }
 
-// Analytic version of SurfelTexture for one observation.
+// Analytic version of SurfelTexture for one observation. Keeps references to the taps and to the
+// camera.
 class TextureResidual {
  public:
   TextureResidual(const TextureObservation& observation, const SharedSurfel& surfel,
@@ -129,12 +135,14 @@ class TextureResidual {
     }
   }
 
-  // Measured intensity differences, in standard deviations.
+  // Measured intensity differences between the points beside the surfel and its centre, in standard
+  // deviations. Intensities are linear around the taps.
   Eigen::Vector2d Differences(double displacement) const {
     const double center = Intensity(0, displacement);
     return inverse_sigma_ * Eigen::Vector2d(Intensity(1, displacement) - center,
                                             Intensity(2, displacement) - center);
   }
+  // Differences() minus the texture of the surfel.
   Eigen::Vector2d Residuals(const SurfelParameters& surfel) const {
     return Differences(surfel.displacement) - surfel.texture;
   }
@@ -160,6 +168,7 @@ class TextureResidual {
     }
     return rows;
   }
+  // Derivatives of Differences() by the displacement, 1/m.
   Eigen::Vector2d ByDisplacement(double displacement) const {
     const double center = Slope(0, displacement).dot(normal_in_camera_);
     return inverse_sigma_ * Eigen::Vector2d(Slope(1, displacement).dot(normal_in_camera_) - center,

@@ -42,6 +42,7 @@ inline void CalibrationToBlock(const DepthCalibration& calibration, double* bloc
   block[kReadout] = calibration.readout_s;
 }
 
+// Inverse of CalibrationToBlock(). Keeps the image size.
 inline void CalibrationFromBlock(const double* block, DepthCalibration* calibration) {
   PinholeCamera& camera = calibration->camera;
   camera.fx = block[0], camera.fy = block[1], camera.cx = block[2], camera.cy = block[3];
@@ -49,11 +50,13 @@ inline void CalibrationFromBlock(const double* block, DepthCalibration* calibrat
   calibration->readout_s = block[kReadout];
 }
 
-// Robust kernels of all residuals. The photometric weight W scales the texture residuals and
-// their kernel width by sqrt(W): W rho(s) = rho(W s) with the width k sqrt(W).
+// Robust kernels of all residuals. The photometric weight W scales the texture residuals and their
+// kernel width k by sqrt(W). This is a weight of the cost: W rho(s) = rho(W s), with the squared
+// residual s.
 struct JointKernels {
   RobustKernel plane, texture;
 
+  // Kernels with widths times `growth`.
   JointKernels Widened(double growth) const {
     JointKernels wide = *this;
     wide.plane.width *= growth;
@@ -62,6 +65,7 @@ struct JointKernels {
   }
 };
 
+// Kernels of an error model. Without photometric residuals, `texture` has no effect.
 inline JointKernels KernelsOf(const ErrorModel& model) {
   JointKernels kernels = {model.kernel, model.intensity_kernel};
   if (model.UsesIntensities()) kernels.texture.width *= std::sqrt(model.photometric_weight);
@@ -75,7 +79,8 @@ inline double InversePlaneSigma(const ErrorModel& model, const DepthNoise& noise
   return z * z / model.Sigma(z, noise);
 }
 
-// 1 / sigma of intensity differences, including the photometric weight.
+// 1 / sigma of intensity differences, including the photometric weight. 0 without photometric
+// residuals.
 inline double InverseTextureSigma(const ErrorModel& model) {
   return std::sqrt(model.photometric_weight) / model.intensity_sigma;
 }

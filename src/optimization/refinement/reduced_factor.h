@@ -11,8 +11,9 @@ namespace surfit {
 
 // Cholesky factor of the pose part P of a reduced Hessian, without the fixed first pose.
 //
-// Uses the dense solver of Eigen if it is faster than the sparse solver: in a single room, half
-// of all keyframe pairs share surfels. Runs on one thread.
+// Uses the dense solver of Eigen if it is faster than the sparse solver: in a single room, half of
+// all keyframe pairs share surfels. Runs on one thread. All systems must have the pattern of the
+// constructor. Call Factorize() before the other functions.
 class PoseFactor {
  public:
   explicit PoseFactor(const BlockPattern& pattern);
@@ -23,9 +24,11 @@ class PoseFactor {
   // to 1. Returns false if the matrix is not positive definite.
   bool Factorize(const ReducedSystem& system, const Eigen::VectorXd& scale, double damping);
 
+  // Solves (S P S + damping I) X = right. Rows exclude the first pose.
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& right) const;
 
-  // Diagonal block of the inverse. `pose` must be at least 1.
+  // Diagonal block of the inverse. `pose` must be at least 1. The inverse is that of S P S +
+  // damping I.
   ReducedSystem::PoseMatrix InverseBlock(int pose) const;
 
  private:
@@ -43,6 +46,7 @@ class PoseFactor {
   bool is_dense_;
 };
 
+// Step of the joint problem.
 struct ReducedStep {
   Eigen::VectorXd increments;  // of poses and calibration; 0 for fixed parameters
   double rho_decrease = 0;     // predicted decrease of rho, without the damping
@@ -65,11 +69,16 @@ struct JointCovariance {
 // change.
 class ReducedFactor {
  public:
+  // `fixed_calibration` has kCalibrationSize values.
   ReducedFactor(const BlockPattern& pattern, const std::vector<bool>& fixed_calibration);
 
+  // Returns false if the matrix is not positive definite. Call before Solve() and Covariance(),
+  // which require success.
   bool Factorize(const ReducedSystem& system, double damping);
 
+  // Levenberg-Marquardt step for a gradient of the factorised system.
   ReducedStep Solve(const Eigen::VectorXd& gradient) const;
+  // Covariance at the factorised system, including its damping.
   JointCovariance Covariance() const;
 
  private:

@@ -49,6 +49,7 @@ struct ReducedSystem {
 
   // Keeps a pointer to the pattern.
   explicit ReducedSystem(const BlockPattern& block_pattern);
+  // Both systems must have the same pattern.
   ReducedSystem& operator+=(const ReducedSystem& other);
 
   // Requires a pair with a block, and row >= column.
@@ -59,10 +60,12 @@ struct ReducedSystem {
   std::vector<PoseMatrix> poses;   // in the order of the pattern; diagonal blocks: lower triangle
   std::vector<MixedMatrix> mixed;  // cross blocks of calibration and pose, per pose
   CalibrationMatrix calibration = CalibrationMatrix::Zero();
-  Eigen::VectorXd gradient;
-  double rho = 0;  // sum of rho: twice the cost
+  Eigen::VectorXd gradient;  // 6 values per pose, then kCalibrationSize
+  double rho = 0;            // sum of rho: twice the cost
 };
 
+// Residuals of one surfel at a state. Refers to `shared` and to the state of `placed`, which must
+// outlive it.
 class SurfelResiduals {
  public:
   SurfelResiduals(const SharedSurfels& shared, const SharedSurfel& surfel,
@@ -75,6 +78,7 @@ class SurfelResiduals {
 
   // Optimal surfel parameters, by reweighted Gauss-Newton from a displacement of 0.
   SurfelParameters Best(const JointKernels& kernels) const;
+  // Sums over the residuals at Best().
   JointFit FitOf(const JointKernels& kernels) const;
 
  private:
@@ -82,6 +86,8 @@ class SurfelResiduals {
   std::vector<TextureResidual> textures_;
 };
 
+// Sums over all surfels at their optimal parameters. The result is the same for any number of
+// threads.
 JointFit FitOf(const SharedSurfels& shared, const JointState& state, const JointKernels& kernels);
 
 // Computes the reduced system at the optimal surfel parameters. `pattern` must be the pattern of

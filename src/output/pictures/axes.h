@@ -14,6 +14,7 @@ struct AxisRange {
   double begin, end;
 };
 
+// Ranges of both axes of a chart.
 struct AxisRanges {
   AxisRange x, y;
 };
@@ -25,18 +26,22 @@ AxisRanges EqualAspect(const AxisRanges& ranges, double box_width_px, double box
 
 inline constexpr Rgb8 kAxisInk = {40, 40, 40};
 
-// At most `most` ticks in the range, ascending, with steps of 1, 2 or 5 times a power of ten.
+// Ticks in the range, ascending, with steps of 1, 2 or 5 times a power of ten. There are at most
+// `most` steps, so most + 1 ticks. Requires most >= 1. Empty for a range of length 0.
 std::vector<double> RoundTicks(AxisRange range, int most);
 // Ticks from low to high, 0 < low: powers of ten. Ranges below two decades also have ticks at 2 and
 // 5.
 std::vector<double> LogarithmicTicks(double low, double high);
+// Number with at most six digits.
 std::string TickText(double value);
 
+// Coordinate system in a box of an image. `title` and labels may be empty.
 struct Axes {
   PixelBox box;
   AxisRanges ranges;
   std::string title, x_label, y_label;
 
+  // Pixel of a value, also outside of the box. The ranges must not have length 0.
   PixelPoint At(double x, double y) const;
 };
 
@@ -44,6 +49,7 @@ struct Axes {
 // below.
 void DrawAxes(Image<Rgb8>* image, const Axes& axes);
 
+// World axes of a view: 0 is x, 1 is y, 2 is z.
 struct ShownAxes {
   std::string title;
   int horizontal, vertical;
@@ -51,7 +57,8 @@ struct ShownAxes {
 };
 
 // Axes of a view from above and of a view from the side. Both views are right-handed. The view from
-// the side shows the horizontal axis with the larger extent.
+// the side shows the horizontal axis with the larger extent. `up`: upward direction in the world
+// frame; the nearest world axis is vertical. `extent_m`: size of the path per axis.
 std::array<ShownAxes, 2> ChooseTrajectoryAxes(const Eigen::Vector3d& up,
                                               const Eigen::Vector3d& extent_m);
 

@@ -18,10 +18,12 @@ struct PixelPoint {
   double u, v;
 };
 
+// Edges of a rectangle, px.
 struct PixelBox {
   double left, top, right, bottom;
 };
 
+// Size, alignment and colour of a text.
 struct TextStyle {
   double height_px = 18;  // line height
   double justify = 0;  // alignment; 0: text starts at the point, 0.5: centred, 1: ends at the point
@@ -31,17 +33,19 @@ struct TextStyle {
 // OpenCV header of the image. Shares the pixels, so the image must outlive it.
 cv::Mat AsMat(Image<Rgb8>* image);
 
+// Width of a text, px.
 double TextWidth(const std::string& text, const TextStyle& style);
 
-// Drawing functions, clipped to the image. Lines, discs and text are antialiased. Text must be
-// ASCII and is centred vertically at its point.
+// Drawing functions, clipped to the image, except DrawImage(). Lines, discs and text are
+// antialiased. Text must be ASCII and is centred vertically at its point.
 void DrawText(Image<Rgb8>* image, PixelPoint at, const std::string& text,
               const TextStyle& style = {});
+// Draws a polyline, at least 1 px wide.
 void DrawLine(Image<Rgb8>* image, const std::vector<PixelPoint>& points, Rgb8 color,
               double width_px);
 void DrawDisc(Image<Rgb8>* image, PixelPoint center, double radius_px, Rgb8 color);
 void FillBox(Image<Rgb8>* image, const PixelBox& box, Rgb8 color);
-// Resizes an image to the box by area averaging.
+// Resizes an image to the box by area averaging. The box must be inside the image.
 void DrawImage(Image<Rgb8>* image, const cv::Rect& box, const Image<Rgb8>& source);
 
 // Throws InputError with the path if writing fails.
@@ -59,6 +63,7 @@ class ColorScale {
 
   // Position of a value on the scale, clamped to [0, 1].
   double Position(double value) const;
+  // Colour of a position, which is clamped to [0, 1].
   Rgb8 ColorAt(double position) const;
   Rgb8 ColorOf(double value) const { return ColorAt(Position(value)); }
 
@@ -68,24 +73,25 @@ class ColorScale {
   std::array<Rgb8, 256> colors_;
 };
 
-// Draws a colour bar with ticks below it.
+// Draws a colour bar with ticks below it. The ticks need about 25 px below the box.
 void DrawColorBar(Image<Rgb8>* image, const ColorScale& scale, const PixelBox& box);
 
-// Colours each pixel by its index. Calls `color_of` in parallel.
+// Colours each pixel by its index. Calls `color_of` in parallel. `color_of` must be thread-safe.
 Image<Rgb8> ColorIndices(const Image<std::int32_t>& indices,
                          const std::function<Rgb8(int u, int v, std::int32_t index)>& color_of);
 
+// Colour times a brightness from 0 to 1.
 Rgb8 Dimmed(Rgb8 color, float brightness);
 
 // Colouring of the surfels of a map, with a legend. The map must outlive this object.
 struct SurfelColoring {
   std::string title;
-  std::function<Rgb8(std::int32_t)> color_of;
+  std::function<Rgb8(std::int32_t)> color_of;  // colour of a surfel id; thread-safe
   // Share of the brightness that depends on the angle between normal and viewing ray. 0: no
   // shading.
   float headlight = 0;
-  std::string legend;
-  std::optional<ColorScale> scale;
+  std::string legend;               // may be empty
+  std::optional<ColorScale> scale;  // std::nullopt: colours are no values
 };
 
 // Surfel colours.
@@ -94,6 +100,7 @@ SurfelColoring ColorByColor(const SurfelMap& map);
 SurfelColoring ColorByNormal(const SurfelMap& map);
 // Logarithmic scale up to the largest confidence, at most four decades.
 SurfelColoring ColorByConfidence(const SurfelMap& map);
+// Linear scale over the frame indices. Aborts for an empty map.
 SurfelColoring ColorByLastSeen(const SurfelMap& map);
 
 }  // namespace surfit

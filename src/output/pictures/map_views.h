@@ -12,7 +12,8 @@
 
 namespace surfit {
 
-// Picture of equal cells with captions, below a header with title and legend.
+// Picture of equal cells with captions, below a header with title and legend. Cells are numbered by
+// rows from 0.
 class PictureSheet {
  public:
   static constexpr int kCellWidth = 800, kCellHeight = 600;
@@ -27,6 +28,7 @@ class PictureSheet {
 
   // Fills a cell by area averaging. `finer` has kSupersampling times the size of the cell.
   void SetCell(int cell, const Image<Rgb8>& finer);
+  // Draws the caption of a cell.
   void DrawCaption(int cell, const std::string& text);
 
   Image<Rgb8>* image() { return &image_; }
@@ -42,7 +44,7 @@ class PictureSheet {
 };
 
 // Four views of the surfels with shown[id] != 0, each of width x height px: from above, oblique
-// from above, and from behind two cameras.
+// from above, and from behind two cameras. An empty path stands for a camera at the origin.
 std::array<PictureView, 4> ChooseMapViews(const SurfelMap& map,
                                           const std::vector<std::uint8_t>& shown,
                                           const Trajectory& camera_path, int width, int height);

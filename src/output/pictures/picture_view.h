@@ -11,6 +11,7 @@
 
 namespace surfit {
 
+// View for a picture: a pinhole camera with fx = fy and its pose.
 struct PictureView {
   std::string label;
   PinholeCamera camera;

@@ -44,13 +44,16 @@ void WriteTrajectoryPicture(const Trajectory& estimate, const Trajectory& ground
 void WriteTwoCloudPicture(const std::vector<Eigen::Vector3f>& source,
                           const std::vector<Eigen::Vector3f>& target, const std::string& path);
 
+// Colouring of the rendered map.
 enum class ModelColors { kNormals, kColor };
 
-// Pictures of a run in progress, kWidth x kHeight px. Images keep their aspect ratio.
+// Pictures of a run in progress, kWidth x kHeight px. Images keep their aspect ratio. Not
+// thread-safe.
 class LivePictures {
  public:
   static constexpr int kWidth = 480, kHeight = 360;
 
+  // `sensor`: camera of the frames. Larger images are rendered at reduced resolution.
   explicit LivePictures(const DepthSensor& sensor);
   ~LivePictures();
   LivePictures(const LivePictures&) = delete;

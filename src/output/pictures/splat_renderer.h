@@ -69,12 +69,14 @@ class NearestIndexImage {
 
 // Renders the id of the visible surfel of each pixel; NearestIndexImage::kNothing without surfel.
 // Surfels are opaque discs, and cover at least the pixel of their centre. Back faces, surfels with
-// shown[id] == 0, and surfels nearer than two radii are not drawn.
+// shown[id] == 0, and surfels nearer than two radii are not drawn. `shown` has one value per id
+// below SurfelMap::id_end(). Requires fx = fy.
 Image<std::int32_t> RenderSurfels(const SurfelMap& map, const std::vector<std::uint8_t>& shown,
                                   const PictureView& view);
 
 // Renders the index of the nearest point of each pixel; NearestIndexImage::kNothing without point.
-// A point covers size_px x size_px pixels.
+// A point covers size_px x size_px pixels. Points behind the camera are not drawn. Requires fx =
+// fy.
 Image<std::int32_t> RenderPoints(const std::vector<Eigen::Vector3f>& points_in_world, int size_px,
                                  const PictureView& view);
 

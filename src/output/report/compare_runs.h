@@ -10,10 +10,11 @@
 
 namespace surfit {
 
+// Rigid transform between the world frames of two runs.
 struct RunAlignment {
   Rigid3d target_from_source;
-  std::size_t poses = 0;
-  double rms_m = 0;
+  std::size_t poses = 0;  // number of compared poses
+  double rms_m = 0;       // of the position differences after alignment
 };
 
 // Aligns two runs by the positions of poses with equal timestamps. For an unobservable rotation
@@ -23,6 +24,8 @@ std::optional<RunAlignment> AlignRuns(const Trajectory& source, const Trajectory
 
 // Distance of each surfel centre to the disc of the nearest map surfel, m; at most kFarFromMap.
 constexpr float kFarFromMap = 0.5f;
+// Distance of each surfel centre to the disc of the map surfel with the nearest centre, m. At most
+// kFarFromMap, also for an empty map and for non-finite positions.
 std::vector<float> DistancesFromMap(const std::vector<Surfel>& surfels,
                                     const Rigid3d& map_from_surfels,
                                     const std::vector<Surfel>& map);

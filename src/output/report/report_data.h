@@ -10,6 +10,7 @@
 
 namespace surfit {
 
+// Base64 with padding (RFC 4648).
 std::string EncodeBase64(const unsigned char* bytes, std::size_t count);
 inline std::string EncodeBase64(const std::string& bytes) {
   return EncodeBase64(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
@@ -41,7 +42,8 @@ nlohmann::ordered_json PackMap(const std::vector<Surfel>& surfels, std::size_t m
 // Distances as base64 of uint16, in units of 0.1 mm. 65535: kFarFromMap or more.
 std::string PackDistances(const std::vector<float>& distances_m);
 
-// Shortest unique suffixes of the folder paths.
+// Shortest unique suffixes of the folder paths. In the order of `folders`. Equal folders get equal
+// names.
 std::vector<std::string> ShortNames(const std::vector<std::string>& folders);
 
 // Data of a run of surfit_slam or surfit_refine for the report.
@@ -49,7 +51,8 @@ std::vector<std::string> ShortNames(const std::vector<std::string>& folders);
 struct ReportedRun {
   // Keys:
   // - label: empty
-  // - summary: summary.json, or refinement.json; judged_views: views.json of surfit_evaluate
+  // - summary: summary.json, or refinement.json. If views.json of surfit_evaluate exists, it is the
+  //   key judged_views of `summary`.
   // - frames, loops: text of frames.csv and loops.csv, or empty
   // - poses: poses.json with pictures as data URLs
   nlohmann::ordered_json page;
@@ -58,7 +61,7 @@ struct ReportedRun {
 };
 
 // Reads the folder of a run, with at most `max_thumbnails` evenly spread thumbnails. Throws
-// InputError with the path of a missing or invalid file.
+// InputError with the path of a missing or invalid file. Requires max_thumbnails >= 1.
 ReportedRun ReadRun(const std::string& folder, std::size_t max_thumbnails);
 
 }  // namespace surfit

@@ -8,16 +8,18 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of WriteReport().
 struct ReportOptions {
   // output folders of RunSlam() or RunRefinement(), shown side by side
   std::vector<std::string> runs;
-  std::string output;
+  std::string output;  // path of the HTML file
   // Maximum number of surfels of all runs together. Larger maps are sampled evenly.
   int max_points = 500000;
 
   void Visit(OptionVisitor& visitor);
 };
 
+// Number of surfels of a run, and of those in the report.
 struct ReportedMap {
   std::string run;
   std::size_t points = 0;
@@ -31,7 +33,7 @@ struct ReportedMap {
 // - map differences, calibrations, summaries and options
 //
 // Reads the folders of all runs. Throws InputError with the path of a missing, invalid or
-// unwritable file.
+// unwritable file. Returns one entry per run, in the order of the options.
 std::vector<ReportedMap> WriteReport(const ReportOptions& options);
 
 }  // namespace surfit

@@ -14,7 +14,7 @@ class EvenSample {
   // `most` must be even and positive (not checked).
   explicit EvenSample(std::size_t most) : most_(most) {}
 
-  // Call once per item, in order. True: pass the item to Keep().
+  // Call once per item, in order. True: pass the item to Keep() before the next call.
   bool TakesNext() {
     if (offered_++ % stride_ != 0) return false;
     if (kept_.size() == most_) DropEveryOther();
@@ -22,6 +22,7 @@ class EvenSample {
   }
   void Keep(T thing) { kept_.push_back(std::move(thing)); }
 
+  // Sample, in order. At least most / 2 items if the stream is long enough.
   const std::vector<T>& kept() const { return kept_; }
 
  private:

@@ -5,12 +5,14 @@
 
 namespace surfit {
 
-// Errors of a run. Later steps run in spite of errors, so that results are not lost.
+// Errors of a run. Later steps run in spite of errors, so that results are not lost. Keeps 32 MiB
+// free to report a lack of memory. Not thread-safe.
 class Failures {
  public:
   Failures();
 
-  // Runs the step. Returns false and stores the message after an exception.
+  // Runs the step. Returns false and stores the message after an exception. Equal messages are
+  // stored once.
   template <typename Step>
   bool Try(const Step& step) {
     try {

@@ -13,7 +13,9 @@
 
 namespace surfit {
 
+// Frame of a run with JPEG pictures of the frame and of the map.
 struct KeptView {
+  // `name`: input_color, model_color, input_depth or model_depth. `jpeg`: content of the file.
   struct Picture {
     std::string name;
     std::string jpeg;
@@ -34,12 +36,15 @@ class KeptViews {
  public:
   static constexpr int kMost = 14;
 
-  // Call with each frame. `map`: map after this frame.
+  // Call with each frame. `map`: map after this frame. Renders the map only for kept frames.
+  // `sensor`: current camera. Frames without a pose before the first pose are not kept.
   void Offer(const RgbdFrame& frame, const FrameReport& report, const SurfelMap& map,
              const DepthSensor& sensor);
   // Returns the views by frame. Call after the last frame, whose model view is rendered.
   std::vector<KeptView> Finish(const SurfelMap& map, const DepthSensor& sensor) const;
 
+  // File name in the output folder, and all names that Write() can use. `view`: position in the
+  // list.
   static std::string FileName(int view, const std::string& picture);
   static std::vector<std::string> FileNames();
   // Writes the pictures into the output folder. Throws InputError with the path.

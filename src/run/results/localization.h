@@ -9,14 +9,17 @@
 namespace surfit {
 
 // Writes localization.csv: state, pose and standard deviations of each frame. Standard deviations
-// are from the registration covariance, in the least certain direction. A lost frame that the next
-// frame confirms gets a second row with the state "confirmed".
+// (m, rad) are from the registration covariance, in the least certain direction, with the factor
+// sqrt(EdgeNoise::shared_points). They are empty without a covariance. A lost frame has an empty
+// pose. A lost frame that the next frame confirms gets a second row with the state "confirmed".
 class LocalizationFile {
  public:
   // `mirrored` is SequenceInfo::mirrored. Throws InputError with the path if writing fails.
   LocalizationFile(const std::string& path, bool mirrored);
 
+  // Call once per frame, in order. Throws InputError with the path if writing fails.
   void Add(const FrameReport& report);
+  // Statistics of the frames so far. Medians are 0 without a covariance.
   Localization Summary() const;
 
  private:

@@ -27,10 +27,10 @@ void WriteSummaryJson(const SlamRunSummary& summary, const SlamRunOptions& optio
 struct RunPoses {
   const PinholeCamera& camera;
   const EstimatedSensor& found;
-  const Trajectory& trajectory;  // estimated poses
-  const std::vector<int>& frames;
-  const Trajectory& truth;  // ground truth in its own world frame; empty if unknown
-  const std::optional<TrajectoryEvaluation>& evaluation;
+  const Trajectory& trajectory;    // estimated poses
+  const std::vector<int>& frames;  // frame index of each pose
+  const Trajectory& truth;         // ground truth in its own world frame; empty if unknown
+  const std::optional<TrajectoryEvaluation>& evaluation;  // std::nullopt: no ground truth
   const std::vector<KeptView>& views;
   const std::vector<KeptView>& thumbnails;
   const std::vector<KeyframeLink>& keyframes;

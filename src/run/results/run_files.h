@@ -15,7 +15,8 @@ std::vector<std::string> RunFileNames();
 
 // Writes the poses of a run in TUM format to trajectory.txt and trajectory_online.txt. Corrections
 // change trajectory.txt only. Poses of mirrored frames are mirrored back. Constructor, Add() and
-// Finish() throw InputError with the path if writing fails.
+// Finish() throw InputError with the path if writing fails. Files are complete after each frame,
+// except for corrections.
 class RunTrajectory {
  public:
   // Creates or replaces both files. `mirrored`: SequenceInfo::mirrored.
@@ -27,10 +28,12 @@ class RunTrajectory {
   // Replaces the poses of all frames(), in this order. After a failed frame, the sizes differ:
   // drops surplus poses or frames at the end.
   void Replace(Trajectory corrected);
+  // Writes trajectory.txt again if Replace() was called.
   void Finish() const;
 
   // Poses in the convention of the run: mirrored if `mirrored` is true.
   const Trajectory& poses() const { return poses_; }
+  // Frame index of each pose.
   const std::vector<int>& frames() const { return frames_; }
 
  private:
@@ -46,13 +49,15 @@ class RunTrajectory {
 };
 
 // Writes frames.csv, one row per frame. All functions throw InputError with the path if writing
-// fails.
+// fails. Times are in ms.
 class FrameTable {
  public:
+  // Creates or replaces frames.csv in the folder.
   explicit FrameTable(const std::string& folder);
 
   // `frame_ms`: time between the completions of the previous frame and this frame.
   void Add(const FrameReport& report, double read_ms, double frame_ms);
+  // Adds an unreadable frame.
   void AddSkipped(const ReadResult& result, double frame_ms);
 
  private:

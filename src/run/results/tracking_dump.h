@@ -10,9 +10,9 @@ namespace surfit {
 struct TrackingDump {
   int frame = 0;
   FramePyramid source, target;
-  Rigid3d target_from_source_initial;
+  Rigid3d target_from_source_initial;  // m; maps source to target camera coordinates
   IcpOptions icp;
-  std::string termination;
+  std::string termination;  // result of the registration in the run, as ToString()
 };
 
 // Writes the registration of a lost frame into a folder, which is created if missing.
