@@ -51,7 +51,9 @@ Eigen::Matrix<Scalar, 3, 1> QuaternionLog(const Eigen::Quaternion<Scalar>& q) {
   return v * (Scalar(2) * atan2(norm, real) / norm);
 }
 
-// Rigid transform target_from_source: x_target = rotation * x_source + translation (m).
+// Rigid transform target_from_source: x_target = rotation * x_source + translation (m). The default
+// is the identity. The quaternion must have unit length, which is not checked. Products normalise
+// it.
 template <typename Scalar>
 struct Rigid3 {
   using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
