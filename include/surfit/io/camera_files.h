@@ -18,7 +18,8 @@ RgbdCamera CameraPreset(const std::string& name);
 
 std::vector<std::string> CameraPresetNames();
 
-// Reads a camera from YAML, as written by cv::FileStorage:
+// Reads a camera from YAML, as written by cv::FileStorage. fy of the result can be negative,
+// see Mirrored(). The keys are:
 //   depth_camera: { width, height, fx, fy, cx, cy, distortion: [ k1, k2, p1, p2, k3 ] }   px
 //   color_camera: { the same keys }          if colour is not registered to depth
 //   color_from_depth: { translation_m: [ x, y, z ], rotation_xyzw: [ x, y, z, w ] }

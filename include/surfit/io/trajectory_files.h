@@ -26,7 +26,7 @@ std::vector<double> ReadTumStamps(const std::string& path);
 // finite.
 void WriteTumTrajectory(const Trajectory& trajectory, const std::string& path);
 
-// Writes such a file pose by pose.
+// Writes such a file pose by pose. Not thread-safe.
 class TumTrajectoryWriter {
  public:
   // Creates or replaces the file. Throws InputError that names the file if it cannot be written.
