@@ -7,7 +7,7 @@
 namespace surfit {
 
 // Evaluates residuals r and rows [J r] of a functor (point_functor.h). J: Jacobian by the left
-// perturbation (w, v). V: SIMD type, one point per lane.
+// perturbation (w, v), in the order of row_sums.h. V: SIMD type, one point per lane.
 template <typename Functor, typename V>
 class BatchRows {
  public:
