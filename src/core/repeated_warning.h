@@ -4,7 +4,8 @@
 
 namespace surfit {
 
-// Logs the first three occurrences of a warning. The destructor logs the number of others.
+// Logs the first three occurrences of a warning. The destructor logs the number of others. Not
+// thread-safe.
 class RepeatedWarning {
  public:
   // `what`: plural noun for the final count, e.g. "frames skipped".
