@@ -6,6 +6,7 @@
 
 namespace surfit {
 
+// Projection of a point, or of one point per lane. u and v are unspecified if is_seen is false.
 template <typename Scalar>
 struct LensPixel {
   using Truth = decltype(Scalar() > Scalar());
@@ -53,6 +54,7 @@ class Lens {
   Scalar fx_, fy_, cx_, cy_, k1_, k2_, p1_, p2_, k3_;
 };
 
+// True if the point is visible and at most half a pixel outside the outermost pixel centres.
 template <typename Scalar>
 typename LensPixel<Scalar>::Truth IsInImage(const PinholeCamera& camera,
                                             const LensPixel<Scalar>& pixel) {
