@@ -8,6 +8,7 @@
 
 namespace surfit {
 
+// Wall time since construction.
 class Stopwatch {
  public:
   double Milliseconds() const {
