@@ -14,6 +14,7 @@
 
 namespace surfit::tools {
 
+// Options of surfit_simulate. Visit() has units, bounds and meanings as help texts.
 struct SimulateOptions {
   std::string output;
   std::string scene = "room";
@@ -41,15 +42,19 @@ struct SimulateOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Error of the inverse depth. All functions throw InputError with the name of the flag.
+// Error of the inverse depth, added to 1/z of the images. All functions throw InputError with the
+// name of the flag.
 InverseDepthField DepthErrorOf(const SimulateOptions& options);
 
+// True camera: 640 x 480 px, subsampled, with the true latencies and readout.
 RgbdCamera TrueCameraOf(const SimulateOptions& options);
 
-// Camera in camera.yaml.
+// Camera in camera.yaml: `camera` with the errors of the options. Times that `camera_yaml_times`
+// does not list are 0.
 RgbdCamera CameraYamlOf(const SimulateOptions& options, RgbdCamera camera);
 
-// True if camera.yaml and the images may not contain all true values.
+// True if camera.yaml and the images may not contain all true values: times, options of colour, or
+// errors of camera.yaml. Errors of the depth alone are not included.
 bool HasUnlistedTruth(const SimulateOptions& options);
 
 }  // namespace surfit::tools
