@@ -21,6 +21,7 @@ class BatchData {
   // All arrays must have the same size, which is not checked.
   explicit BatchData(Arrays arrays) : arrays_(std::move(arrays)) {}
 
+  // Copies the data of functors, one point per functor.
   static BatchData FromFunctors(const std::vector<Functor>& functors) {
     constexpr int kGrain = 4096;
     Arrays arrays;

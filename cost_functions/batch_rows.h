@@ -19,6 +19,7 @@ class BatchRows {
     for (int i = 0; i < kPoseSize; ++i) pose_[i] = V(pose[i]);
   }
 
+  // Residuals at the pose. `data` has Functor::kDataSize values.
   void Residuals(const V* data, V* residuals) const {
     Dual<V, 3> moving[kRows];
     Evaluate(Moved(pose_, data), data, moving);

@@ -17,6 +17,7 @@ class BatchSummer {
               const RobustKernel& kernel)
       : functor_(functor), rows_(functor, pose), data_(data), kernel_(kernel) {}
 
+  // Sums at the pose.
   RowSums Sum(int begin, int end) const {
     return SumBy(begin, end, [&](const V* data, auto& rows) { rows_.Linearize(data, rows); });
   }

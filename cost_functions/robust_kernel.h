@@ -35,6 +35,7 @@ KernelValue<V> EvaluateKernel(const V& s, double width) {
   }
 }
 
+// Selects the kernel type at run time.
 template <typename V>
 KernelValue<V> EvaluateKernel(const RobustKernel& kernel, const V& s) {
   switch (kernel.type) {

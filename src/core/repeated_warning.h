@@ -13,6 +13,7 @@ class RepeatedWarning {
   ~RepeatedWarning();
   RepeatedWarning& operator=(RepeatedWarning&&) = delete;
 
+  // Counts an occurrence, and logs its text if it is one of the first three.
   void Tell(const std::string& text);
 
  private:

@@ -16,6 +16,8 @@ class InverseDepthBand {
  public:
   static constexpr float kMissing = -1e30f;
 
+  // Buffer for images of `width` columns and for up to `rows` rows, plus `margin` pixels on each
+  // side. Call Fill() before row().
   InverseDepthBand(int width, int rows, int margin)
       : width_(width),
         margin_(margin),

@@ -34,6 +34,7 @@ class Lens {
         p2_(Scalar(c.distortion[3])),
         k3_(Scalar(c.distortion[4])) {}
 
+  // Pixel of a point in the camera frame, m.
   LensPixel<Scalar> Project(const Scalar& point_x, const Scalar& point_y,
                             const Scalar& point_z) const {
     const Scalar x = point_x / point_z, y = point_y / point_z;

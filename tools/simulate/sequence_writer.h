@@ -11,6 +11,7 @@
 
 namespace surfit::tools {
 
+// File layout of a written sequence.
 enum class SequenceLayout {
   // rgb.txt, depth.txt, associations.txt (colour first). File names are timestamps.
   kTum,

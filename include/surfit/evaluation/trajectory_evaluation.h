@@ -13,6 +13,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Uniqueness of an alignment.
 enum class AlignmentStatus {
   kAligned,
   // The points are collinear or coincide: other rotations have the same residuals. The transform is
@@ -82,6 +83,7 @@ struct PoseError {
   double rotation_deg = 0;
 };
 
+// Error of a pose. `estimated` and `truth` map the camera to the same frame.
 PoseError ErrorOf(const Rigid3d& estimated, const Rigid3d& truth);
 
 // Interval of the relative pose error.

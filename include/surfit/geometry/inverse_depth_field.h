@@ -24,6 +24,7 @@ struct InverseDepthField {
     return {T(1), x, y, x * x, x * y, y * y};
   }
 
+  // Correction at the ray (x, y, 1), 1/m.
   double At(double x, double y) const {
     const std::array<double, kSize> basis = Basis(x, y);
     double sum = 0;

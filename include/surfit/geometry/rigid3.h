@@ -68,6 +68,7 @@ struct Rigid3 {
   Rigid3(const Eigen::Matrix<Scalar, 3, 3>& r, const Vector3& t)
       : rotation(Eigen::Quaternion<Scalar>(r).normalized()), translation(t) {}
 
+  // Source_from_target. Requires a unit quaternion.
   Rigid3 Inverse() const {
     const Eigen::Quaternion<Scalar> r = rotation.conjugate();
     return Rigid3(r, -(r * translation));

@@ -131,6 +131,7 @@ inline PinholeCamera Mirrored(PinholeCamera camera) {
   return camera;
 }
 
+// Mirrors both cameras and color_from_depth. Other members do not change.
 inline RgbdCamera Mirrored(RgbdCamera camera) {
   camera.depth = Mirrored(camera.depth);
   camera.color = Mirrored(camera.color);

@@ -47,6 +47,7 @@ struct Keyframe {
   PlaceView view;             // empty if removed by LimitKeyframes()
 };
 
+// Options of MakePlaceView().
 struct PlaceViewOptions {
   int max_width = 320;     // maximum width of the images, px; limited by the levels of the pyramid
   int max_features = 500;  // distributed over the image

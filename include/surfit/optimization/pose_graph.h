@@ -89,6 +89,7 @@ struct PoseGraphOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Termination of OptimizePoseGraph().
 enum class PoseGraphTermination {
   kConverged,      // relative change of the cost below the threshold
   kMaxIterations,  // success with the last accepted poses

@@ -102,6 +102,7 @@ struct RefinementOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Termination of Refine().
 enum class RefinementTermination {
   kConverged,      // relative decrease of the cost below the threshold
   kMaxRounds,      // success with the last poses and calibration

@@ -97,6 +97,7 @@ class PoseStore {
   // Per keyframe: index of its frame in frames().
   const std::vector<int>& frame_of_keyframe() const { return frame_of_keyframe_; }
 
+  // Number of submaps, at least 1 after the first keyframe.
   int submap_count() const;
   // Number of submaps without a loop to the first submap.
   std::size_t CountDisconnectedSubmaps() const;

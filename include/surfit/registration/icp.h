@@ -42,8 +42,10 @@ struct IcpOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// "projective", "kd_tree".
 std::vector<std::string> AssociationNames();
 
+// End of a registration, see IcpResult::Succeeded().
 enum class Termination {
   kConverged,           // convergence on the finest level
   kRmseIncreased,       // RMSE rose on the finest level: result is the pose before

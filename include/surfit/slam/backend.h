@@ -57,6 +57,8 @@ struct WorldCorrection {
   std::optional<Recalibration> recalibration;  // change of the calibration for later frames
 };
 
+// Counts since construction, or since Backend::ContinueFrom() for corrections, relocalisations,
+// waits and removed views. Other counts include the continued state.
 struct BackendCounts {
   std::size_t keyframes = 0;
   std::size_t loop_candidates = 0;

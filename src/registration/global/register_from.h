@@ -17,6 +17,7 @@ struct GlobalView {
   bool has_color = false;
 };
 
+// Options of RegisterFrom().
 struct GlobalRegistrationOptions {
   IcpOptions icp_from_start;  // on `pyramid`; the error model also scores fits
   IcpOptions icp;             // on `finest`

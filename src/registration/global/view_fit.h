@@ -16,6 +16,7 @@ struct BrightnessLevel {
   Image<float> detail;  // value minus its local mean: edges and texture without shading
 };
 
+// Computes the detail of an image.
 BrightnessLevel BrightnessOf(Image<float> value);
 
 // Pyramid with `levels` levels. Each level averages 2 x 2 pixels of the previous one, as in

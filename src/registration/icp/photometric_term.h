@@ -41,6 +41,7 @@ struct Exposure {
   float gain = 1;
   float offset = 0;
 
+  // Intensity difference of pair i, not divided by sigma.
   float Residual(const IntensityPairs& pairs, int i) const {
     return pairs.target[i] - (gain * pairs.source[i] + offset);
   }
