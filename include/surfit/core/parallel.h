@@ -8,8 +8,8 @@ namespace surfit {
 
 // Limits the number of computing threads of the process, including the calling thread. Applies to
 // ParallelFor() and RunInBackground() during the lifetime of the object. The smallest of several
-// limits applies. Without a limit, one thread per processor core computes. Threads that the program
-// starts itself are not counted. Also sets OpenCV to one thread, permanently.
+// limits applies. Without a limit, one thread per logical processor computes. Threads that the
+// program starts itself are not counted. Also sets OpenCV to one thread, permanently.
 class ThreadLimit {
  public:
   // Throws InputError unless 1 <= threads <= 1024.
