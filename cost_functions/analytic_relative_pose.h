@@ -20,8 +20,10 @@ inline Eigen::Matrix3d InverseLeftJacobian(const Eigen::Vector3d& w) {
   return Eigen::Matrix3d::Identity() - 0.5 * cross + scale * cross * cross;
 }
 
-// RelativePose with analytic derivatives. With A = world_from_a, B = world_from_b and the
-// measurement M = b_from_a, the error is E = A^-1 B M:
+// RelativePose with analytic derivatives. The parameter blocks are the poses world_from_a and
+// world_from_b (pose.h). The information is symmetric and positive semidefinite, see RelativePose.
+// With A = world_from_a, B = world_from_b and the measurement M = b_from_a, the error is E = A^-1 B
+// M:
 //   E_R = A_R^T B_R M_R,  E_t = A_R^T y,  y = B_R M_t + B_t - A_t.
 // Derivatives by the perturbations of ProductPoseManifold:
 //   A_R -> exp(w) A_R: d log(E_R)/dw = -J A_R^T,  dE_t/dw =  A_R^T [y]x,       dE_t/dA_t = -A_R^T

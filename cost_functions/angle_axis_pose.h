@@ -7,8 +7,8 @@
 
 namespace surfit {
 
-// Adapts a functor of a pose block to the parameters [wx wy wz tx ty tz]: rotation vector and
-// translation. Needs no manifold. Singular at |w| = 2 pi.
+// Adapts a functor of a pose block (pose.h) to one block [wx wy wz tx ty tz] of six parameters. The
+// rotation vector w is in rad, the translation t in m. Needs no manifold. Singular at |w| = 2 pi.
 template <typename Functor>
 struct WithAngleAxisPose {
   explicit WithAngleAxisPose(Functor functor_of_pose) : functor(std::move(functor_of_pose)) {}

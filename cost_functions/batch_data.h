@@ -10,16 +10,18 @@
 
 namespace surfit {
 
-// Data of N functors of one type (point_functor.h), as a structure of arrays with elements S.
+// Data of all points of one functor type (point_functor.h), as a structure of arrays with elements
+// S. Array i has the value data[i] of each point.
 template <typename Functor, typename S>
 class BatchData {
  public:
   using Arrays = std::array<RawVector<S>, Functor::kDataSize>;
 
   BatchData() = default;
-  // All arrays must have the same size.
+  // All arrays must have the same size, which is not checked.
   explicit BatchData(Arrays arrays) : arrays_(std::move(arrays)) {}
 
+  // Copies the data of functors, one point per functor.
   static BatchData FromFunctors(const std::vector<Functor>& functors) {
     constexpr int kGrain = 4096;
     Arrays arrays;

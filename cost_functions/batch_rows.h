@@ -7,7 +7,7 @@
 namespace surfit {
 
 // Evaluates residuals r and rows [J r] of a functor (point_functor.h). J: Jacobian by the left
-// perturbation (w, v). V: SIMD type, one point per lane.
+// perturbation (w, v), in the order of row_sums.h. V: SIMD type, one point per lane.
 template <typename Functor, typename V>
 class BatchRows {
  public:
@@ -19,6 +19,7 @@ class BatchRows {
     for (int i = 0; i < kPoseSize; ++i) pose_[i] = V(pose[i]);
   }
 
+  // Residuals at the pose. `data` has Functor::kDataSize values.
   void Residuals(const V* data, V* residuals) const {
     Dual<V, 3> moving[kRows];
     Evaluate(Moved(pose_, data), data, moving);

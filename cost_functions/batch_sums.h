@@ -7,7 +7,9 @@
 
 namespace surfit {
 
-// Sums over the rows of a batch (BatchRows). Keeps references to functor and data.
+// Sums over the rows of the points [begin, end) of a batch (BatchRows), as defined in row_sums.h.
+// Residuals are in standard deviations, so the information is 1. Keeps references to functor and
+// data.
 template <typename V, typename Functor, typename S>
 class BatchSummer {
  public:
@@ -15,6 +17,7 @@ class BatchSummer {
               const RobustKernel& kernel)
       : functor_(functor), rows_(functor, pose), data_(data), kernel_(kernel) {}
 
+  // Sums at the pose.
   RowSums Sum(int begin, int end) const {
     return SumBy(begin, end, [&](const V* data, auto& rows) { rows_.Linearize(data, rows); });
   }
@@ -26,6 +29,7 @@ class BatchSummer {
     });
   }
 
+  // Sum of rho(s): twice the cost.
   double Rho(int begin, int end) const {
     double sum = 0;
     SumByLanes<V, V>(
@@ -85,6 +89,7 @@ Sum SumBatch(const Functor& functor, const BatchData<Functor, S>& data, const do
       });
 }
 
+// Sums over all points at a pose block (pose.h).
 template <typename Functor, typename S>
 RowSums SumRows(const Functor& functor, const BatchData<Functor, S>& data, const double* pose,
                 const RobustKernel& kernel) {
@@ -93,6 +98,7 @@ RowSums SumRows(const Functor& functor, const BatchData<Functor, S>& data, const
   });
 }
 
+// Like SumRows() at the identity, without rounding errors of the moved points.
 template <typename Functor, typename S>
 RowSums SumRowsAtStart(const Functor& functor, const BatchData<Functor, S>& data,
                        const RobustKernel& kernel) {
@@ -101,6 +107,7 @@ RowSums SumRowsAtStart(const Functor& functor, const BatchData<Functor, S>& data
       [](const auto& summer, int begin, int end) { return summer.SumAtStart(begin, end); });
 }
 
+// Sum of rho(s) over all points at a pose block: twice the cost.
 template <typename Functor, typename S>
 double SumRho(const Functor& functor, const BatchData<Functor, S>& data, const double* pose,
               const RobustKernel& kernel) {

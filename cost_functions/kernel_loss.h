@@ -6,8 +6,8 @@
 
 namespace surfit {
 
-// Robust kernel as a loss function for Ceres. The second derivative is set to 0, because Ceres
-// ignores negative second derivatives.
+// Robust kernel as a loss function for Ceres. Residuals must be in standard deviations. The second
+// derivative is set to 0, because Ceres ignores negative second derivatives.
 class KernelLoss final : public ceres::LossFunction {
  public:
   explicit KernelLoss(const RobustKernel& kernel) : kernel_(kernel) {}

@@ -33,7 +33,7 @@ class OwnResidual {
   virtual void FillRows(const Pairs<float>& pairs, int begin, int end, float* rows) const = 0;
   virtual void FillRows(const Pairs<double>& pairs, int begin, int end, double* rows) const = 0;
 
-  // Residual block of all correspondences, in standard deviations.
+  // Residual block of all correspondences, in standard deviations. The arrays have exact size.
   virtual Block Reduced(Pairs<float> pairs, const RobustKernel& kernel) const = 0;
   virtual Block Reduced(Pairs<double> pairs, const RobustKernel& kernel) const = 0;
 
@@ -42,11 +42,12 @@ class OwnResidual {
   virtual Cost OfPair(const Pairs<double>& pairs, int i) const = 0;
 };
 
-// Adds a residual with its name to ResidualTypeNames(). Not thread-safe: call before any
-// registration. Throws InputError if the name is empty or already used.
+// Adds a residual with its name to ResidualTypeNames(), until the process ends. Not thread-safe:
+// call before any registration. Throws InputError if the name is empty or already used.
 void RegisterResidual(const std::string& name, std::unique_ptr<const OwnResidual> residual);
 
-// OwnResidual of a functor (point_functor.h). The data size of the functor selects its data:
+// OwnResidual of a functor (point_functor.h), which must be default-constructible. The data size of
+// the functor selects its data:
 // - 7: p, q, 1 / sigma,
 // - 10: p, q, target normal n, 1 / sigma,
 // - 13: p, q, n, source normal m, 1 / sigma; m is rotated by the pose if kTurned is 9.
@@ -127,6 +128,7 @@ class FunctorResidual final : public OwnResidual {
   }
 };
 
+// Registers a FunctorResidual. For example: RegisterResidual<MyResidual>("my_residual").
 template <typename Functor>
 void RegisterResidual(const std::string& name) {
   RegisterResidual(name, std::make_unique<FunctorResidual<Functor>>());

@@ -14,8 +14,8 @@ inline constexpr int kFieldBegin = 4;
 inline constexpr int kReadout = kFieldBegin + static_cast<int>(InverseDepthField::kSize);
 inline constexpr int kCalibrationSize = kReadout + 1;
 
-// Camera motion at an image row. A row is read s T after the middle of the readout, with s in
-// [-1/2, 1/2] and the readout time T.
+// Camera motion at an image row, in the camera frame. A row is read s T after the middle of the
+// readout, with s in [-1/2, 1/2] and the readout time T.
 struct RowMotion {
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // s times the angular velocity, rad/s
   Eigen::Vector3d way = Eigen::Vector3d::Zero();   // s times the linear velocity, m/s

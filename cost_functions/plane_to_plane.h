@@ -6,12 +6,13 @@
 
 namespace surfit {
 
-// Generalized-ICP residual (Segal, Haehnel and Thrun 2009): r = U (R p + t - q), three rows,
-// with U^T U = C^-1. C = C_q + R C_p R^T is the covariance of the difference of two points on
-// planes. As in the paper, C is constant during a solve.
+// Generalized-ICP residual (Segal, Haehnel and Thrun 2009): r = U (R p + t - q), three rows, with
+// U^T U = C^-1 and (R, t) = target_from_source. C = C_q + R C_p R^T is the covariance of the
+// difference of two points on planes. As in the paper, C is constant during a solve.
 struct PlaneToPlane : PointFunctor<PlaneToPlane, 12, 3> {
   PlaneToPlane() = default;  // without data, for batches
-  // p in the source frame, q in the target frame, m. Covariance C in the target frame, m^2.
+  // p in the source frame, q in the target frame, m. Covariance C in the target frame, m^2,
+  // positive definite.
   PlaneToPlane(const Eigen::Vector3d& p, const Eigen::Vector3d& q,
                const Eigen::Matrix3d& covariance) {
     Set(0, p);

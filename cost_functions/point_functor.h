@@ -6,8 +6,9 @@
 
 namespace surfit {
 
-// Base of functors of one source point p, stored in data[0] to data[2]. A functor defines
-// residuals of the moved point y = R p + t:
+// Base of functors of one source point p, stored in data[0] to data[2]. The parameter block is a
+// pose (pose.h) with rotation R and translation t. A functor defines residuals of the moved point y
+// = R p + t:
 //   template <typename T, typename D> void AtMovedPoint(const T* y, const D* data, T* residuals)
 // The residuals of functors with kTurned >= 0 also depend on a rotated vector m = R
 // data[kTurned, kTurned + 3):

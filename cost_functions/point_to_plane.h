@@ -5,7 +5,7 @@
 namespace surfit {
 
 // r = n . (R p + t - q) / sigma, one row: distance to the plane through q with the unit normal n
-// (Chen and Medioni 1992).
+// (Chen and Medioni 1992). (R, t) = target_from_source.
 struct PointToPlane : PointFunctor<PointToPlane, 10, 1> {
   PointToPlane() = default;  // without data, for batches
   // p in the source frame, q and n in the target frame; p, q and sigma in m.

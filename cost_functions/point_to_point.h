@@ -5,7 +5,7 @@
 namespace surfit {
 
 // r = (R p + t - q) / sigma, three rows: difference to the corresponding point (Besl and McKay
-// 1992).
+// 1992). (R, t) = target_from_source.
 struct PointToPoint : PointFunctor<PointToPoint, 7, 3> {
   PointToPoint() = default;  // without data, for batches
   // p in the source frame, q in the target frame; p, q and sigma in m.

@@ -13,6 +13,7 @@ inline constexpr int kPoseSize = 7;
 inline constexpr int kPoseTangentSize = 6;  // (w [rad], v [m])
 inline constexpr double kIdentityBlock[kPoseSize] = {0, 0, 0, 1, 0, 0, 0};
 
+// Does not normalise the quaternion.
 template <typename T>
 Rigid3<T> PoseFromBlock(const T* pose) {
   return Rigid3<T>(Eigen::Quaternion<T>(pose[3], pose[0], pose[1], pose[2]),
@@ -25,7 +26,7 @@ void PoseToBlock(const Rigid3<T>& pose, T* block) {
   for (int i = 0; i < 3; ++i) block[4 + i] = pose.translation[i];
 }
 
-// result = a x b.
+// result = a x b. `result` must be another array than a and b.
 template <typename A, typename B, typename T>
 void Cross(const A* a, const B* b, T* result) {
   result[0] = a[1] * b[2] - a[2] * b[1];
@@ -43,7 +44,8 @@ void TurnByPose(const T* pose, const D* x, T* result) {
   for (int i = 0; i < 3; ++i) result[i] = pose[3] * twice[i] + across[i];
 }
 
-// result = R x.
+// result = R x, with the rotation R of the pose block. Likewise below. `result` must be another
+// array than x.
 template <typename T, typename D>
 void RotateByPose(const T* pose, const D* x, T* result) {
   TurnByPose(pose, x, result);

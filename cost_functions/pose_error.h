@@ -10,8 +10,9 @@ namespace surfit {
 
 using PoseInformation = Eigen::Matrix<double, 6, 6>;
 
-// Matrix U with U^T U = information: the transposed Cholesky factor, or from the eigenvectors of
-// a singular matrix. Negative eigenvalues are set to 0.
+// Matrix U with U^T U = information, which is symmetric and in the order (rotation, translation):
+// the transposed Cholesky factor, or from the eigenvectors of a singular matrix. Negative
+// eigenvalues are set to 0.
 inline PoseInformation InformationRoot(const PoseInformation& information) {
   const Eigen::LLT<PoseInformation> cholesky(information);
   if (cholesky.info() == Eigen::Success) return cholesky.matrixU();

@@ -12,6 +12,7 @@
 
 namespace surfit {
 
+// Cost function over one pose block that is reduced to the sums of its rows.
 class ReducedBlock : public ceres::CostFunction {
  public:
   // Computes the sums over all rows at the identity, and caches them for Evaluate(). Optional. Must

@@ -5,12 +5,14 @@
 
 namespace surfit {
 
+// Value and derivative of a robust kernel.
 template <typename V>
 struct KernelValue {
   V rho, slope;  // rho(s), rho'(s)
 };
 
-// V: scalar or Lanes. s: squared residual.
+// V: scalar or Lanes. s: squared residual in units of sigma^2. The width must be positive; it has
+// no effect for kNone.
 template <RobustKernelType kType, typename V>
 KernelValue<V> EvaluateKernel(const V& s, double width) {
   using std::log;
@@ -33,6 +35,7 @@ KernelValue<V> EvaluateKernel(const V& s, double width) {
   }
 }
 
+// Selects the kernel type at run time.
 template <typename V>
 KernelValue<V> EvaluateKernel(const RobustKernel& kernel, const V& s) {
   switch (kernel.type) {

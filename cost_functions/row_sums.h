@@ -15,6 +15,7 @@ namespace surfit {
 inline constexpr int kRowColumns = 7;
 inline constexpr int kRowProducts = kRowColumns * (kRowColumns + 1) / 2;
 
+// Sums over points. The last column and row of the products belong to the residual r.
 struct RowSums {
   double product[kRowProducts] = {};  // upper triangle, row by row
   double rho = 0;
@@ -26,6 +27,7 @@ struct RowSums {
   }
 };
 
+// Sum of all lanes in double precision.
 template <typename V>
 double SumOfLanes(const V& lanes) {
   double sum = 0;
@@ -54,6 +56,7 @@ struct RowLanes {
     return weights;
   }
 
+  // Weights of one point per lane, without adding its rows.
   template <int kRows>
   static Weights Weigh(const V (&rows)[kRows][kRowColumns], const V& information,
                        const RobustKernel& kernel, KernelValue<V>* value) {
@@ -64,6 +67,7 @@ struct RowLanes {
     return {s, information * value->slope};
   }
 
+  // Adds the sums of all lanes.
   void AddTo(RowSums* sums) const {
     for (int k = 0; k < kRowProducts; ++k) sums->product[k] += SumOfLanes(product[k]);
     sums->rho += SumOfLanes(rho);

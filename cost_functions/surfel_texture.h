@@ -16,13 +16,13 @@ struct IntensityTap {
 
 using TextureTaps = std::array<IntensityTap, 3>;
 
-// Texture residual of a surfel in a keyframe (after Schoeps, Sattler and Pollefeys, BAD SLAM,
-// CVPR 2019). Two rows r_j = ((I(q_j) - I(q_0)) - a_j) / sigma for j = 1, 2: measured minus
-// expected intensity difference between a point beside the surfel and its centre. Brightness
-// offsets cancel.
+// Texture residual of a surfel in a keyframe (after Schoeps, Sattler and Pollefeys, BAD SLAM, CVPR
+// 2019). Two rows r_j = ((I(q_j) - I(q_0)) - a_j) / sigma for j = 1, 2: measured minus expected
+// intensity difference between a point beside the surfel and its centre. Brightness offsets cancel.
 //
-// The points are displaced by d along the normal n of the surfel. With (R, t) =
-// world_from_camera,
+// The points p_0 (centre), p_1 and p_2 are displaced by d (m) along the normal n of the surfel. The
+// calibration block is that of plane_inverse_depth.h; only fx, fy, cx and cy are used. With (R, t)
+// = world_from_camera,
 //   (x, y, z) = R^T (p_j + d n - t),  q_j = (fx x / z + cx, fy y / z + cy).
 // I is the keyframe image, linearised at the taps.
 class SurfelTexture {

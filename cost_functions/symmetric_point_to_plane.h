@@ -5,9 +5,9 @@
 namespace surfit {
 
 // r = (R p + t - q) . (R m + n) / (2 sigma), one row: distance along the mean of source normal m
-// and target normal n. As Rusinkiewicz 2019, but with the whole rotation applied to the source.
-// It is 0 if both points are on a common plane, sphere or cylinder, so the convergence range is
-// larger.
+// and target normal n. (R, t) = target_from_source. As Rusinkiewicz 2019, but with the whole
+// rotation applied to the source. It is 0 if both points are on a common plane, sphere or cylinder,
+// so the convergence range is larger.
 struct SymmetricPointToPlane : PointFunctor<SymmetricPointToPlane, 13, 1, 9> {
   SymmetricPointToPlane() = default;  // without data, for batches
   // p and its unit normal m in the source frame, q and n in the target frame; p, q and sigma in m.

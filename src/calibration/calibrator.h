@@ -15,9 +15,13 @@
 
 namespace surfit {
 
-// Calibrates the depth camera in background tasks. Each task uses all keyframes so far.
+// Calibrates the depth camera in background tasks. Each task uses all keyframes so far, with every
+// second column and row. Not thread-safe: one thread calls all functions. Call order:
+// AddKeyframe(), then StartTask() if IsTaskDue(), then Take() when task() is due.
 class Calibrator {
  public:
+  // Result of a task. Both vectors have one world_from_camera per keyframe of the task: at its
+  // start, and refined.
   struct Outcome {
     RefinementSummary summary;
     ColorLatency color_latency;
@@ -40,25 +44,30 @@ class Calibrator {
   // Estimated colour latency in addition to RgbdCamera::color_latency_s, s.
   double color_latency_s() const { return color_latency_s_; }
 
-  // Adds a keyframe with measured images, which are copied.
+  // Adds a keyframe with measured images, whose subsampled images are copied. Does nothing if
+  // calibration has ended.
   void AddKeyframe(const RgbdFrame& frame);
+  // Last subsampled keyframe. Null if calibration has ended.
   std::shared_ptr<const RgbdFrame> last_keyframe() const {
     return frames_.empty() ? nullptr : frames_.back();
   }
   // True if a task is running, or if another task will follow.
   bool IsCalibrating() const { return next_count_ > 0 || task_.IsPending(); }
+  // True if no task is running and there are enough keyframes for the next one.
   bool IsTaskDue() const {
     return !task_.IsPending() && next_count_ > 0 && frames_.size() >= next_count_;
   }
-  // `world_from_keyframe` has the poses of all keyframes. `trajectory` has all frames, for the
-  // motion during readout.
+  // Requires IsTaskDue(). `world_from_keyframe` has the poses of all keyframes since the first
+  // AddKeyframe() or ContinueFrom(). `trajectory` has all frames, for the motion during readout.
   void StartTask(std::vector<Rigid3d> world_from_keyframe, const Trajectory& trajectory);
 
   BackgroundTask<Outcome>& task() { return task_; }
-  // Returns the task result, and makes its calibration the current one.
+  // Waits for the task, returns its result, and makes its calibration the current one. Requires a
+  // pending task. Throws the exception of the task.
   Outcome Take();
 
-  // Drops the running task.
+  // Ends calibration: waits for the running task and drops its result. The current calibration
+  // stays.
   void End();
 
  private:

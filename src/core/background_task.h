@@ -30,10 +30,10 @@ class LowPriorityScope {
   std::unique_ptr<State> state_;
 };
 
-// Asynchronous task with low-priority loops, one at a time. With a thread limit of 1, the task runs
-// in Wait() or Take(), unless `always_in_background` is true. The result is due after a fixed
-// number of steps, so that it does not depend on the machine. The destructor waits for a running
-// task.
+// Asynchronous task with low-priority loops, one at a time. One thread calls all functions. Result
+// must be default-constructible. With a thread limit of 1, the task runs in Wait() or Take(),
+// unless `always_in_background` is true. The result is due after a fixed number of steps, so that
+// it does not depend on the machine. The destructor waits for a running task.
 template <typename Result>
 class BackgroundTask {
  public:
@@ -42,7 +42,8 @@ class BackgroundTask {
   ~BackgroundTask() { Drop(); }
   BackgroundTask& operator=(BackgroundTask&&) = delete;
 
-  // Requires that no task is pending.
+  // Starts a task that returns a Result. `due_after_steps` is a number of calls of
+  // IsDueAfterStep(). Requires that no task is pending.
   template <typename Task>
   void Start(int due_after_steps, Task task) {
     steps_left_ = due_after_steps;
@@ -59,9 +60,10 @@ class BackgroundTask {
 
   // True from Start() until Take() or Drop().
   bool IsPending() const { return result_.valid(); }
-  // Returns true if a result is due.
+  // Counts a step. Returns true if a result is due, also if the task is still running.
   bool IsDueAfterStep() { return IsPending() && --steps_left_ <= 0; }
-  // Returns true if a result is due and ready. Ends the low priority of an overdue task.
+  // Counts a step. Returns true if a result is due and ready. Ends the low priority of an overdue
+  // task.
   bool IsReadyAfterStep() {
     if (!IsDueAfterStep()) return false;
     if (!IsAtWork()) return true;
@@ -70,15 +72,17 @@ class BackgroundTask {
   }
   // True if Take() does not wait for another thread.
   bool IsReady() const { return IsPending() && !IsAtWork(); }
+  // True if another thread runs the task.
   bool IsAtWork() const {
     return IsPending() && result_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
   }
+  // Waits for the task, without its low priority. Returns at once if no task is pending.
   void Wait() const {
     if (!IsPending()) return;
     if (spare_time_) spare_time_->Await();
     result_.wait();
   }
-  // Waits for the result. Rethrows exceptions of the task.
+  // Waits for the result. Requires a pending task. Rethrows exceptions of the task.
   Result Take() {
     Wait();
     return result_.get();

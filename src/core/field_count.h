@@ -6,6 +6,8 @@
 
 namespace surfit {
 
+// Number of fields of a struct at compile time, to check that a table lists all fields.
+
 // Converts to any type except the struct itself, so that a copy of the struct is not counted as a
 // field.
 template <typename Struct>

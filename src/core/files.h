@@ -22,9 +22,11 @@ int CreateFileExclusively(const std::string& path);
 // errors.
 int OpenSpecialFile(const std::string& path);
 
+// Writes all bytes. Returns false and sets errno on errors.
 bool WriteAll(int file, const char* bytes, std::size_t count);
 
-// Stream buffer that owns an open file. All writes after an error fail.
+// Stream buffer that owns an open file descriptor. The destructor closes the file without flushing:
+// call Close(). All writes after an error fail.
 class FileBuffer final : public std::streambuf {
  public:
   explicit FileBuffer(int file);
@@ -56,11 +58,12 @@ inline constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max() 
 // files above `most` bytes.
 std::string ReadFile(const std::string& path, std::size_t most = kAnySize);
 
-// Reads a regular file, a pipe or a device. Pipes and devices are limited to 1 GiB.
+// Reads a regular file, a pipe or a device. Waits until a pipe has a writer. Throws InputError with
+// the path for unreadable files. Pipes and devices are limited to 1 GiB.
 std::string ReadFileOrPipe(const std::string& path);
 
-// Reads a JSON file. Throws InputError above 256 MiB or 100 nested brackets, which limits the
-// recursion of the JSON parser.
+// Reads a JSON file as text, without parsing. Throws InputError above 256 MiB or 100 nested
+// brackets, which limits the recursion of the JSON parser.
 std::string ReadJsonText(const std::string& path);
 
 }  // namespace surfit

@@ -4,8 +4,10 @@
 
 namespace surfit {
 
-// Runs the loop at low priority if the calling thread runs a low-priority task that is not awaited.
-// Returns false otherwise, without running the loop. A loop of the low-priority thread is serial.
+// Implements ParallelFor() in tasks of LowPriorityScope. Calls run_block(0 ... block_count - 1) at
+// low priority if the calling thread runs a low-priority task that is not awaited. On the
+// low-priority thread, the loop is serial. Returns true after all blocks, and rethrows an exception
+// of a block. Otherwise returns false without running the loop.
 bool RunLoopAtLowPriority(int block_count, const std::function<void(int)>& run_block);
 
 }  // namespace surfit

@@ -8,12 +8,14 @@
 
 namespace surfit {
 
+// Name of an enum value in options and files. A table is an array of NamedValue.
 template <typename T>
 struct NamedValue {
   const char* name;
   T value;
 };
 
+// Names in the order of the table.
 template <typename T, std::size_t kCount>
 std::vector<std::string> NamesOf(const NamedValue<T> (&choices)[kCount]) {
   std::vector<std::string> names;
@@ -21,6 +23,7 @@ std::vector<std::string> NamesOf(const NamedValue<T> (&choices)[kCount]) {
   return names;
 }
 
+// "unknown" for a value that is not in the table.
 template <typename T, std::size_t kCount>
 std::string NameOf(const T& value, const NamedValue<T> (&choices)[kCount]) {
   for (const NamedValue<T>& choice : choices) {

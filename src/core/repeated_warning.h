@@ -4,7 +4,8 @@
 
 namespace surfit {
 
-// Logs the first three occurrences of a warning. The destructor logs the number of others.
+// Logs the first three occurrences of a warning. The destructor logs the number of others. Not
+// thread-safe.
 class RepeatedWarning {
  public:
   // `what`: plural noun for the final count, e.g. "frames skipped".
@@ -12,6 +13,7 @@ class RepeatedWarning {
   ~RepeatedWarning();
   RepeatedWarning& operator=(RepeatedWarning&&) = delete;
 
+  // Counts an occurrence, and logs its text if it is one of the first three.
   void Tell(const std::string& text);
 
  private:

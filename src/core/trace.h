@@ -9,8 +9,9 @@ namespace surfit {
 class TraceFile;
 
 // Records all slices of the process to a file for ui.perfetto.dev and chrome://tracing ("Trace
-// Event Format"). Times are in microseconds since construction. Slices of other threads must end
-// before the destruction. Without a recorder, a slice costs one atomic load.
+// Event Format"). Times are in microseconds since construction. Slices may end in several threads
+// at the same time. Slices of other threads must end before the destruction. Without a recorder, a
+// slice costs one atomic load.
 class TraceRecorder {
  public:
   // Throws InputError if the file cannot be written. Aborts if another recorder exists.
@@ -25,7 +26,8 @@ class TraceRecorder {
   std::unique_ptr<TraceFile> file_;
 };
 
-// Records its lifetime as a slice of the calling thread.
+// Records its lifetime as a slice of the calling thread, with an optional frame index. Must be
+// constructed and destroyed by one thread.
 class TraceSlice {
  public:
   static constexpr int kNoFrame = -1;
@@ -43,6 +45,7 @@ class TraceSlice {
   std::chrono::steady_clock::time_point begin_;
 };
 
+// Records a slice, and adds its duration to `*sum_ms`, which must outlive this object.
 class StageTimer {
  public:
   StageTimer(const char* name, int frame, double* sum_ms)

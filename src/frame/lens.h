@@ -6,6 +6,7 @@
 
 namespace surfit {
 
+// Projection of a point, or of one point per lane. u and v are unspecified if is_seen is false.
 template <typename Scalar>
 struct LensPixel {
   using Truth = decltype(Scalar() > Scalar());
@@ -33,6 +34,7 @@ class Lens {
         p2_(Scalar(c.distortion[3])),
         k3_(Scalar(c.distortion[4])) {}
 
+  // Pixel of a point in the camera frame, m.
   LensPixel<Scalar> Project(const Scalar& point_x, const Scalar& point_y,
                             const Scalar& point_z) const {
     const Scalar x = point_x / point_z, y = point_y / point_z;
@@ -53,6 +55,7 @@ class Lens {
   Scalar fx_, fy_, cx_, cy_, k1_, k2_, p1_, p2_, k3_;
 };
 
+// True if the point is visible and at most half a pixel outside the outermost pixel centres.
 template <typename Scalar>
 typename LensPixel<Scalar>::Truth IsInImage(const PinholeCamera& camera,
                                             const LensPixel<Scalar>& pixel) {

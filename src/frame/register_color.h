@@ -8,6 +8,8 @@
 
 namespace surfit {
 
+// Position for SampleBilinear(): index of the upper left of four pixels (-1: outside the image),
+// and weights of the right and the lower pixels in 1/256.
 struct BilinearTap {
   std::int32_t index = -1;
   std::uint16_t weight_u = 0;
@@ -51,13 +53,16 @@ inline Rgb8 SampleBilinear(const Image<Rgb8>& image, const BilinearTap& tap) {
 }
 
 // Registers colour to the undistorted, downsampled depth image. A depth pixel with the point x = d
-// ray has the colour at color_from_depth * x = d R ray + t. Occlusion is ignored: background pixels
-// near depth edges can get the colour of the foreground.
+// ray has the colour at color_from_depth * x = d R ray + t. `camera` has the parameters of both
+// cameras. Registered colour is undistorted and downsampled only. Apply() is thread-safe. Occlusion
+// is ignored: background pixels near depth edges can get the colour of the foreground.
 class ColorRegistration {
  public:
   ColorRegistration(const RgbdCamera& camera, int downsample);
 
-  // `color` has the size of the colour camera. `depth_m` has the size of the output.
+  // `color` has the size of the colour camera, or of the depth camera if colour is registered.
+  // `depth_m` (m; 0: missing) has the size of the output. Sizes are not checked. (0, 0, 0) where no
+  // colour is visible.
   Image<Rgb8> Apply(Image<Rgb8> color, const Image<float>& depth_m) const;
 
  private:

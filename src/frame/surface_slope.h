@@ -9,10 +9,9 @@
 namespace surfit {
 
 // Maximum change of inverse depth r (1/m) between neighbouring pixels of a surface; larger changes
-// are depth edges. It is 3 sigma plus r tan(max_slant_rad) / f, the slope of a surface whose
-// normal has this angle to the viewing ray. A pixel has the bounds noise + slant_u r along u and
-// noise
-// + slant_v r along v.
+// are depth edges. It is 3 sigma plus r tan(max_slant_rad) / f, the slope of a surface whose normal
+// has this angle to the viewing ray. A pixel has the bound noise + slant_u r along u, and the bound
+// noise + slant_v r along v.
 struct EdgeBounds {
   EdgeBounds(const DepthSensor& sensor, const PreprocessOptions& options)
       : noise(static_cast<float>(3 * sensor.noise.inverse_depth_sigma)) {
@@ -27,7 +26,8 @@ struct EdgeBounds {
 
 // True, per lane, if the step from offset k - 1 to offset k is within `bound` on both sides. Offset
 // k is k * stride values away. k >= 1. All lanes must be readable at +k and -k. Missing pixels must
-// be InverseDepthBand::kMissing, which is never within the bound.
+// be InverseDepthBand::kMissing. A step between a valid and a missing pixel is never within the
+// bound.
 template <typename V>
 typename V::Mask Continues(const float* at, std::ptrdiff_t stride, int k, const V& bound) {
   const V ahead = V::Load(at + k * stride) - V::Load(at + (k - 1) * stride);
@@ -35,14 +35,17 @@ typename V::Mask Continues(const float* at, std::ptrdiff_t stride, int k, const 
   return Max(abs(ahead), abs(behind)) < bound;
 }
 
+// Slope of inverse depth per lane, in one image direction.
 template <typename V>
 struct SurfaceSlope {
   V value;                 // 1/m per pixel; NaN if not valid
   typename V::Mask valid;  // false: depth edge at the nearest offset
 };
 
-// Least-squares slope of inverse depth in one direction: sum of k (r(+k) - r(-k)) / sum of 2 k^2
-// over the offsets k, up to the first depth edge.
+// Least-squares slope of inverse depth r in one direction:
+//   sum of k (r(+k) - r(-k)) / sum of 2 k^2
+// over the offsets k from 1 to `radius` (at least 1), up to the first depth edge. `at` points to
+// the inverse depth of the first lane, 1/m. All lanes must be readable at +radius and -radius.
 template <typename V>
 SurfaceSlope<V> SlopeAlong(const float* at, std::ptrdiff_t stride, int radius, const V& bound) {
   SurfaceSlope<V> slope;

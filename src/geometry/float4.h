@@ -15,6 +15,7 @@ using Int4 = std::int32_t __attribute__((vector_size(16)));
 
 inline Float4 AllLanes(float x) { return Float4{} + x; }
 
+// Reads four values, without alignment.
 inline Float4 Load4(const float* from) {
   Float4 result;
   std::memcpy(&result, from, sizeof(result));
@@ -24,6 +25,7 @@ inline void Store4(Float4 values, float* to) { std::memcpy(to, &values, sizeof(v
 
 inline Float4 Max(Float4 a, Float4 b) { return a < b ? b : a; }
 
+// Bit k of the result is set if lane k of the mask is true.
 inline unsigned Bits(Int4 mask) {
 #ifdef __SSE2__
   return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(mask)));

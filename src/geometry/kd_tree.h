@@ -15,7 +15,8 @@ namespace surfit {
 // monotonic, so the distance to a box never exceeds the distance to a point in it.
 //
 // The tree stores a copy of the points in spatial order. The rank of a point is its position in
-// this order. Queries in spatial order use the cache well. Queries are thread-safe.
+// this order. Queries in spatial order use the cache well. Queries are thread-safe. An empty tree
+// is valid and finds nothing.
 class KdTree {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -31,6 +32,7 @@ class KdTree {
   explicit KdTree(const std::vector<Eigen::Vector3f>& points);
 
   std::size_t size() const { return order_.size(); }
+  // Index of the input point, by rank.
   const std::vector<std::uint32_t>& order() const { return order_; }
   Eigen::Vector3f Point(std::uint32_t rank) const { return {x_[rank], y_[rank], z_[rank]}; }
 

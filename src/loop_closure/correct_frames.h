@@ -8,15 +8,17 @@
 namespace surfit {
 
 // Computes the corrections of all frame indices from the corrections of the keyframes (new_from_old
-// in the world frame). Between keyframes of a trajectory segment, displacement and rotation are
-// interpolated by frame index. Frames after the last keyframe of a segment move with this keyframe.
-// Indices without a frame have the correction of the previous frame.
+// in the world frame, before the poses are changed). `frames` must not be empty, with ascending
+// indices. `frame_of_keyframe` has positions in `frames`. Between keyframes of a trajectory
+// segment, displacement and rotation are interpolated by frame index. Frames after the last
+// keyframe of a segment move with this keyframe. Indices without a frame have the correction of the
+// previous frame.
 FrameCorrections CorrectionsOfFrames(const std::vector<PosedFrame>& frames,
                                      const std::vector<int>& frame_of_keyframe,
                                      const std::vector<Rigid3d>& new_from_old_of_keyframe);
 
-// Poses of all indices from the first to the last frame. Indices without a frame have the pose of
-// the previous frame.
+// Poses world_from_camera of all indices from the first to the last frame. Empty without frames.
+// Indices without a frame have the pose of the previous frame.
 std::vector<Rigid3d> PosesOfIndices(const std::vector<PosedFrame>& frames);
 
 }  // namespace surfit

@@ -13,16 +13,21 @@
 
 namespace surfit {
 
+// Callback that computes the place view of a keyframe at its first call, and then releases the
+// source.
 ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options);
 
+// Edge of an accepted loop: a is the target keyframe, b the source keyframe.
 PoseGraphEdge LoopEdge(const LoopVerification& attempt, const EdgeNoise& noise);
 
+// New keyframe for a task.
 struct KeyframeForLoops {
   int frame_index = 0;
   double stamp_s = 0;
   ViewOfKeyframe view;
 };
 
+// Input of a task: the keyframes since the last task, and a PoseStore::Snapshot() of all keyframes.
 struct LoopTask {
   std::vector<KeyframeForLoops> added;  // new keyframes
   PoseGraph graph;
@@ -30,23 +35,28 @@ struct LoopTask {
 
 // Result of a task, applied to the pose store by the caller.
 struct LoopOutcome {
-  std::vector<LoopRecord> attempts;
+  std::vector<LoopRecord> attempts;  // all verified candidates, also rejected ones
+  // False: no new loop, or the optimisation failed. The next two vectors are then empty.
   bool optimised = false;
-  std::vector<Rigid3d> world_from_keyframe;
-  std::vector<bool> loops_in_graph;
-  std::size_t removed_views = 0;  // by LimitKeyframes()
+  std::vector<Rigid3d> world_from_keyframe;  // per keyframe of the snapshot
+  std::vector<bool> loops_in_graph;          // per loop edge, including new loops: no outlier
+  std::size_t removed_views = 0;             // by LimitKeyframes()
 };
 
 // Finds loops and optimises the pose graph in background tasks. Owns the keyframe views and their
-// place index. Works on snapshots of the pose store.
+// place index. Works on snapshots of the pose store. Not thread-safe: one thread calls all
+// functions.
 class LoopCloser {
  public:
   // If `always_in_background`, tasks have their own thread even if one thread may compute.
   LoopCloser(const LoopOptions& options, LoopFinder finder, bool always_in_background);
 
-  // Adds the keyframes of a saved state. Call before the first task.
+  // Adds the keyframes of a saved state, in their order. Call before the first task. Keyframes
+  // without a view keep their position.
   void AddSettled(std::vector<Keyframe> keyframes);
 
+  // Starts a task, whose result is due after LoopOptions::delay_frames. Requires that no task is
+  // pending. Get the result by task().Take().
   void Start(LoopTask task);
   BackgroundTask<LoopOutcome>& task() { return task_; }
 

@@ -20,9 +20,10 @@ std::vector<std::string> WithPresentNames(std::vector<std::string> arguments);
 // Explains why a program does not have a flag. Returns an empty text for unknown flags.
 using UnknownFlag = std::function<std::string(const std::string& flag)>;
 
-// Parses the arguments with gflags, after ExpandFlagFiles(). -h is --help, --help=all is --helpfull
-// and --help=GROUP is --helpon=GROUP. Throws InputError for an invalid flag. The message contains
-// the sentence of `unknown`, or the flag with the most similar name.
+// Parses the arguments with gflags. Call order: ExpandFlagFiles(), WithPresentNames(), construction
+// of Flags, ParseCommandLine(), RequestedText(). -h is --help, --help=all is --helpfull and
+// --help=GROUP is --helpon=GROUP. Throws InputError for an invalid flag. The message contains the
+// sentence of `unknown`, or the flag with the most similar name.
 void ParseCommandLine(std::vector<std::string> arguments, const std::vector<FlagHelp>& flags,
                       const UnknownFlag& unknown);
 

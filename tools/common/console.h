@@ -11,6 +11,8 @@ namespace surfit::tools {
 class ProgressLine {
  public:
   ProgressLine();
+  // Shows the text, at most every 0.2 s on a terminal. `last`: always shows the text and ends the
+  // line.
   void Show(const std::string& text, bool last);
   double elapsed_s() const;  // since construction
 

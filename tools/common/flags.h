@@ -10,6 +10,7 @@
 
 namespace surfit::tools {
 
+// Description of a flag for help texts.
 struct FlagHelp {
   std::string name, default_value, help, group;
   bool everyday = false;
@@ -32,10 +33,12 @@ std::string CompletionWords(const std::vector<FlagHelp>& flags);
 // Help of the flags of a table. Default values are the present values of the options.
 std::vector<FlagHelp> Describe(const OptionTable& table);
 
+// True if a field of the table has this flag.
 bool HasFlag(const OptionTable& table, const std::string& flag);
 
 // Flags of a program, from its table of options. Default values are the values of the options at
-// construction.
+// construction. Registers the flags with gflags, which keeps pointers: this object must live until
+// the program ends. Order of calls: constructor, ParseCommandLine(), Apply(), Check().
 class Flags {
  public:
   explicit Flags(OptionTable table);
@@ -43,7 +46,8 @@ class Flags {
 
   // Sets the options whose flags are set. Other options keep their values.
   void Apply() const;
-  // Throws InputError with the name of the first flag with an invalid value.
+  // Throws InputError with the name of the first flag with an invalid value. Constraints between
+  // fields are not checked.
   void Check() const;
 
  private:

@@ -16,6 +16,7 @@ using Json = nlohmann::ordered_json;
 void SetStatistics(const std::string& prefix, const std::string& unit,
                    const ErrorStatistics* statistics, Json* json);
 
+// Values of all flags by name, as numbers, booleans or texts.
 Json FlagsToJson(const OptionTable& options);
 
 // Text of a JSON file: indented, with a line feed at the end. Invalid UTF-8, e.g. in file names, is

@@ -19,6 +19,8 @@ struct Mode {
   std::function<void()> prepare;  // sets options that depend on other options; may be empty
 };
 
+// Mode with default options, which the mode owns. `run` returns the exit code. `prepare` is called
+// between parsing and running.
 template <typename Options>
 Mode MakeMode(const std::string& name, int (*run)(const Options&),
               void (*prepare)(Options*) = nullptr) {
@@ -34,7 +36,8 @@ struct ModeFlag {
   std::string name, help;
 };
 
-// The modes of a program. The command line selects one of them. Default: the first mode.
+// The modes of a program, at least one. The command line selects one of them. Default: the first
+// mode.
 class Modes {
  public:
   // Throws InputError if the flag has an unknown value.

@@ -12,7 +12,8 @@ void PrintIterations(const IcpResult& icp);
 // Prints target_from_source as a 4 x 4 matrix on stdout.
 void PrintPose(const IcpResult& icp);
 
-// Returns the exit code. Prints the value and the constraint of a failed registration on stderr.
+// Returns kDone after a success, otherwise kAlgorithmFailed. Prints the value and the constraint of
+// a failed registration on stderr.
 ExitCode PrintFailure(const IcpResult& icp, const IcpOptions& options);
 
 // Writes the report, and prints its path and its number of surfels. Throws like WriteReport().

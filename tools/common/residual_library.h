@@ -9,11 +9,13 @@ namespace surfit::tools {
 // Shared library with residuals of the user, for programs that register.
 class ResidualLibrary {
  public:
-  // Adds the flag of the library to the options of a program that has a residual flag.
+  // Adds the flag --residual_library to the options of a program that has a residual flag. Returns
+  // other options unchanged. The result refers to this object.
   OptionTable With(const OptionTable& options);
 
-  // Loads the library, if one is set, and calls its registration function. Throws InputError if it
-  // cannot be loaded, or if it registers no residual.
+  // Loads the library, if one is set, and calls its function SurfitRegisterResiduals(). Call after
+  // parsing, before any registration. Throws InputError if it cannot be loaded, or if it registers
+  // no residual.
   void Load() const;
 
  private:

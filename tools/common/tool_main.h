@@ -7,6 +7,7 @@
 
 namespace surfit::tools {
 
+// Exit codes of all programs.
 enum ExitCode { kDone = 0, kBadInput = 1, kAlgorithmFailed = 2, kFaultsFound = 3 };
 
 // Runs a program. Flags are defined by the option table of the selected mode. Default values are

@@ -7,10 +7,11 @@
 
 namespace surfit::tools {
 
+// Options of the jobs of Snakemake.
 struct WorkflowOptions {
-  int cores = 2;
+  int cores = 2;  // for jobs; only with the profile "local"
   std::string profile = "local";
-  bool retry_failed = false;
+  bool retry_failed = false;  // no effect in Workflow: the program deletes receipts of failed jobs
 
   void Visit(OptionVisitor& visitor);
 };
@@ -23,8 +24,8 @@ class Workflow {
   // profile. Throws InputError with the name of the missing one.
   Workflow(const WorkflowOptions& options, const std::string& folder, const std::string& rules);
 
-  // Creates and locks the folder. Throws InputError if this fails, or if another process uses the
-  // folder.
+  // Creates and locks the folder. Call before Run(). Throws InputError if this fails, or if another
+  // process uses the folder.
   void Lock() const;
 
   // Runs the jobs. Returns true if all jobs finished, successfully or not. Otherwise prints an

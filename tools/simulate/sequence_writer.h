@@ -11,6 +11,7 @@
 
 namespace surfit::tools {
 
+// File layout of a written sequence.
 enum class SequenceLayout {
   // rgb.txt, depth.txt, associations.txt (colour first). File names are timestamps.
   kTum,
@@ -40,12 +41,15 @@ class SequenceWriter {
   SequenceWriter(const std::string& folder, SequenceLayout layout, const RgbdCamera& camera,
                  double latency_s);
 
+  // Writes the lists and the ground truth, with one pose per frame. Independent of WriteFrame().
   void WriteLists(const Trajectory& world_from_camera) const;
-  // Writes truth_camera.yaml and truth_color.txt.
+  // Writes truth_camera.yaml and truth_color.txt. The vectors of `truth` have one entry per pose.
   void WriteTruth(const Trajectory& world_from_camera, const SequenceTruth& truth) const;
-  // Links all images of another folder with the same layout into this folder. Returns their number.
+  // Hard-links all images of another folder with the same layout into this folder. Returns their
+  // number.
   int LinkImages(const std::string& folder) const;
-  // Writes the images of frame i. Calls for different frames may run in parallel.
+  // Writes the images of frame i. `stamp_s` is the capture time of depth. Depth in m, 0: missing.
+  // Depth above the 16-bit range becomes missing. Calls for different frames may run in parallel.
   void WriteFrame(int i, double stamp_s, const Image<Rgb8>& color,
                   const Image<float>& depth_m) const;
 

@@ -14,6 +14,7 @@
 
 namespace surfit::tools {
 
+// Options of surfit_simulate. Visit() has units, bounds and meanings as help texts.
 struct SimulateOptions {
   std::string output;
   std::string scene = "room";
@@ -21,35 +22,42 @@ struct SimulateOptions {
   int frames = 200;
   PathOptions path;
   int seed = 4;
-  std::string sensor = "kinect";
-  double inverse_depth_offset = 0;
-  std::vector<double> inverse_depth_distortion;
+  std::string sensor = "kinect";    // or "ideal": exact depth
+  double inverse_depth_offset = 0;  // 1/m, error of 1/z that camera.yaml does not contain
+  std::vector<double> inverse_depth_distortion;  // c1 to c5 of this error, 1/m; empty: 0
   double latency_s = 0;
   double color_latency_s = 0;
   double readout_s = 0;
   ColorOptions color;
+  // Errors of camera.yaml, as (x, y): relative errors of fx and fy, and errors of cx and cy in px.
   std::optional<std::array<double, 2>> camera_yaml_focal_error, camera_yaml_center_error;
+  // Times that camera.yaml contains: latency_s, color_latency_s, readout_s. Other times are 0
+  // there.
   std::vector<std::string> camera_yaml_times;
   int downsample = 1;
-  bool image_y_up = false;
+  bool image_y_up = false;  // SequenceLayout::kIclNuim; requires latency_s = 0
   double surface_grid_m = 0.005;
   int threads = 2;
-  int parts = 1;
-  int part = 0;  // part to render, starting at 1; 0: all
-  bool join = false;
+  int parts = 1;      // number of parts that are rendered separately
+  int part = 0;       // part to render, starting at 1; 0: all
+  bool join = false;  // join the parts and delete their folders; not with `part`
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Error of the inverse depth. All functions throw InputError with the name of the flag.
+// Error of the inverse depth, added to 1/z of the images. All functions throw InputError with the
+// name of the flag.
 InverseDepthField DepthErrorOf(const SimulateOptions& options);
 
+// True camera: 640 x 480 px, subsampled, with the true latencies and readout.
 RgbdCamera TrueCameraOf(const SimulateOptions& options);
 
-// Camera in camera.yaml.
+// Camera in camera.yaml: `camera` with the errors of the options. Times that `camera_yaml_times`
+// does not list are 0.
 RgbdCamera CameraYamlOf(const SimulateOptions& options, RgbdCamera camera);
 
-// True if camera.yaml and the images may not contain all true values.
+// True if camera.yaml and the images may not contain all true values: times, options of colour, or
+// errors of camera.yaml. Errors of the depth alone are not included.
 bool HasUnlistedTruth(const SimulateOptions& options);
 
 }  // namespace surfit::tools

@@ -10,12 +10,13 @@
 namespace surfit::tools {
 
 // Collects points of the exact surface that a sensor observed, in the world frame: the first point
-// in each cube of a grid.
+// in each cube of a grid. Points have normals and colours.
 class SurfaceSampler {
  public:
   explicit SurfaceSampler(double grid_m) : grid_m_(grid_m) {}
 
-  // Adds the exact points of `rendering` at pixels with a measurement. Each row has its own pose.
+  // Adds the exact points of `rendering` at pixels with a measurement (not 0). All images have the
+  // size of `camera`. Needs the colour image. Each row has its own pose.
   void Add(const Rendering& rendering, const Image<float>& measured_depth_m,
            const PinholeCamera& camera, const PoseOfRow& world_from_camera);
   // Adds the points of another sampler with the same grid. The result is the same as with a single

@@ -14,6 +14,7 @@ namespace surfit {
 //
 // Writes directly to devices and pipes, also behind a symbolic link. Throws InputError with the
 // path for other symbolic links, and if writing fails. Exceptions of `write` are passed on.
+// Concurrent calls are safe.
 void WriteFileAtomically(const std::string& path, const std::function<void(std::ostream&)>& write);
 
 // File for records that are appended while a program runs. Each record is written without a buffer.

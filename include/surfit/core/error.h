@@ -29,7 +29,8 @@ void ThrowIf(bool condition, const Parts&... parts) {
   if (condition) throw InputError(parts...);
 }
 
-// Returns the result of `work()`. Prepends "`place`: " to the message of an InputError.
+// Returns the result of `work()`. Prepends "`place`: " to the message of an InputError. Other
+// exceptions are not changed.
 template <typename Work>
 auto WithContext(const std::string& place, const Work& work) {
   try {

@@ -40,8 +40,8 @@ struct Rgb8 {
   friend bool operator!=(Rgb8 x, Rgb8 y) { return !(x == y); }
 };
 
-// Contiguous row-major image. u is the column in [0, width), v is the row in [0, height). Indices
-// are not checked.
+// Contiguous row-major image. u is the column in [0, width), v is the row in [0, height). Sizes
+// must not be negative. Sizes and indices are not checked. A default-constructed image is empty.
 template <typename T>
 class Image {
  public:

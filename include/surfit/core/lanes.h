@@ -34,7 +34,8 @@ struct Avx2Instructions {};
 #endif
 
 // SIMD vector of float or double values, based on the vector types of GCC and Clang. Operators
-// accept scalars. Comparisons return a LaneMask for Select().
+// accept scalars. Comparisons return a LaneMask for Select(). Load() and Store() access kCount = 32
+// / sizeof(S) consecutive values, at any alignment.
 template <typename S, typename Instructions = BaseInstructions>
 struct Lanes;
 

@@ -16,9 +16,13 @@
 
 namespace surfit {
 
-// Options are structs with default member values. Each struct has one table of its fields, void
-// Visit(OptionVisitor& visitor); with names, help texts and constraints. The table is the source of
-// validation, JSON, flags, help texts and Python classes.
+// Tables of options, and the visitors that read or set their values. Options are structs with
+// default member values. Each struct has one table of its fields, void Visit(OptionVisitor&
+// visitor); with names, help texts and constraints. The table is the source of validation, JSON,
+// flags, help texts and Python classes. Example:
+//   void CropOptions::Visit(OptionVisitor& v) {
+//     v.Add(width_px, "width_px", "width of the image", Positive(), AsFlag());
+//   }
 
 // Table entry of a field. The rules are declared below.
 struct Option {
@@ -31,12 +35,12 @@ struct Option {
   double FlagUnit() const;   // field value for a flag value of 1; degrees for angles
   std::string Help() const;  // help text with choices, unit and the meaning of zero
 
-  std::string name, help;
+  std::string name, help;  // of the field; name of the table entry
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
   bool above_min = false, below_max = false;  // the bound is excluded
-  std::string zero, unit;
-  std::vector<std::string> choices;
+  std::string zero, unit;                     // meaning of 0, unit; empty: none
+  std::vector<std::string> choices;           // valid texts; empty: all
   bool required = false, everyday = false, repeatable = false, optional_part = false;
   std::string flag;   // empty: no flag
   std::string group;  // set by OptionVisitor
@@ -70,6 +74,8 @@ OptionRule WithoutFlags(const std::vector<std::string>& flags);
 inline OptionRule NoFlags() { return OnlyFlags({}); }
 OptionRule OptionalPart();  // disables Required() in the part
 
+// Field of another type than those of OptionValue, as text. Valid only during the visit of the
+// field.
 class OptionText {
  public:
   virtual ~OptionText() = default;
@@ -80,10 +86,13 @@ class OptionText {
   virtual void* field() = 0;
 };
 
+// Pointer to a field, to read or set its value.
 using OptionValue =
     std::variant<bool*, int*, std::size_t*, float*, double*, std::string*, OptionText*>;
 
-// Conversion to and from text. Overloads for other types are declared with these types.
+// Conversion to and from text. Overloads for other types are declared with these types. Lists are
+// separated by commas. An empty text is an empty list, or std::nullopt. OptionFromText() throws
+// InputError with the constraint only, without the field name.
 std::string OptionToText(const std::vector<std::string>& names);
 std::string OptionToText(const std::vector<int>& numbers);
 std::string OptionToText(const std::vector<double>& numbers);
@@ -119,7 +128,8 @@ class OptionVisitor {
 
   template <typename T>
   void Add(T& field, const Option& option);
-  // Visits a nested struct of options.
+  // Visits a nested struct of options. Rules of its fields apply, and the rules of `option` for
+  // parts.
   template <typename T>
   void AddPart(T& part, const Option& option) {
     if (!Enter(option, typeid(T), &part)) return;
@@ -137,12 +147,14 @@ class OptionVisitor {
   void AddPart(T& part, const char* name, const std::string& help, const Rules&... rules) {
     AddPart(part, Option(name, help, rules...));
   }
-  // Adds a constraint between fields. `check` throws InputError for a violation.
+  // Adds a constraint between fields. `check` throws InputError for a violation, without the name
+  // of the part. Only the validation calls it.
   virtual void Check(const std::function<void()>& /*check*/) {}
 
  protected:
+  // Called for each field, in the order of the table.
   virtual void Visit(const Option& option, const OptionValue& value) = 0;
-  // Returns true to visit the fields of the part.
+  // Called before a part. Returns true to visit its fields. Leave() follows only in this case.
   virtual bool Enter(const Option& /*part*/, const std::type_info& /*type*/, void* /*field*/) {
     return true;
   }
@@ -172,6 +184,7 @@ OptionTable TableOf(Options* options) {
   return [options](OptionVisitor& visitor) { options->Visit(visitor); };
 }
 
+// Throws InputError for the first invalid option, like Validate().
 void ValidateTable(const OptionTable& table);
 
 // Throws InputError with the field, its value and the constraint for invalid options.
@@ -180,16 +193,18 @@ void Validate(Options options) {
   ValidateTable(TableOf(&options));
 }
 
-// Throws InputError with `name`, the value and the constraint if the value violates a rule.
-// `in_degrees`: the message has angles in degrees.
+// Throws InputError with `name`, the value and the constraint if the value violates a rule. A
+// switch (bool) is always valid. `in_degrees`: the message has angles in degrees.
 void RequireOption(const std::string& name, const Option& option, const OptionValue& value,
                    bool in_degrees = false);
 
 // Flag value as text, without loss of precision. Angles are in degrees.
 std::string FlagText(const Option& option, const OptionValue& value);
 // Parses a text. Throws InputError with the name, the text and the constraint for an invalid text.
+// The field can then have another value.
 void SetText(const std::string& name, const std::string& text, OptionText* value);
 
+// Values of all flags by name, as FlagText(). Options without a flag are omitted.
 std::map<std::string, std::string> TableFlags(const OptionTable& table);
 
 // Values of all flags by name, for example to save them with results.

@@ -8,8 +8,8 @@ namespace surfit {
 
 // Limits the number of computing threads of the process, including the calling thread. Applies to
 // ParallelFor() and RunInBackground() during the lifetime of the object. The smallest of several
-// limits applies. Threads that the program starts itself are not counted. Also sets OpenCV to one
-// thread, permanently.
+// limits applies. Without a limit, one thread per logical processor computes. Threads that the
+// program starts itself are not counted. Also sets OpenCV to one thread, permanently.
 class ThreadLimit {
  public:
   // Throws InputError unless 1 <= threads <= 1024.
@@ -31,11 +31,13 @@ inline constexpr int kRowsPerBlock = 16;
 // Calls body(block_begin, block_end) for the blocks [begin + k * grain, ...) that cover [begin,
 // end). Blocks may run in parallel and in any order, but do not depend on the number of threads.
 // Returns when all blocks are done; at once for an empty range. Rethrows an exception of a block;
-// later blocks may not run then. Aborts if grain <= 0.
+// later blocks may not run then. Calls may be nested, and several threads may call at the same
+// time. Aborts if grain <= 0.
 void ParallelFor(int begin, int end, int grain, const std::function<void(int, int)>& body);
 
 // Sum of body(block_begin, block_end) over the blocks of ParallelFor(); `zero` for an empty range.
 // Values are added in block order, so the sum is bitwise identical for any number of threads.
+// Requires grain > 0.
 template <typename T, typename Body>
 T ParallelSum(int begin, int end, int grain, T zero, const Body& body) {
   if (end <= begin) return zero;
@@ -49,7 +51,8 @@ T ParallelSum(int begin, int end, int grain, T zero, const Body& body) {
 }
 
 // Runs the task on another thread within the limit. Returns immediately. Aborts if ThreadCount() is
-// 1. The task must not throw.
+// 1. The task must not throw. There is no function to wait for it: the caller must keep its data
+// alive and signal its end.
 void RunInBackground(std::function<void()> task);
 
 // Limits OpenMP and OpenBLAS to one thread during the lifetime of the object, so that sums do not

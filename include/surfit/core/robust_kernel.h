@@ -20,7 +20,7 @@ enum class RobustKernelType {
 
 struct RobustKernel {
   RobustKernelType type = RobustKernelType::kNone;
-  double width = 3;  // k, in sigmas
+  double width = 3;  // k, in sigmas; no effect for kNone
 
   void Visit(OptionVisitor& visitor);
 };

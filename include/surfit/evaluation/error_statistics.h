@@ -6,7 +6,7 @@
 namespace surfit {
 
 // Quantile of finite values, linearly interpolated between ranks as in numpy. `share` must be in
-// [0, 1]. Returns 0 without values.
+// [0, 1], which is not checked. Returns 0 without values.
 double Quantile(std::vector<double> values, double share);
 
 // Statistics of a set of errors, in the unit of the errors.

@@ -13,9 +13,11 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Uniqueness of an alignment.
 enum class AlignmentStatus {
   kAligned,
-  // The points are collinear or coincide: other rotations have the same residuals.
+  // The points are collinear or coincide: other rotations have the same residuals. The transform is
+  // one of the minimisers.
   kRotationNotUnique,
   // Fewer than 3 points; the transform is the identity.
   kTooFewPoints,
@@ -81,15 +83,18 @@ struct PoseError {
   double rotation_deg = 0;
 };
 
+// Error of a pose. `estimated` and `truth` map the camera to the same frame.
 PoseError ErrorOf(const Rigid3d& estimated, const Rigid3d& truth);
 
 // Interval of the relative pose error.
 struct RelativePoseErrorOptions {
   enum class Unit {
-    kFrames,   // `delta` is a number of matched poses, as in evo and the TUM scripts
+    // `delta` is a number of matched poses, as in evo and the TUM scripts. Frames without a match
+    // are not included.
+    kFrames,
     kSeconds,  // `delta` is a time in s; pairs may deviate by 10 % of `delta`
   };
-  double delta = 1;
+  double delta = 1;  // positive; an integer for kFrames
   Unit delta_unit = Unit::kFrames;
 
   void Visit(OptionVisitor& visitor);
@@ -128,14 +133,14 @@ struct TrajectoryEvaluation {
   std::optional<RelativePoseError> rpe;
 };
 
-// Computes coverage, ATE and RPE. `frame_stamps_s`: timestamps of all frames of the recording,
-// including lost frames. ATE and RPE are std::nullopt as in their functions. Throws InputError
-// for invalid options.
+// Computes coverage, ATE and RPE. Both trajectories must be ordered by time. `frame_stamps_s`:
+// timestamps of all frames of the recording, including lost frames. ATE and RPE are std::nullopt as
+// in their functions. Throws InputError for invalid options.
 TrajectoryEvaluation EvaluateTrajectory(const Trajectory& ground_truth, const Trajectory& estimate,
                                         const std::vector<double>& frame_stamps_s,
                                         const TrajectoryEvaluationOptions& options);
 
-// Returns the trajectory with `by_s` added to its timestamps.
+// Returns the trajectory with `by_s` (s) added to its timestamps.
 Trajectory WithTimeOffset(Trajectory trajectory, double by_s);
 
 // Time offset between estimate and ground truth, with its ATE.
@@ -165,12 +170,13 @@ struct MountFit {
   Eigen::Vector3d true_body_in_estimated_m = Eigen::Vector3d::Zero();  // m, see FitMount()
   double scale = 1;             // true metres per estimated metre; 1 if not fitted
   bool is_unique = true;        // false: a parameter is not observable on this path
-  AbsoluteTrajectoryError ate;  // residuals of the fit; alignment: R, t
+  AbsoluteTrajectoryError ate;  // residuals of the fit; alignment: R, t, always kAligned
 };
 
 // Fits the lever arm m. Minimises sum |q_i - R (s p_i + R_i m) - t|^2 over R, t, m and, with
 // `fit_scale`, the scale s. The estimate has positions p_i and rotations R_i. The ground truth has
-// positions q_i. Its rotations are not used. Returns std::nullopt for fewer than 3 poses.
+// positions q_i. Its rotations are not used. Returns std::nullopt for fewer than 3 poses. Aborts if
+// a position is not finite.
 std::optional<MountFit> FitMount(const std::vector<MatchedPose>& poses, bool fit_scale);
 
 // Warning text if the lever arm is longer than 5 cm or not unique. Empty otherwise.

@@ -7,8 +7,8 @@
 
 namespace surfit {
 
-// Angular and linear velocity of a camera, in the camera frame. In this frame, a static point X
-// moves by -(turn x X + velocity) per second.
+// Angular and linear velocity of a camera, in the camera frame. A static point X moves by -(angular
+// velocity x X + velocity) per second in this frame.
 struct CameraMotion {
   Eigen::Vector3d angular_velocity_rad_per_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
@@ -17,11 +17,12 @@ struct CameraMotion {
 };
 
 // Constant velocity from the first pose to the second pose in `seconds`, in the camera frame
-// halfway. Zero if seconds <= 0.
+// halfway. Zero if seconds <= 0. The rotation must be less than 180 degrees.
 CameraMotion MotionOver(const Rigid3d& first_from_second, double seconds);
 
-// Velocity at the pose with the time `stamp_s` (within 1e-5 s), from its previous to its next pose.
-// Ignores neighbours more than max_gap_s away. Zero without such a pose or without neighbours.
+// Velocity at the pose with the time `stamp_s` (within 1e-5 s), by MotionOver() from its previous
+// to its next pose. The pose itself replaces a missing neighbour. Neighbours more than max_gap_s
+// away are missing. Zero without such a pose or without neighbours.
 CameraMotion MotionAt(const Trajectory& trajectory, double stamp_s, double max_gap_s = 0.1);
 
 }  // namespace surfit

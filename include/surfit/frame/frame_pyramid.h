@@ -10,7 +10,8 @@
 
 namespace surfit {
 
-// Image of 3-vectors, with one contiguous plane per coordinate.
+// Image of 3-vectors, with one contiguous plane per coordinate. Values are unspecified after
+// Resize(). Indices are not checked.
 struct VectorImage {
   Image<float> x, y, z;
 
@@ -33,8 +34,9 @@ struct VectorImage {
   }
 };
 
-// Vertex and normal map of one resolution, in the camera frame. `noise`: noise of the depth sensor.
-// In a model view, noise of the sensor that is registered to the view.
+// Vertex and normal map of one resolution, in the camera frame. All images have the size of
+// `camera`, except an empty `intensity`. `noise`: noise of the depth sensor. In a model view, noise
+// of the sensor that is registered to the view.
 struct FrameLevel {
   PinholeCamera camera;
   DepthNoise noise;
@@ -42,15 +44,17 @@ struct FrameLevel {
   VectorImage normal;      // unit length, towards the camera; (0, 0, 0): missing
   Image<float> intensity;  // 0: black, 1: white; NaN: unknown; empty image: none
 
+  // No readout, and the default prior.
   DepthSensor sensor() const { return {camera, noise}; }
 };
 
-// Level 0 is the finest. Each further level has half the width and height.
+// Level 0 is the finest. Each further level has half the width and height, rounded down.
 struct FramePyramid {
   std::vector<FrameLevel> levels;
 };
 
-// Model view: predicted depth and normals of the map at a pose.
+// Model view: predicted depth and normals of the map at a pose. ModelRenderer leaves
+// `surface.intensity` empty.
 struct ModelView {
   static constexpr std::int32_t kNoSurfel = -1;
 
@@ -64,7 +68,7 @@ inline float GreyOf(Rgb8 color) {
   return (0.299f * color.r + 0.587f * color.g + 0.114f * color.b) / 255.f;
 }
 
-// Means of blocks of 2 x 2 pixels. NaN if a pixel is NaN.
+// Means of blocks of 2 x 2 pixels. NaN if a pixel is NaN. An odd last column or row is dropped.
 Image<float> HalfResolution(const Image<float>& fine);
 
 // Sets the intensities of all levels from a colour image of the finest level. (0, 0, 0) is a

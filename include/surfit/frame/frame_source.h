@@ -59,13 +59,15 @@ struct ReadResult {
   double paused_before_s = 0;
 };
 
-// Sequence of RGB-D frames. Next() must be called by one thread at a time.
+// Sequence of RGB-D frames, from OpenSequence(), OpenLive() or the functions beside them in
+// sequence.h. Next() must be called by one thread at a time.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
+  // Valid as long as the source.
   virtual const SequenceInfo& info() const = 0;
   // Returns the next frame, or std::nullopt at the end. An unreadable frame is a result without
-  // `frame`.
+  // `frame`, and the sequence continues. Live sources wait for the next frame.
   virtual std::optional<ReadResult> Next() = 0;
 };
 

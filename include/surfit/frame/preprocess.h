@@ -9,7 +9,8 @@ namespace surfit {
 class OptionVisitor;
 
 // Options of preprocessing: depth image to vertex and normal maps. All steps use inverse depth: it
-// is linear on planes, and its noise does not depend on the depth.
+// is linear on planes, and its noise does not depend on the depth. The functions below do not
+// validate the options. They run in parallel. Their results do not depend on the number of threads.
 struct PreprocessOptions {
   int filter_radius_px = 2;     // half width of the filter window; 0: no filter
   double filter_cutoff = 4;     // differences beyond this have no filter weight, in sigmas
@@ -23,16 +24,19 @@ struct PreprocessOptions {
 // Edge-preserving depth filter: weighted mean of inverse depth in a square window. The weight
 // decreases with the pixel distance (triangle) and the difference of inverse depth (biweight). It
 // is 0 beyond filter_cutoff. Depth in m. Missing pixels (0) stay missing and have no weight.
+// Returns the input if filter_radius_px is 0.
 Image<float> FilterDepth(const Image<float>& depth_m, const DepthNoise& noise,
                          const PreprocessOptions& options);
 
-// Vertices z * ray(u, v) in the camera frame, m. (0, 0, 0): missing depth.
+// Vertices z * ray(u, v) in the camera frame, m, for depth z in m. (0, 0, 0): missing depth.
 VectorImage VertexMap(Image<float> depth_m, const PinholeCamera& camera);
 
-// Normals of a vertex map, towards the camera. A plane n . X = d has the inverse depth r = (n_x (u
-// - cx)/fx + n_y (v - cy)/fy + n_z) / d, so n ~ (fx r_u, fy r_v, r - (u - cx) r_u - (v - cy) r_v).
-// The gradient (r_u, r_v) is the least-squares slope of symmetric differences up to
-// normal_radius_px, or up to a depth edge. (0, 0, 0) if a direct neighbour is beyond a depth edge.
+// Normals of a vertex map, towards the camera. The map must have the size of `sensor.camera`, which
+// is not checked. A plane n . X = d has the inverse depth
+//   r = (n_x (u - cx)/fx + n_y (v - cy)/fy + n_z) / d,
+// so n ~ (fx r_u, fy r_v, r - (u - cx) r_u - (v - cy) r_v). The gradient (r_u, r_v) is the
+// least-squares slope of symmetric differences up to normal_radius_px, or up to a depth edge.
+// (0, 0, 0) if a direct neighbour is missing, outside the image or beyond a depth edge.
 VectorImage NormalMap(const VectorImage& vertex, const DepthSensor& sensor,
                       const PreprocessOptions& options);
 
@@ -43,7 +47,8 @@ void DropNormalsAtEdges(const PreprocessOptions& options, FrameLevel* surface);
 // inverse depth of 2 x 2 pixels. Pixels behind a depth edge in this block are ignored.
 FrameLevel HalfResolution(const FrameLevel& fine, const PreprocessOptions& options);
 
-// Pyramid of at most `pyramid_levels` levels from a finest level.
+// Pyramid of at most `pyramid_levels` levels from a finest level. Coarser levels have no
+// intensities.
 FramePyramid BuildPyramid(FrameLevel finest, const PreprocessOptions& options);
 
 // Filter, vertex map, normal map and pyramid of a depth image in m. The pyramid has no intensities.

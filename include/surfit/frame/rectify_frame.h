@@ -27,7 +27,8 @@ struct RectifyOptions {
 };
 
 // Converts the images of an RGB-D camera to frames: removes distortion, registers colour to depth
-// and downsamples. Tables are computed once. Rectify() is thread-safe.
+// and downsamples. Tables are computed once. Rectify() is thread-safe. A moved-from object must not
+// be used.
 class FrameRectifier {
  public:
   // Throws InputError for invalid options or cameras, for fy < 0 (see Mirrored() in sensor.h), and
@@ -50,8 +51,8 @@ class FrameRectifier {
   std::unique_ptr<const Tables> tables_;
 };
 
-// Corrects a depth image (m) of an undistorted camera by the field. Depth becomes 0 if the
-// corrected inverse depth is at most InverseDepthField::kMinInverse.
+// Corrects a depth image (m) of an undistorted camera by the field. 0 (missing) stays 0. Depth
+// becomes 0 if the corrected inverse depth is at most InverseDepthField::kMinInverse.
 void CorrectDepth(const PinholeCamera& camera, const InverseDepthField& field,
                   Image<float>* depth_m);
 

@@ -24,6 +24,7 @@ struct InverseDepthField {
     return {T(1), x, y, x * x, x * y, y * y};
   }
 
+  // Correction at the ray (x, y, 1), 1/m.
   double At(double x, double y) const {
     const std::array<double, kSize> basis = Basis(x, y);
     double sum = 0;
@@ -64,6 +65,7 @@ struct DepthCalibration {
   double readout_s = 0;     // RgbdCamera::readout_s
 };
 
+// Exact comparison of all parameters. The image size is not compared.
 inline bool AreSame(const DepthCalibration& a, const DepthCalibration& b) {
   return a.camera.fx == b.camera.fx && a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx &&
          a.camera.cy == b.camera.cy && a.field.coefficients == b.field.coefficients &&
@@ -71,7 +73,8 @@ inline bool AreSame(const DepthCalibration& a, const DepthCalibration& b) {
 }
 
 // Converts a point in the camera frame, m, from one calibration to another. Its pixel and its
-// measured depth do not change. Requires point.z() > 0.
+// measured depth do not change. Requires point.z() > 0. The depth is not limited: it is negative if
+// the corrected inverse depth is negative.
 inline Eigen::Vector3d Recalibrated(const Eigen::Vector3d& point, const DepthCalibration& from,
                                     const DepthCalibration& to) {
   const Eigen::Vector2d pixel = from.camera.Project(point);

@@ -20,7 +20,8 @@ struct PinholeCamera {
 
   bool HasDistortion() const;
 
-  // Throws InputError with the name `what`, the field, its value and the constraint.
+  // Throws InputError with the name `what`, the field, its value and the constraint. Sizes must be
+  // 1 to 16384 px, fx positive, fy not 0, and all numbers finite.
   void Validate(const std::string& what) const;
 
   // Pixel coordinates (u, v) of a point in m with z > 0. The point may be outside the image.

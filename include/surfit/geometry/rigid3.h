@@ -51,7 +51,9 @@ Eigen::Matrix<Scalar, 3, 1> QuaternionLog(const Eigen::Quaternion<Scalar>& q) {
   return v * (Scalar(2) * atan2(norm, real) / norm);
 }
 
-// Rigid transform target_from_source: x_target = rotation * x_source + translation (m).
+// Rigid transform target_from_source: x_target = rotation * x_source + translation (m). The default
+// is the identity. The quaternion must have unit length, which is not checked. Products normalise
+// it.
 template <typename Scalar>
 struct Rigid3 {
   using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
@@ -66,6 +68,7 @@ struct Rigid3 {
   Rigid3(const Eigen::Matrix<Scalar, 3, 3>& r, const Vector3& t)
       : rotation(Eigen::Quaternion<Scalar>(r).normalized()), translation(t) {}
 
+  // Source_from_target. Requires a unit quaternion.
   Rigid3 Inverse() const {
     const Eigen::Quaternion<Scalar> r = rotation.conjugate();
     return Rigid3(r, -(r * translation));

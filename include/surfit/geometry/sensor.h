@@ -50,7 +50,8 @@ struct Disparity {
 };
 
 // Prior of a calibration: standard deviations of the errors of the input values. 0: no prior. The
-// defaults are for a Kinect v1. CameraPreset() has the values of other sensors.
+// defaults are for a Kinect v1. CameraPreset() has the values of other sensors. Estimation uses all
+// members except latency_s, color_translation_m and color_rotation_rad.
 struct CalibrationPrior {
   double focal_relative_sigma = 0.01;    // of fx and fy, relative
   double aspect_relative_sigma = 0.001;  // of fx / fy, relative
@@ -78,7 +79,7 @@ struct DepthSensor {
   double readout_s = 0;  // RgbdCamera::readout_s
   CalibrationPrior prior = {};
 
-  // Throws InputError with the field, its value and the constraint.
+  // Throws InputError with the field, its value and the constraint. A negative fy is valid here.
   void Validate() const;
 };
 
@@ -90,10 +91,10 @@ struct RgbdCamera {
   // `color_from_depth` are then not used.
   bool color_is_registered = true;
   Rigid3d color_from_depth;
-  double depth_units_per_metre = 5000;  // not used with `disparity`
+  double depth_units_per_metre = 5000;  // not used with `disparity`, but must be positive
   Disparity disparity = {};
   DepthNoise noise;
-  double frames_per_second = 30;
+  double frames_per_second = 30;  // for sequences without timestamps
   // Depth latency in s: timestamp minus capture time. The capture time is the middle of exposure
   // and readout. 0: timestamps are capture times. Kinect v1 and Xtion: 0.02, which is half of the
   // readout time plus a few milliseconds for transfer.
@@ -130,6 +131,7 @@ inline PinholeCamera Mirrored(PinholeCamera camera) {
   return camera;
 }
 
+// Mirrors both cameras and color_from_depth. Other members do not change.
 inline RgbdCamera Mirrored(RgbdCamera camera) {
   camera.depth = Mirrored(camera.depth);
   camera.color = Mirrored(camera.color);

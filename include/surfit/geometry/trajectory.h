@@ -13,12 +13,13 @@ struct StampedPose {
   Rigid3d world_from_camera;
 };
 
-// Poses in ascending order of time
+// Poses in ascending order of time. Functions with a trajectory require this order, which is not
+// checked.
 using Trajectory = std::vector<StampedPose>;
 
 // Pose at a time. Interpolates between two poses at most max_gap_s apart: translation linearly,
 // rotation by slerp. Otherwise, returns the nearest pose within max_difference_s, or std::nullopt.
-// An empty trajectory gives std::nullopt.
+// At the time of a pose, returns this pose. An empty trajectory gives std::nullopt.
 std::optional<Rigid3d> InterpolatePose(const Trajectory& trajectory, double stamp_s,
                                        double max_gap_s = 0.1, double max_difference_s = 0.02);
 

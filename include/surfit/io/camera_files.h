@@ -18,7 +18,8 @@ RgbdCamera CameraPreset(const std::string& name);
 
 std::vector<std::string> CameraPresetNames();
 
-// Reads a camera from YAML, as written by cv::FileStorage:
+// Reads a camera from YAML, as written by cv::FileStorage. fy of the result can be negative,
+// see Mirrored(). The keys are:
 //   depth_camera: { width, height, fx, fy, cx, cy, distortion: [ k1, k2, p1, p2, k3 ] }   px
 //   color_camera: { the same keys }          if colour is not registered to depth
 //   color_from_depth: { translation_m: [ x, y, z ], rotation_xyzw: [ x, y, z, w ] }
@@ -31,10 +32,10 @@ std::vector<std::string> CameraPresetNames();
 //   color_latency_s: 0.01                    additional latency of colour
 //   readout_s: 0.033                         rolling-shutter readout
 //   prior: { focal_relative_sigma: 0.01, ... }        fields of CalibrationPrior
-// `depth_camera` is required, and either `depth_units_per_metre` or `disparity`. Missing keys have
-// these defaults: no distortion, the identity for `color_from_depth`, otherwise the defaults of
-// RgbdCamera. Unknown keys are errors. Throws InputError that names the file, the key, the value
-// and the constraint.
+// `depth_camera` is required, and either `depth_units_per_metre` or `disparity`. `color_from_depth`
+// requires `color_camera`. Missing keys have these defaults: no distortion, the identity for
+// `color_from_depth`, otherwise the defaults of RgbdCamera. Unknown keys are errors. Throws
+// InputError that names the file, the key, the value and the constraint.
 RgbdCamera ReadCameraYaml(const std::string& path);
 
 // Reads only the key `inverse_depth_field` of such a file: the correction of its depth. Returns the

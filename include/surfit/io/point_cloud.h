@@ -53,7 +53,8 @@ void WritePcd(const PointCloud& cloud, const std::string& path);
 void WriteSurfelPly(const SurfelMap& map, const std::string& path);
 
 // Reads a file of WriteSurfelPly(). All its properties are required, in any order and of any scalar
-// type. Throws InputError that names the file and the error.
+// type. The file has no at_edge and no color_weight: these members have their default values.
+// Throws InputError that names the file and the error.
 std::vector<Surfel> ReadSurfelPly(const std::string& path);
 
 }  // namespace surfit

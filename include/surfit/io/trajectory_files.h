@@ -13,8 +13,9 @@ namespace surfit {
 // comment.
 
 // Reads a trajectory and sorts it by time. Columns are separated by spaces, tabs or commas.
-// Quaternions are normalised. A file without poses gives an empty trajectory. Throws InputError
-// that names the file, and the line of an error.
+// Quaternions are normalised. Poses with equal timestamps keep their order. Numbers must be finite.
+// A file without poses gives an empty trajectory. Throws InputError that names the file, and the
+// line of an error.
 Trajectory ReadTumTrajectory(const std::string& path);
 
 // Reads the first column of a trajectory, or of an image list such as rgb.txt: timestamps in s,
@@ -26,7 +27,7 @@ std::vector<double> ReadTumStamps(const std::string& path);
 // finite.
 void WriteTumTrajectory(const Trajectory& trajectory, const std::string& path);
 
-// Writes such a file pose by pose.
+// Writes such a file pose by pose. Not thread-safe.
 class TumTrajectoryWriter {
  public:
   // Creates or replaces the file. Throws InputError that names the file if it cannot be written.

@@ -13,6 +13,10 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Verification of loop candidates, and relocalisation. The functions keep no references, and
+// concurrent calls are safe.
+
+// Options of VerifyLoop().
 struct VerifyLoopOptions {
   PreprocessOptions preprocess;  // normals and pyramids of the views
   IcpOptions icp = DefaultIcp();
@@ -28,16 +32,17 @@ struct VerifyLoopOptions {
 // Registers `source` to `target` and verifies the result. Initial poses come from feature
 // correspondences and from the optional prior. All are refined on a coarse level, and the best pose
 // on the finest level. The result states success, or the reason for rejection. It is bitwise
-// identical for any number of threads. The views must not be empty. Throws InputError for invalid
-// options.
+// identical for any number of threads. An empty view gives kNoView. Without enough inlier features
+// and without a prior, the reason is kNoStart. Throws InputError for invalid options.
 GlobalRegistrationResult VerifyLoop(
     const PlaceView& source, const PlaceView& target, const VerifyLoopOptions& options,
     const std::optional<Rigid3d>& target_from_source_prior = std::nullopt);
 
+// Options of FindLoops(). Distances are those of the current pose estimates.
 struct FindLoopsOptions {
   int min_gap = 100;           // minimum difference of the frame indices
   int max_similar = 3;         // maximum number of candidates from place recognition
-  int max_near = 2;            // maximum number of additional candidates by pose
+  int max_near = 2;            // maximum number of additional candidates by pose; 0: none
   double max_near_m = 0.5;     // maximum distance of additional candidates
   double max_near_rad = 0.52;  // maximum rotation of additional candidates: 30 degrees
   VerifyLoopOptions verify;
@@ -47,17 +52,19 @@ struct FindLoopsOptions {
 
 // Returns loop candidates of keyframe `source` among the earlier keyframes. `source` and the
 // numbers in `index` are positions in `keyframes`. Candidates of place recognition come first, by
-// descending similarity. Candidates by pose follow, by ascending distance. Empty without
-// candidates.
+// descending similarity. Candidates by pose follow, by ascending distance: the larger ratio to
+// max_near_m or max_near_rad. A candidate of place recognition within these limits also gets the
+// prior. Keyframes with an empty view are not candidates. Empty without candidates.
 std::vector<LoopCandidate> ProposeLoopCandidates(int source, const std::vector<Keyframe>& keyframes,
                                                  const PlaceIndex& index,
                                                  const FindLoopsOptions& options);
 
-// Verifies all candidates of ProposeLoopCandidates(), in their order. `source` as there. Throws
-// InputError for invalid options.
+// Verifies all candidates of ProposeLoopCandidates(), also after a success, in their order.
+// `source` as there. Rejected candidates are included. Throws InputError for invalid options.
 std::vector<LoopVerification> FindLoops(int source, const std::vector<Keyframe>& keyframes,
                                         const PlaceIndex& index, const FindLoopsOptions& options);
 
+// Options of Relocalize().
 struct RelocalizeOptions {
   int max_candidates = 5;  // maximum number of verified keyframes, by descending similarity
   VerifyLoopOptions verify;
@@ -65,6 +72,7 @@ struct RelocalizeOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Result of Relocalize().
 struct Relocalization {
   static constexpr int kNone = -1;
 
@@ -76,9 +84,9 @@ struct Relocalization {
   bool found() const { return keyframe != kNone; }
 };
 
-// Relocalises a view without a prior pose. Candidates of place recognition are verified until the
-// first success. Without success, Relocalization::keyframe is kNone. Throws InputError for invalid
-// options.
+// Relocalises a view without a prior pose. Numbers in `index` are positions in `keyframes`.
+// Candidates of place recognition are verified until the first success. Without success,
+// Relocalization::keyframe is kNone. Throws InputError for invalid options.
 Relocalization Relocalize(const PlaceView& view, const std::vector<Keyframe>& keyframes,
                           const PlaceIndex& index, const RelocalizeOptions& options);
 

@@ -47,21 +47,23 @@ struct Keyframe {
   PlaceView view;             // empty if removed by LimitKeyframes()
 };
 
+// Options of MakePlaceView().
 struct PlaceViewOptions {
-  int max_width = 320;     // maximum width of the images, px; larger images are halved repeatedly
+  int max_width = 320;     // maximum width of the images, px; limited by the levels of the pyramid
   int max_features = 500;  // distributed over the image
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Makes a view from the finest pyramid level within `max_width`. Features come from `color`, which
-// has the size of the finest pyramid level. Without colour, `color` is empty, and so is
-// PlaceView::features. Throws InputError for invalid options.
+// Makes a view from the finest pyramid level within `max_width`, or from the coarsest level. The
+// pyramid must have a level. Features come from `color`, which has the size of the finest pyramid
+// level. Without colour, `color` is empty, and so is PlaceView::features. Throws InputError for
+// invalid options.
 PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
                         const PlaceViewOptions& options);
 
-// Pyramid of the surfaces of a view. Normals are computed again. Intensities are included if the
-// view has them.
+// Pyramid of the surfaces of a view, which must not be empty. Its finest level has the camera of
+// the view. Normals are computed again. Intensities are included if the view has them.
 FramePyramid PyramidOf(const PlaceView& view, const PreprocessOptions& options);
 
 // Criteria of a new keyframe. One criterion is sufficient. Overlap and number of frames count only
@@ -70,20 +72,21 @@ struct KeyframeOptions {
   double max_distance_m = 0.2;  // distance from the last keyframe
   double max_angle_rad = 0.21;  // rotation from the last keyframe: 12 degrees
   // Minimum OverlapRatio() with the last keyframe. Not used if its view is empty.
-  double min_overlap_ratio = 0.7;
+  double min_overlap_ratio = 0.7;  // in [0, 1]
   // Maximum number of frames since the last keyframe.
   int max_frames = 60;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// True if a frame at `world_from_camera` becomes the keyframe after `last`. `surface`: any level of
-// its pyramid.
+// True if a frame at `world_from_camera` becomes the keyframe after `last`.
+// `surface`: any level of its pyramid.
 bool IsKeyframe(const Keyframe& last, int frame_index, const FrameLevel& surface,
                 const Rigid3d& world_from_camera, const KeyframeOptions& options);
 
 // Ratio of the points of a keyframe that are visible in a camera at `world_from_camera`. Points
-// occluded by `surface` are not visible. 0 if the view of the keyframe is empty.
+// more than 10 % behind `surface` are occluded. Pixels without depth occlude nothing. 0 if the view
+// of the keyframe is empty or has no depth.
 double OverlapRatio(const Keyframe& keyframe, const FrameLevel& surface,
                     const Rigid3d& world_from_camera);
 

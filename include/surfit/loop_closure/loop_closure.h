@@ -38,6 +38,8 @@ inline PoseGraphOptions RobustPoseGraphOptions() {
   return options;
 }
 
+// Options of loop closure and relocalisation. `keyframes` is also used for calibration without loop
+// closure.
 struct LoopOptions {
   bool enabled = false;
   KeyframeOptions keyframes;
@@ -69,12 +71,14 @@ struct LoopOptions {
 };
 
 // Finds and verifies loop closures of keyframe `source`, a position in `keyframes`. The default is
-// FindLoops(). Called in the background thread of loop closure, or in the thread of Slam with one
+// FindLoops(). The targets must be earlier keyframes. LoopCandidate::source of the result is
+// ignored. Called in the background thread of loop closure, or in the thread of Slam with one
 // computing thread. An exception is thrown again by Slam when the result is applied.
 using LoopFinder = std::function<std::vector<LoopVerification>(
     int source, const std::vector<Keyframe>& keyframes, const PlaceIndex& index)>;
 
-// Returns the view of a keyframe, which is computed at the first call. Thread-safe.
+// Returns the view of a keyframe, which is computed at the first call. Thread-safe: concurrent
+// first calls may both compute the view.
 using ViewOfKeyframe = std::function<PlaceView()>;
 
 }  // namespace surfit

@@ -11,6 +11,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of PlaceIndex.
 struct PlaceIndexOptions {
   int tables = 8;                // hash tables of descriptors, each with its own random bits
   int bits = 14;                 // bits of a hash, at most 20
@@ -20,8 +21,9 @@ struct PlaceIndexOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Match of PlaceIndex::Query().
 struct PlaceCandidate {
-  int keyframe = 0;
+  int keyframe = 0;  // number of PlaceIndex::Add()
   // Ratio of the query features that are also in the keyframe, in [0, 1]. Rare features have more
   // weight.
   double similarity = 0;
@@ -35,18 +37,18 @@ class PlaceIndex {
   // Throws InputError for invalid options.
   explicit PlaceIndex(const PlaceIndexOptions& options = {});
 
-  // Adds a keyframe. Aborts if the number is in the index.
+  // Adds a keyframe by its features. Aborts if the number is in the index.
   void Add(int keyframe, const PlaceView& view);
   // Removes a keyframe and rebuilds all tables. Does nothing if the keyframe is not in the index.
   void Remove(int keyframe);
 
   // Returns at most `max_count` keyframes that satisfy `is_wanted`, by descending similarity, then
-  // by number. Empty without matches.
+  // by number. Empty without matches, and for a view without features.
   std::vector<PlaceCandidate> Query(const PlaceView& view, int max_count,
                                     const std::function<bool(int keyframe)>& is_wanted) const;
 
   int keyframe_count() const { return static_cast<int>(keyframes_.size()); }
-  std::size_t Bytes() const;
+  std::size_t Bytes() const;  // memory of the descriptors and their table entries
 
  private:
   struct Entry {
@@ -64,9 +66,10 @@ class PlaceIndex {
 };
 
 // Limits the memory of keyframe views. While it exceeds `max_bytes`, removes the view of the older
-// of the two keyframes with the most similar poses. The keyframe leaves the index, but keeps its
-// pose. Numbers in the index are positions in `keyframes`. Returns the positions in the order of
-// removal.
+// of the two keyframes with the most similar poses. The pose difference is the translation plus 2 m
+// times the rotation in rad. A single remaining view is removed as well. The keyframe leaves the
+// index, but keeps its pose. Numbers in the index are positions in `keyframes`. Returns the
+// positions in the order of removal.
 std::vector<int> LimitKeyframes(std::size_t max_bytes, std::vector<Keyframe>* keyframes,
                                 PlaceIndex* index);
 

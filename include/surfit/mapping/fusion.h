@@ -15,6 +15,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of Fusion, MergeDuplicates() and the active window.
 struct FusionOptions {
   std::string weighting = "confidence";  // "confidence" or "uniform" (weight 1)
   float merge_distance_m = 0.05f;  // maximum distance of point and surfel along the surfel normal
@@ -41,13 +42,13 @@ struct FusionOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Camera motion and readout time of a frame.
+// Camera motion and readout time of a frame, to sample its colours. Default: no motion.
 struct FrameMotion {
   CameraMotion camera;
   double readout_s = 0;  // of depth and colour
 };
 
-// Statistics of one fused frame.
+// Statistics of one fused frame. input_points = merged_points + covered_points + added + refused.
 struct FusionReport {
   int input_points = 0;    // pixels with depth and a normal, also of a neighbour
   int merged_points = 0;   // points that merged with a surfel
@@ -68,11 +69,13 @@ class Fusion {
   explicit Fusion(const FusionOptions& options);
   ~Fusion();
 
-  // Fuses a frame. `surface` is the filtered finest level of `frame`. The measured depth of `frame`
-  // is merged, because the map averages its noise. `surface` gives normals and the noise model.
-  // Points at depth edges use the normal of a neighbour on the same plane, and do not move surfels.
-  // Colours are sampled at the surfel centres, with the camera motion between depth and colour. The
-  // result does not depend on the number of threads. Aborts if the image sizes differ.
+  // Fuses a frame. Frame indices must increase. `surface` is the filtered finest level of `frame`.
+  // The measured depth of `frame` is merged, because the map averages its noise. `surface` gives
+  // normals and the noise model. Points at depth edges use the normal of a neighbour on the same
+  // plane, and do not move surfels. Colours are sampled at the surfel centres, with the camera
+  // motion between depth and colour. New surfels without a colour are grey with color_weight 0. Ids
+  // become invalid. The result does not depend on the number of threads. Aborts if the depth image
+  // and the camera of `surface` differ in size.
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                     const Rigid3d& world_from_camera, const FrameMotion& motion, SurfelMap* map);
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
@@ -81,9 +84,10 @@ class Fusion {
   }
 
   // First frame of the active window: surfels last observed in this frame or later are active.
-  // Minimum of int: all surfels.
+  // Minimum of int: all surfels, until more than active_frames frames are fused.
   int ActiveSince() const;
-  // Restores the state after the fusion of these frames (ascending indices).
+  // Restores the state after the fusion of these frames (ascending indices). Call before the first
+  // Fuse().
   void ContinueAfter(const std::vector<int>& fused_frames);
 
  private:
@@ -93,6 +97,7 @@ class Fusion {
   std::unique_ptr<Workspace> workspace_;
 };
 
+// Options of MergeDuplicates().
 struct DuplicateOptions {
   // Duplicates have more than this number of frames between the last observation of the older and
   // the first observation of the newer surfel.

@@ -12,6 +12,7 @@ class OptionVisitor;
 
 class DiscList;
 
+// Options of ModelRenderer.
 struct RenderOptions {
   // Confidence of a stable surfel (Keller et al., 3DV 2013). Unstable surfels are mostly noise, so
   // they are drawn only in pixels without stable surfels.
@@ -40,8 +41,9 @@ class ModelRenderer {
   ModelRenderer& operator=(ModelRenderer&&) = delete;
 
   // Renders the surfels last observed in frame `active_since` or later, with the camera of
-  // `sensor`. An empty map gives an empty view. The view is bitwise identical for any number of
-  // threads. Aborts if the image has more than 32767 columns or rows.
+  // `sensor`. An empty map gives a view without surfaces. The view has no intensities and keeps no
+  // reference. The view is bitwise identical for any number of threads. Aborts if the image has
+  // more than 32767 columns or rows.
   ModelView Render(const SurfelMap& map, const DepthSensor& sensor, const Rigid3d& world_from_view,
                    int active_since = std::numeric_limits<int>::min());
 
@@ -50,8 +52,8 @@ class ModelRenderer {
   std::vector<DiscList> lists_;  // buffers, one per visible cell
 };
 
-// Surfel colours of a view; (0, 0, 0): no surfel. The map must not have changed since the view was
-// rendered.
+// Surfel colours of a view; (0, 0, 0): no surfel. Surfels without an observed colour are grey. The
+// map must not have changed since the view was rendered.
 Image<Rgb8> ColorsOf(const ModelView& view, const SurfelMap& map);
 
 }  // namespace surfit

@@ -9,7 +9,7 @@
 
 namespace surfit {
 
-// Corrections of the world frame, one per frame, after an optimisation of the poses.
+// Corrections of the world frame, one per frame index, after an optimisation of the poses.
 class FrameCorrections {
  public:
   // new_from_old_world[i] moves surfels that were first seen in frame first_frame + i from the old
@@ -47,7 +47,8 @@ MoveReport MoveMap(const FrameCorrections& corrections, SurfelMap* map);
 
 // Also applies a new calibration. In the frame that saw it first, each surfel keeps its pixel and
 // its measured depth. Surfels less than 1 cm in front of this camera only move rigidly. `moved`
-// counts all surfels. Aborts if recalibration.world_from_camera and `corrections` differ in size.
+// counts all surfels. `corrections` map the world frame of the old poses to that of the new poses.
+// Aborts if recalibration.world_from_camera and `corrections` differ in size.
 MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& recalibration,
                    SurfelMap* map);
 

@@ -142,6 +142,7 @@ struct SurfelBlock {
   void Write(int k, const Surfel& surfel);
   // Updates masks and bounds for surfel k. Not thread-safe.
   void Announce(int k, const Surfel& surfel);
+  // Replaces surfel k by surfel j of another block, with its at_edge bit. Extends the bounds.
   void Take(int k, const SurfelBlock& other, int j);
 
   // Averages surfel k (confidence w) with an observation of weight a. The confidence becomes w + a,

@@ -21,7 +21,7 @@ struct SurfelCell {
 
 // Map of surfels in the world frame, m. Surfels are stored in blocks, and blocks in the cells of a
 // grid, so operations on a view access nearby cells only. Blocks keep their address when the map
-// grows. Not thread-safe for changes.
+// grows. Not thread-safe for changes; concurrent reads are safe.
 //
 // An id is block * SurfelBlock::kCapacity + place. It is valid until a surfel of the same cell is
 // removed. Ids are below id_end(), with gaps (see Has()). Ids are not checked.
@@ -46,7 +46,7 @@ class SurfelMap {
   // appended before.
   void Append(const std::vector<Surfel>& surfels);
 
-  // Like SurfelBlock::Merge(). Also updates the bounds.
+  // Like SurfelBlock::Merge(). Also updates the bounds, but not last_seen.
   void Merge(std::int32_t id, const SurfelObservation& observation, float max_confidence);
 
   // Marks a surfel for RemoveMarked(). Aborts if the id is not in use.
@@ -54,11 +54,12 @@ class SurfelMap {
   // Removes all marked surfels, and returns their number. Ids in the affected cells change.
   std::size_t RemoveMarked();
 
-  // Moves surfels to the cells of their positions. Call after changing positions. Returns the
-  // number of moved surfels. Their ids change.
+  // Moves surfels to the cells of their positions. Call after changing positions. Also removes all
+  // marked surfels. Returns the number of moved surfels. Their ids change.
   std::size_t ReassignCells();
 
-  // Direct access to cells and blocks. The caller must keep masks and bounds consistent.
+  // Direct access to cells and blocks. References to cells are valid until the next Append(). The
+  // caller must keep masks and bounds consistent.
   std::int32_t cell_count() const { return static_cast<std::int32_t>(cells_.size()); }
   SurfelCell& cell(std::int32_t i) { return cells_[i]; }
   const SurfelCell& cell(std::int32_t i) const { return cells_[i]; }

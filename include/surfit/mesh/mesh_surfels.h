@@ -12,6 +12,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of MeshSurfels().
 struct MeshOptions {
   double cell_m = 0.008;  // grid cell size, about the edge length of triangles
   // Approximate standard deviation of the smoothed normals, rad. The radius of the smoothed
@@ -31,6 +32,7 @@ struct MeshOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Statistics of MeshSurfels().
 struct MeshSummary {
   std::size_t components_dropped = 0, triangles_dropped = 0;  // below `min_component_m`
   std::size_t pieces = 0;           // connected components before decimation
@@ -52,9 +54,10 @@ using MeshProgress = std::function<void(const std::string& stage, double share)>
 
 // Computes a triangle mesh from a cloud with normals, in the frame of the cloud, m. The mesh has
 // normals and colours, or is grey if the cloud has no colours. Radii and confidences of the cloud
-// are used if present. Points must be finite (RemoveNonFinite()). Points with a radius of at most
-// 0, or with a normal length outside 0.5 to 2, are ignored. `summary` must not be null. The result
-// does not depend on the number of threads.
+// are used if present. Points must be finite (RemoveNonFinite()). Attributes must have the size of
+// the points. Both are not checked. Points with a radius of at most 0, or with a normal length
+// outside 0.5 to 2, are ignored. `summary` must not be null. The result does not depend on the
+// number of threads.
 //
 // Throws InputError for invalid options, an empty cloud, a cloud without normals, and an empty
 // mesh. Also throws if a point is too far from the origin for the cell size.

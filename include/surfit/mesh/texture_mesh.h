@@ -17,6 +17,7 @@ namespace surfit {
 
 class OptionVisitor;
 
+// Options of TextureMesh().
 struct TextureOptions {
   // Maximum width and height of the texture, px. 0 means no texture, which the caller must handle:
   // TextureMesh() aborts with 0.
@@ -41,6 +42,7 @@ struct TextureFrame {
 };
 
 // Calls its argument with each frame. Must supply the same frames in the same order at every call.
+// A frame is used only during the call of the argument.
 using TextureFrames = std::function<void(const std::function<void(const TextureFrame&)>&)>;
 
 // Texture of a mesh. Vertices at seams have several texture coordinates.
@@ -53,6 +55,7 @@ struct MeshTexture {
   Image<Rgb8> image;
 };
 
+// Statistics of TextureMesh().
 struct TextureSummary {
   int frames = 0, frames_used = 0;   // input frames; frames in the texture
   std::size_t charts = 0;            // connected regions of the texture
@@ -69,9 +72,10 @@ struct TextureSummary {
 // - Few frames are selected, so that there are few seams.
 // - Frames are adapted to the brightness of the vertex colours.
 //
-// Calls `frames` twice, and keeps one frame in memory at a time. The result does not depend on the
-// number of threads. Throws InputError for invalid options, and if the texture is too small for its
-// regions. Aborts if `max_texture_px` is 0, or if the mesh has no normals or colours.
+// Calls `frames` twice, and keeps one frame in memory at a time. Without frames, the texture has
+// the vertex colours. `summary` must not be null. The result does not depend on the number of
+// threads. Throws InputError for invalid options, and if the texture is too small for its regions.
+// Aborts if `max_texture_px` is 0, or if the mesh has no normals or colours.
 MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
                         const TextureOptions& options, TextureSummary* summary);
 

@@ -24,7 +24,8 @@ struct TriangleMesh {
 // element per triangle.
 void KeepTriangles(const std::vector<std::uint8_t>& kept, TriangleMesh* mesh);
 
-// Writes the mesh atomically, by the extension of the path:
+// Writes the mesh atomically, by the extension of the path, with normals and colours if it has
+// them:
 //   .ply  binary little endian: float x y z nx ny nz, uchar red green blue, lists of int
 //   .obj  Wavefront text, with vertex colours in [0, 1] after the positions
 //   .glb  glTF 2.0 in one file, y up: x right, y down and z forward become x, -y and -z; colours

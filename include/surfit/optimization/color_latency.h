@@ -12,10 +12,10 @@ namespace surfit {
 struct ColorLatency {
   double latency_s = 0;
   double sigma_s = 0;  // standard deviation; without an estimate: of the prior
-  int keyframes = 0;   // keyframes used for the estimate
+  int keyframes = 0;   // keyframes that were compared with earlier keyframes
 };
 
-// Keyframe with colour. Does not own the keyframe.
+// Keyframe with colour. Does not own the keyframe, which must outlive this object.
 struct ColoredKeyframe {
   const RefinementKeyframe& keyframe;
   double color_after_s = 0;  // timestamp of colour minus time of the pose
@@ -23,7 +23,8 @@ struct ColoredKeyframe {
 
 // Estimates the colour latency from keyframes of one camera, in the order of time. `camera` must
 // have the size of the keyframe images. The prior has the mean 0 and the standard deviation
-// `prior_sigma_s`. Runs on the calling thread.
+// `prior_sigma_s`. A `prior_sigma_s` of 0 gives the latency 0; it does not switch off the prior.
+// Runs on the calling thread.
 //
 // Minimises the difference of colour between keyframe pairs. A surface point has the coordinates X
 // in the first camera (image I) and Y in the second camera (image J). The cameras move as in

@@ -36,11 +36,11 @@ struct RefinementKeyframe {
   KeyframeImages images;
 };
 
-// Computes the images of a frame at the middle of its readout. `motion`: camera motion during
-// the readout. The images must have the size of `sensor.camera`; colour may be empty. Slopes
-// follow from the normals of preprocessing: n_x / (fx d) per column and n_y / (fy d) per row,
-// with the plane n . X = d. Inverse depth is not filtered, so that its errors are independent
-// per pixel.
+// Computes the images of a frame at the middle of its readout. PreprocessOptions::pyramid_levels
+// has no effect. `motion`: camera motion during the readout. The images must have the size of
+// `sensor.camera`; colour may be empty. Slopes follow from the normals of preprocessing: n_x / (fx
+// d) per column and n_y / (fy d) per row, with the plane n . X = d. Inverse depth is not filtered,
+// so that its errors are independent per pixel.
 KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const DepthSensor& sensor,
                                   const CameraMotion& motion, const PreprocessOptions& options);
 
@@ -48,9 +48,10 @@ KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const DepthSensor& sen
 bool HasMoved(const Rigid3d& a, const Rigid3d& b, double min_translation_m,
               double min_rotation_rad);
 
-// Returns the ascending indices of keyframes: the first pose, and each pose that HasMoved()
-// since the last keyframe. Both thresholds grow until there are at most `max_count` keyframes;
-// 0: no limit. With a limit, the thresholds must be positive. Empty for an empty trajectory.
+// Returns the ascending indices of keyframes in `trajectory`: the first pose, and each pose that
+// HasMoved() since the last keyframe. Both thresholds grow until there are at most `max_count`
+// keyframes; 0: no limit. With a limit, the thresholds must be positive. Empty for an empty
+// trajectory.
 std::vector<std::size_t> ChooseKeyframes(const Trajectory& trajectory, double min_translation_m,
                                          double min_rotation_rad, std::size_t max_count);
 

@@ -89,9 +89,10 @@ struct PoseGraphOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Termination of OptimizePoseGraph().
 enum class PoseGraphTermination {
   kConverged,      // relative change of the cost below the threshold
-  kMaxIterations,  // success with the best poses so far
+  kMaxIterations,  // success with the last accepted poses
   kFailed,         // solver failure, or no "chordal" initial poses; the graph is unchanged
 };
 
@@ -107,7 +108,7 @@ struct PoseGraphIteration {
   double time_ms = 0;     // duration of this iteration
 };
 
-// Result of OptimizePoseGraph().
+// Result of OptimizePoseGraph(). After a failure, costs that were not computed are 0.
 struct PoseGraphSummary {
   PoseGraphTermination termination = PoseGraphTermination::kFailed;
   std::string sparse_backend;
@@ -127,10 +128,10 @@ struct PoseGraphSummary {
   bool Succeeded() const { return termination != PoseGraphTermination::kFailed; }
 };
 
-// Moves the poses of the graph to a local minimum of Cost(), without outlier loop closures. Runs
-// on one thread: equal graphs give bitwise identical poses. A solver failure is a termination,
-// not an exception. An empty graph converges. Throws InputError for an invalid graph or invalid
-// options.
+// Moves the poses of the graph to a local minimum of Cost(), without outlier loop closures. Runs on
+// one thread: equal graphs give bitwise identical poses. `graph` must not be null. A solver failure
+// is a termination, not an exception. An empty graph converges. Throws InputError for an invalid
+// graph or invalid options.
 PoseGraphSummary OptimizePoseGraph(const PoseGraphOptions& options, PoseGraph* graph);
 
 }  // namespace surfit

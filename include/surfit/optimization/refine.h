@@ -16,8 +16,9 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Overrides of RgbdCamera::prior, the prior of the input calibration. std::nullopt: value of the
-// sensor. 0: no prior. Units: see CalibrationPrior.
+// Overrides of RgbdCamera::prior, the prior of the input calibration. 0: no prior. std::nullopt:
+// Refine() uses the default of CalibrationPrior. Call Complete() first to use the prior of the
+// sensor. Units: see CalibrationPrior.
 struct PriorOptions {
   std::optional<double> focal_relative_sigma, aspect_relative_sigma, center_px, inverse_depth_sigma,
       readout_s;
@@ -101,6 +102,7 @@ struct RefinementOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Termination of Refine().
 enum class RefinementTermination {
   kConverged,      // relative decrease of the cost below the threshold
   kMaxRounds,      // success with the last poses and calibration
@@ -143,9 +145,10 @@ struct RefinementSummary {
   // upper limit for keeping the input calibration. Both are 0 if the calibration is not estimated.
   double calibration_distance = 0, calibration_limit = 0;
   bool calibration_kept = false;  // the input calibration is kept
-  // Covariance of each keyframe pose, 6 x 6, for the perturbation (w [rad], v [m]) in exp(w) R
-  // and t + v. 0 for the first keyframe. Infinite diagonal for a keyframe without shared
-  // surfels. Empty after a failure.
+  // Covariance of each keyframe pose, 6 x 6, for the perturbation (w [rad], v [m]) in exp(w) R and
+  // t + v. 0 for the first keyframe. Infinite diagonal for a keyframe without shared surfels. Empty
+  // if the first solution fails. If only the second refinement with the kept calibration fails,
+  // they and `after` belong to the first refinement.
   std::vector<Eigen::MatrixXd> pose_covariances;
   // Fit at the initial poses and at the final poses, each with its own surfels.
   RefinementFit before, after;
@@ -173,10 +176,10 @@ struct RefinementSummary {
 // consecutive keyframes. The estimation of the calibration does not use this prior: tracking may
 // have used a wrong calibration.
 //
-// `given`: input calibration, the mean of the prior. `start`: initial calibration, for example
-// of tracking. Both must have the size of the keyframe images. The result is the same for any
-// number of threads. `progress` must not be empty. It is called after each round, on the calling
-// thread. Throws InputError for invalid options.
+// `keyframes` must be in the order of time. `given`: input calibration, the mean of the prior.
+// `start`: initial calibration, for example of tracking. Both must have the size of the keyframe
+// images. The result is the same for any number of threads. `progress` must not be empty. It is
+// called after each round, on the calling thread. Throws InputError for invalid options.
 RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& given,
                          const DepthCalibration& start, std::vector<RefinementKeyframe>* keyframes,
                          const std::function<void(const RefinementRound&)>& progress);

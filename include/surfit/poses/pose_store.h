@@ -14,6 +14,7 @@ namespace surfit {
 
 // Poses, keyframes, pose graph edges and loop records, and the store that owns them.
 
+// Frame with a pose.
 struct PosedFrame {
   int index = 0;
   double stamp_s = 0;
@@ -31,13 +32,16 @@ struct KeyframeLink {
   static constexpr int kNone = -1;
 };
 
+// Keyframe pair that may be a loop closure.
 struct LoopCandidate {
   int source = 0, target = 0;  // positions of the later and the earlier keyframe
   double similarity = 0;       // similarity by place recognition; 0: candidate by pose
-  // estimate before verification, for candidates by pose
+  // Estimate before verification. std::nullopt: the estimated poses are not near, see FindLoops().
   std::optional<Rigid3d> target_from_source_prior;
 };
 
+// Candidate with its verification. Transforms map the camera of the source keyframe to that of the
+// target keyframe.
 struct LoopVerification {
   LoopCandidate proposal;
   GlobalRegistrationResult verdict;
@@ -81,34 +85,42 @@ class PoseStore {
   const std::vector<PoseGraphEdge>& edges() const { return edges_; }
   const std::vector<LoopRecord>& loops() const { return loops_; }
   std::vector<bool> loops_in_graph() const;  // per verified loop: true if it is no outlier
+  // Poses of all frames.
   Trajectory trajectory() const;
 
   // Frame of the keyframe at a position.
   const PosedFrame& FrameOf(int keyframe) const { return frames_[frame_of_keyframe_[keyframe]]; }
   // Position of the parent; KeyframeLink::kNone without parent.
   int ParentOf(int keyframe) const;
+  // world_from_camera of each keyframe.
   std::vector<Rigid3d> KeyframePoses() const;
   // Per keyframe: index of its frame in frames().
   const std::vector<int>& frame_of_keyframe() const { return frame_of_keyframe_; }
 
+  // Number of submaps, at least 1 after the first keyframe.
   int submap_count() const;
   // Number of submaps without a loop to the first submap.
   std::size_t CountDisconnectedSubmaps() const;
 
-  // Adds a frame of the last keyframe. Its index must be larger than all previous indices.
+  // Adds a frame of the last keyframe. Call MakeKeyframe() directly after the first frame. Its
+  // index must be larger than all previous indices.
   void AddFrame(int index, double stamp_s, const Rigid3d& world_from_camera, int segment);
-  // Makes the last frame a keyframe. `parent` KeyframeLink::kNone: starts a submap.
+  // Makes the last frame a keyframe. `parent` is a keyframe position. KeyframeLink::kNone: starts a
+  // submap.
   void MakeKeyframe(int parent);
+  // Adds an odometry or relocalisation edge between keyframe positions.
   void AddEdge(const PoseGraphEdge& edge) { edges_.push_back(edge); }
-  // Adds a verified or rejected candidate. `edge`: only for verified loops.
+  // Adds a verified or rejected candidate. `edge`: required for verified loops, std::nullopt for
+  // rejected candidates.
   void AddLoop(LoopRecord record, const std::optional<PoseGraphEdge>& edge);
   // Sets the outliers of an optimisation: one flag per verified loop.
   void SetLoopsInGraph(const std::vector<bool>& in_graph);
 
   // Snapshot of the pose graph for a loop task. Its edges precede all later edges, so that results
-  // do not depend on the duration of tasks.
+  // do not depend on the duration of tasks. Pose ids are frame indices, and no pose is fixed.
   PoseGraph Snapshot();
 
+  // Applies corrections of the world frame to all poses. Measurements of edges do not change.
   void Move(const FrameCorrections& corrections);
   // Call after a calibration has moved the frames. See Recalibrate().
   void RecalibrateEdges(const std::vector<Rigid3d>& world_from_keyframe_before) {

@@ -75,7 +75,7 @@ struct AssociationGates {
   void Visit(OptionVisitor& visitor);
 };
 
-// Finds correspondences at one pose. Must not outlive its Association.
+// Finds correspondences at one pose. Must not outlive its Association. Thread-safe.
 class PairFinder {
  public:
   virtual ~PairFinder() = default;
@@ -91,12 +91,14 @@ class PairFinder {
 class Association {
  public:
   virtual ~Association() = default;
-  virtual int source_count() const = 0;    // valid source points
+  virtual int source_count() const = 0;    // valid source points that are used (stride)
   virtual int block_count() const = 0;     // number of blocks of source points
   virtual int block_capacity() const = 0;  // maximum number of values that Find() writes per block
+  // Prepares the search at a pose. Thread-safe.
   virtual std::unique_ptr<const PairFinder> At(const Rigid3d& target_from_source) const = 0;
 
-  // Correspondences of all blocks in block order. Searches in parallel.
+  // Correspondences of all blocks in block order. Searches in parallel. Empty without
+  // correspondences.
   PairBuffer Collect(const Rigid3d& target_from_source) const;
 };
 
@@ -108,8 +110,8 @@ class Association {
 // is used.
 class ProjectiveAssociation final : public Association {
  public:
-  // Stores references: both levels must outlive this object. Aborts if the size of the target
-  // differs from its camera.
+  // Stores references: both levels must outlive this object. Requires row_stride >= 1. Aborts if
+  // the size of the target differs from its camera.
   ProjectiveAssociation(const FrameLevel& source, const FrameLevel& target,
                         const AssociationGates& gates, const ErrorModel& error_model,
                         NeededNormals needed_normals = NeededNormals::kTarget, int row_stride = 1);
@@ -171,10 +173,10 @@ struct KdTreeAssociationOptions {
 };
 
 // Nearest-neighbour data association (Besl and McKay 1992). Moves a source point p by the pose, p'
-// = R p + t, and finds the nearest target point q. The first point of the set wins a tie. A
-// correspondence must have the needed normals and pass the gates. The normal gate needs both
-// normals. Searches start at the match of the previous pose, which changes the speed but not the
-// result.
+// = R p + t, and finds the nearest target point q. The first point of the set wins a tie. Aborts if
+// source_stride < 1. A correspondence must have the needed normals and pass the gates. The normal
+// gate needs both normals. Searches start at the match of the previous pose, which changes the
+// speed but not the result.
 class KdTreeAssociation final : public Association {
  public:
   KdTreeAssociation(SearchablePoints source, SearchablePoints target,

@@ -11,14 +11,17 @@ namespace surfit {
 
 class OptionVisitor;
 
-// View for global registration, without a predicted pose.
+// View for global registration, without a predicted pose. The pyramid must have a level, except for
+// the method identity.
 struct ColoredView {
   FramePyramid pyramid;
   Image<Rgb8> color;  // same pixels as the finest level; empty: no colour
 };
 
-// Acceptance criteria of a global registration, which must all hold. They are strict, because a
-// wrong registration distorts the map, while a rejected registration costs little.
+// Acceptance criteria of a global registration, which must all hold. The order of the tests is:
+// overlap, free space, appearance, registration with its RMSE and inliers, score margin, backward
+// registration. They are strict, because a wrong registration distorts the map, while a rejected
+// registration costs little.
 struct FitCriteria {
   double min_overlap_ratio = 0.3;                // of points on the surface of the other view
   double max_free_space_violation_ratio = 0.03;  // ratio of free-space violations; 1: no limit
@@ -31,7 +34,7 @@ struct FitCriteria {
   double max_sigma_rad = 0.01;         // rotation, in the least certain direction
   double min_score_margin = 0.1;       // score margin: 1 - second-best score / best score
   double max_disagreement_m = 0.01;    // between forward and backward registration
-  double max_disagreement_rad = 0.01;  // pi: no backward registration
+  double max_disagreement_rad = 0.01;  // pi or more: no backward registration
 
   void Visit(OptionVisitor& visitor);
 };
@@ -66,13 +69,13 @@ struct GlobalRegistrationResult {
   double inlier_ratio = 0;
   double rmse_m = 0;
   double overlap_ratio = 0;
-  double free_space_violation_ratio = 0;
+  double free_space_violation_ratio = 0;  // 0 if all registrations failed by ICP
   double value_correlation = 0;
   double detail_correlation = 0;
   double score_margin = 0;
-  double sigma_m = 0, sigma_rad = 0;  // largest standard deviations of the pose
-  double disagreement_m = 0, disagreement_rad = 0;
-  Rigid3d start;  // initial pose of the best registration
+  double sigma_m = 0, sigma_rad = 0;                // largest standard deviations of the pose
+  double disagreement_m = 0, disagreement_rad = 0;  // pi if backward registration failed
+  Rigid3d start;                                    // initial pose of the best registration
   IcpResult icp;  // last registration from `start`; a failure if all failed
 
   bool accepted() const { return reason == GlobalRegistrationReason::kAccepted; }
@@ -126,8 +129,9 @@ IcpOptions GlobalIcpOptions();
 IcpOptions IcpOptionsFromStart(const InitializeOptions& options, const IcpOptions& icp_options);
 
 // Finds initial poses by the method, registers from the best of them, and verifies the best result.
-// The result of `identity` is not verified, and its `information` is 0. Throws InputError for
-// invalid options. A rejected registration is a result, not an error.
+// The result of `identity` is not verified: kAccepted means that ICP succeeded, and its
+// `information` is 0. Aborts if a colour image does not have the size of the finest level. Throws
+// InputError for invalid options. A rejected registration is a result, not an error.
 GlobalRegistrationResult RegisterGlobally(const ColoredView& source, const ColoredView& target,
                                           const InitializeOptions& options,
                                           const IcpOptions& icp_options);
@@ -144,7 +148,7 @@ struct ViewPair {
 // Estimates a rotation about the target camera that aligns brightness and depth of the coarsest
 // level (Gauss-Newton). This is the SO(3) pre-alignment of Whelan et al., ElasticFusion, RSS 2015.
 // A fast initial pose for fast rotations, with a convergence range of some ten degrees. Without
-// colour it uses depth only.
+// colour it uses depth only. Without a common level, it returns the initial pose.
 Rigid3d AlignRotation(const ViewPair& views, const Rigid3d& target_from_source_initial);
 
 }  // namespace surfit

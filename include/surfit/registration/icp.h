@@ -28,13 +28,13 @@ struct IcpOptions {
   double kernel_growth = 1;                 // factor of the robust kernel width per coarser level
   ErrorModel error_model;                   // for the finest level
   // Minimum number of source rows on the finest level; 0: all rows. Every n-th row is used, with
-  // the largest possible n. Intensities use all rows.
+  // the largest possible n. Intensities use all rows. kd_tree uses all points.
   int min_source_rows = 0;
   double min_coarse_step_px = 0;  // coarser levels also end at smaller steps, px of the level
   double min_relative_rmse_change = 1e-3;  // a level ends at smaller relative changes of the RMSE
   double min_increment = 1e-5;             // a level ends at smaller steps, rad and m
   bool stop_at_rmse_increase = true;       // end a level if the RMSE rises and the inliers do not
-  int min_inliers = 200;                   // minimum of correspondences, halved per coarser level
+  int min_inliers = 200;  // minimum of correspondences, halved per coarser level; at least 6
   double min_inlier_ratio = 0.1;       // minimum ratio of correspondences to valid source points
   ObservabilityOptions observability;  // thresholds for observable directions
   double max_free_space_violation_ratio = 1;  // IcpResult::free_space_violation_ratio; 1: no limit
@@ -42,8 +42,10 @@ struct IcpOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// "projective", "kd_tree".
 std::vector<std::string> AssociationNames();
 
+// End of a registration, see IcpResult::Succeeded().
 enum class Termination {
   kConverged,           // convergence on the finest level
   kRmseIncreased,       // RMSE rose on the finest level: result is the pose before
@@ -100,9 +102,10 @@ struct IcpResult {
 // Registers source to target with ICP, coarse to fine over the levels that both have. Each level
 // starts at the final pose of the level before. Photometric residuals require
 // ErrorModel::UsesIntensities() and intensities in both pyramids. The convergence test then uses
-// NormalSystem::JointLoss() instead of the RMSE. The motion along directions that `held` rejects on
-// the finest level is reset to the initial pose. Throws InputError for invalid options. A failed
-// registration is a termination, not an error.
+// NormalSystem::JointLoss() instead of the RMSE. Motion along directions that are unobservable on
+// the finest level by IcpOptions::observability is undone. Without a common level, the result is
+// kTooFewInliers with the initial pose. Keeps no reference. Throws InputError for invalid
+// options. A failed registration is a termination, not an error.
 IcpResult Register(const FramePyramid& source, const FramePyramid& target,
                    const Rigid3d& target_from_source_initial, const IcpOptions& options);
 

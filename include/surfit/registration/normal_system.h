@@ -10,12 +10,13 @@ class OptionVisitor;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-// Photometric part of a NormalSystem. Includes ErrorModel::photometric_weight.
+// Photometric part of a NormalSystem, with the symbols of ErrorModel. w = W rho_I'(s_I) /
+// intensity_sigma^2 is the weight of a point.
 struct PhotometricSystem {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d right_side = Vector6d::Zero();
   double cost = 0;        // 1/2 sum of W rho_I(s_I)
-  double square_sum = 0;  // sum of w r_I^2, in units of sigma^2
+  double square_sum = 0;  // sum of w r_I^2, without unit
   int row_count = 0;
 
   PhotometricSystem& operator+=(const PhotometricSystem& other);
@@ -23,9 +24,10 @@ struct PhotometricSystem {
 
 // Normal equations at the current pose, for the left perturbation (w, v) [rad, m] in the target
 // frame. It moves p' to exp(w) p' + v = p' + w x p' + v + O(w^2). A residual has Jacobian rows a
-// with r(w, v) = a . (w, v) + r; residual_rows.h derives them for each ResidualType. The
-// least-squares increment x solves A^T W A x = -A^T W r. The centre of rotation is the target
-// camera, so the conditioning does not depend on the origin of the world frame.
+// with r(w, v) = a . (w, v) + r; residual_rows.h derives them for each ResidualType. A has the rows
+// of all correspondences, and W is the diagonal matrix of their weights w = rho'(s) / sigma^2
+// (ErrorModel). The least-squares increment x solves A^T W A x = -A^T W r. The centre of rotation
+// is the target camera, so the conditioning does not depend on the origin of the world frame.
 struct NormalSystem {
   Matrix6d hessian = Matrix6d::Zero();     // A^T W A
   Vector6d right_side = Vector6d::Zero();  // -A^T W r
@@ -44,6 +46,7 @@ struct NormalSystem {
   PhotometricSystem photometric;
 
   NormalSystem& operator+=(const NormalSystem& other);
+  // Adds photometric rows to `hessian`, `right_side` and `photometric`.
   void Add(const PhotometricSystem& intensities);
 
   // Weighted mean of |r|^2 in m^2. 0 without correspondences.
@@ -56,7 +59,8 @@ struct NormalSystem {
   }
   double JointCost() const { return cost + photometric.cost; }
 
-  // Square root of the weighted mean of |p'|^2, m. 0 without correspondences.
+  // Square root of the weighted mean of |p'|^2, m: distance of the points from the target camera. 0
+  // without correspondences.
   double RmsDistance() const;
 
   // Spurious information: contribution of normal noise to the Hessian. A row is a = n G with G =
@@ -105,7 +109,8 @@ struct ObservabilityOptions {
 // diagonalises both the Hessian and the threshold matrix.
 Observability Observe(const NormalSystem& system, const ObservabilityOptions& options);
 
-// Least-squares increment in the subspace of observable directions.
+// Least-squares increment (w [rad], v [m]) in the subspace of observable directions. 0 if there are
+// none.
 Vector6d SolveObservable(const NormalSystem& system, const Observability& observability);
 
 // Number of neighbouring points with fully correlated errors: the window size of the depth filter.

@@ -42,7 +42,7 @@ struct StepResult {
 };
 
 // Computes the increment of a pose from correspondences. The increment is 0 along unobservable
-// directions.
+// directions, and without correspondences. Const functions change no state.
 class PoseSolver {
  public:
   explicit PoseSolver(const PoseSolverOptions& options) : options_(options) {}
@@ -63,7 +63,7 @@ class PoseSolver {
   // linearised system.
   virtual bool ReachesMinimum() const { return false; }
 
-  // System and observability at a pose. The increment is 0.
+  // System and observability at a pose, by the sums of Step(). The increment is 0.
   StepResult Describe(const Association& association, const Rigid3d& target_from_source) const;
 
  protected:

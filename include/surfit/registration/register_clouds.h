@@ -44,8 +44,8 @@ IcpResult RegisterClouds(const PointSet& source, const PointSet& target,
 // Options for normals of point clouds.
 //
 // A plane is fitted to the N neighbours of a point within a radius. Above 4 radius_m, each doubling
-// of the radius uses a quarter of the points. With the eigenvalues l0 <= l1
-// <= l2 of their covariance:
+// of the radius uses a quarter of the points. With the eigenvalues l0 <= l1 <= l2 of their
+// covariance:
 // - s = sqrt(l0 N / (N - 3)): deviation of the points from the plane,
 // - sqrt(l0 / l1): relative thickness of the plane,
 // - sqrt(l0 / ((N - 3) l1)) rad: standard deviation of the normal.
@@ -55,11 +55,10 @@ IcpResult RegisterClouds(const PointSet& source, const PointSet& target,
 // and in foliage, get no normal.
 //
 // The search starts at radius_m, or at 2 sigma / max_thickness if that is larger. sigma is the
-// known noise. A smaller start would be wrong, because near
-// neighbours can hide the noise. Depth cameras quantise depth, so distant surfaces consist of
-// layers that look like exact planes across the viewing direction. The deviation of the points
-// along the plane is half the radius, so a plane of noisy points is just thin enough at this
-// radius.
+// known noise. A smaller start would be wrong, because near neighbours can hide the noise. Depth
+// cameras quantise depth, so distant surfaces consist of layers that look like exact planes across
+// the viewing direction. The deviation of the points along the plane is half the radius, so a plane
+// of noisy points is just thin enough at this radius.
 struct CloudNormalOptions {
   double radius_m = 0;                 // initial radius; 0: kSpacings times the point spacing
   double max_growth = 8;               // maximum growth factor of the radius

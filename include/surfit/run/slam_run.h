@@ -24,7 +24,8 @@ struct SlamRunOptions {
   // Ground-truth trajectory in TUM format. Empty: that of the sequence, if it has one.
   std::string groundtruth;
   bool fit_mount = false;  // estimates SlamRunSummary::mount; requires ground truth
-  // Pose of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw.
+  // Pose world_from_camera of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw (m,
+  // unit quaternion).
   std::string initial_pose = "identity";
   // track, or groundtruth: fuse at the ground-truth poses without tracking
   std::string poses = "track";

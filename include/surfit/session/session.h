@@ -49,9 +49,9 @@ struct Session {
   std::int64_t saves = 0;
 };
 
-// Read a session, its runs, or its counts. Throw InputError with the file if the folder is no
-// session of this version, or if another program has locked it. For damaged data, the message names
-// table and row.
+// Read a session, its runs, or its counts. They open the session read-only. Throw
+// InputError with the file if the folder is no session of this version, or if another program has
+// locked it. For damaged data, the message names table and row.
 Session ReadSession(const std::string& folder);
 std::vector<SessionRun> ReadSessionRuns(const std::string& folder);
 SessionCounts CountSession(const std::string& folder);

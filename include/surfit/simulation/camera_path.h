@@ -40,7 +40,8 @@ Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
 // quaternions. Extrapolates with constant velocity before the first and after the last pose.
 class SmoothPath {
  public:
-  // Aborts for an empty trajectory, and unless timestamps increase.
+  // Aborts for an empty trajectory, and unless timestamps increase. A single pose is a constant
+  // pose.
   explicit SmoothPath(Trajectory poses);
 
   // Pose at a time. Bitwise identical to a given pose at its timestamp.

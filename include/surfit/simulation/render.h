@@ -83,7 +83,7 @@ struct KinectOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Simulates the depth of a Kinect from the exact depth:
+// Simulates the depth (m) of a Kinect from the exact depth. With the default options:
 //   z_cm = 35130 / round(35130 / z_cm(u + N(0, 1/2), v + N(0, 1/2)) + N(0, 1/6)).
 // Disparity is interpolated linearly. The angle of incidence is from central differences of depth,
 // so pixels at depth edges are missing, too. 0: missing, in both images. The same seed gives the
@@ -122,8 +122,10 @@ std::vector<Eigen::Vector3f> ColorGains(const std::vector<Eigen::Vector3d>& mean
 // `color_latency_s` earlier, with the pixels of depth and the pose at its capture time.
 class MovingCamera {
  public:
-  // Keeps a reference to the scene. `camera` has the true parameters. Throws InputError for an
-  // invalid camera or invalid options. Aborts for an empty path, and unless timestamps increase.
+  // Keeps a reference to the scene, which must outlive this object. `camera` has the true
+  // parameters. Only its depth camera, readout_s, color_latency_s and frames_per_second have an
+  // effect. Throws InputError for an invalid camera or invalid options. Aborts for an empty path,
+  // and unless timestamps increase.
   MovingCamera(const Scene& scene, const RgbdCamera& camera, const Trajectory& path,
                const ColorOptions& options = {});
 

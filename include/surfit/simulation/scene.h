@@ -69,6 +69,7 @@ struct SceneObject {
   float glow = 0;  // emitted light, in multiples of the reflectance
 };
 
+// Light source with Lambert shading.
 struct PointLight {
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
   float intensity = 1;
@@ -84,11 +85,13 @@ struct SceneHit {
   int face = Shape::kCurved;
 };
 
+// Surface point to be shaded.
 struct ScenePoint {
   SceneHit hit;
   Eigen::Vector3d point_in_world;
 };
 
+// Object that a ray may intersect, see Scene::ObjectsInCone().
 struct RayCandidate {
   int object = 0;
   double distance_m = 0;  // lower bound of the distance from the ray origin
@@ -100,7 +103,8 @@ struct SceneCell {
   std::vector<int> targets;   // indices of Scene::targets
 };
 
-// Coloured solids in m, z up, with lights and camera targets.
+// Coloured solids in m, z up, with lights and camera targets. Const functions are thread-safe if
+// the textures are.
 class Scene {
  public:
   void Add(ShapePtr shape, const Rigid3d& world_from_object, Texture texture, float glow = 0);
@@ -109,10 +113,10 @@ class Scene {
   // Returns the first intersection, or std::nullopt. `direction` need not have unit length.
   std::optional<SceneHit> Intersect(const Eigen::Vector3d& origin,
                                     const Eigen::Vector3d& direction) const;
-  // Like above, for some objects sorted by distance.
+  // Like above, for the objects of `candidates`, sorted by distance as by ObjectsInCone().
   std::optional<SceneHit> Intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                     const std::vector<RayCandidate>& candidates) const;
-  // True if the ray intersects one of the objects at t < 1.
+  // True if an object is between `origin` and `origin` + `direction` (t < 1).
   bool IsBlocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                  const std::vector<RayCandidate>& candidates) const;
 

@@ -24,7 +24,7 @@ namespace surfit {
 struct SlamState : StoredPoses {
   // Views by keyframe. A view is empty if it is not ready, or was removed to limit memory.
   // Relocalisation does not use empty views.
-  std::vector<PlaceView> views;
+  std::vector<PlaceView> views;                 // one per keyframe
   std::optional<DepthCalibration> calibration;  // std::nullopt: input calibration
   double color_latency_s = 0;                   // in addition to RgbdCamera::color_latency_s
   // Keyframes for calibration; empty if the calibration has ended.
@@ -48,7 +48,8 @@ class LoopCloser;
 struct LoopOutcome;
 struct KeyframeForLoops;
 
-// Correction of the world frame by loop closures or a calibration.
+// Correction of the world frame by loop closures or a calibration. The caller moves the map
+// (MoveMap()) and its own poses; the poses of the Backend are already corrected.
 struct WorldCorrection {
   bool moves = false;                            // false: the corrections are the identity
   FrameCorrections corrections{0, {Rigid3d()}};  // by frame index
@@ -57,6 +58,8 @@ struct WorldCorrection {
   std::optional<Recalibration> recalibration;  // change of the calibration for later frames
 };
 
+// Counts since construction, or since Backend::ContinueFrom() for corrections, relocalisations,
+// waits and removed views. Other counts include the continued state.
 struct BackendCounts {
   std::size_t keyframes = 0;
   std::size_t loop_candidates = 0;
@@ -96,8 +99,9 @@ class Backend {
   // exception of a failed task.
   std::vector<WorldCorrection> BeginFrame();
 
-  // Call after each frame with a pose. `frame` has the measured images. `pyramid` has surfaces in
-  // the camera frame, computed with the estimated calibration.
+  // Call after each frame with a pose. `frame` has the measured images. `icp` is the registration
+  // of the frame; it gives the information of the edge of a keyframe. `pyramid` has surfaces in the
+  // camera frame, computed with the estimated calibration.
   void AddFrame(const RgbdFrame& frame, const Rigid3d& world_from_camera, const IcpResult& icp,
                 const FramePyramid& pyramid);
   // Adds a duplicate frame with the pose of the last frame. Requires a last frame. The duplicate
@@ -137,6 +141,7 @@ class Backend {
   double color_latency_s() const;
   const std::vector<CalibrationRecord>& calibrations() const { return calibrations_; }
 
+  // Counts until now.
   BackendCounts counts() const;
 
  private:

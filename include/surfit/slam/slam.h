@@ -58,7 +58,7 @@ struct StageTimes {
   double correct_ms = 0;  // corrections by loop closures and calibrations
 };
 
-// Outcome of a frame.
+// Outcome of a frame. See FrameState for `state`.
 struct FrameReport {
   int index = 0;
   double stamp_s = 0;
@@ -124,7 +124,8 @@ class Slam {
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
   // Replaces FindLoops() for loop closure. Call before OnKeyframe(), because this function removes
-  // the keyframe callback. Aborts if loops are disabled or a frame has a pose.
+  // the keyframe callback. Not possible for a Slam that continues from a state. Aborts if loops are
+  // disabled or a frame has a pose.
   void UseLoopFinder(LoopFinder finder);
 
   // Sets a callback for each new keyframe, called by the thread of Process(). Requires enabled

@@ -21,7 +21,7 @@ struct FeaturePoints {
   int size() const { return static_cast<int>(points.size()); }
 };
 
-// Depth of a pixel, m: median of the valid depths in its neighbourhood; 0: no valid depth.
+// Depth of a pixel, m: median of the valid depths in its 5 x 5 neighbourhood; 0: no valid depth.
 double DepthOfFeature(const Image<float>& depth_m, double u, double v);
 
 // Standard deviation of the image position of a feature, px.
@@ -47,6 +47,7 @@ struct FeatureMatch {
 // still contains outliers.
 std::vector<FeatureMatch> MatchFeatures(const FeaturePoints& source, const FeaturePoints& target);
 
+// Pose that a set of feature matches supports.
 struct Consensus {
   Rigid3d target_from_source;
   std::vector<int> inliers;  // indices of the matches, ascending
@@ -62,8 +63,8 @@ inline constexpr int kConsensusSamples = 20000;
 
 // RANSAC (Fischler and Bolles 1981) with samples of three matches and a fixed seed. Returns up to
 // `max_count` refined poses in descending order of inliers. A pose needs four inliers within three
-// sigmas. Poses that share more than half of their inliers are duplicates. At most `max_tries`
-// samples with equal side lengths in both views are evaluated.
+// sigmas. Empty for fewer than four matches. Poses that share more than half of their inliers are
+// duplicates. At most `max_tries` samples with equal side lengths in both views are evaluated.
 std::vector<Consensus> FindConsensus(const FeaturePoints& source, const FeaturePoints& target,
                                      const std::vector<FeatureMatch>& matches, int max_count,
                                      int max_tries = kConsensusSamples);
@@ -71,15 +72,18 @@ std::vector<Consensus> FindConsensus(const FeaturePoints& source, const FeatureP
 // Brightness (0: black, 1: white). Each level has half the resolution of the previous one.
 using GreyPyramid = std::vector<Image<float>>;
 
+// Pyramid of three levels. `color` must not be empty.
 GreyPyramid MakeGreyPyramid(const Image<Rgb8>& color);
 
 // Corners (Shi and Tomasi 1994) at pixels with valid depth, with a minimum spacing. Returns up to
-// `max_count` corners, the strongest first.
+// `max_count` corners in px, the strongest first. `depth_m` (0: missing) must have the size of the
+// finest level, which is not checked.
 std::vector<Eigen::Vector2f> FindCorners(const GreyPyramid& grey, const Image<float>& depth_m,
                                          int max_count);
 
-// Tracks corners from image to image (Lucas and Kanade 1981; inverse compositional: Baker and
-// Matthews 2004). Works coarse to fine and is invariant to gain and offset of the brightness.
+// Tracks corners (px of the finest level) from image to image of one size (Lucas and Kanade 1981;
+// inverse compositional: Baker and Matthews 2004). Works coarse to fine and is invariant to gain
+// and offset of the brightness.
 class CornerTracks {
  public:
   CornerTracks() = default;
@@ -96,7 +100,8 @@ class CornerTracks {
   // called from several threads.
   void Follow(GreyPyramid next, const Expect& expect);
 
-  // Corners whose patches still match the first image, refined by that match.
+  // Corners whose patches still match the first image, refined by that match. Lost corners are
+  // not removed.
   std::vector<Track> Lasting() const;
 
  private:

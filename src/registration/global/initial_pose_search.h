@@ -20,13 +20,15 @@ struct DescentOptions {
   double damping = 3e-3;  // relative to the information of a well constrained direction
 };
 
+// Options of one linearisation, see DescentOptions.
 struct JointOptions {
   double max_distance_m = 0.4;
   bool use_brightness = true;
   int stride = 1;
 };
 
-// Normal equations of the point-to-plane and brightness residuals at a pose.
+// Normal equations of the point-to-plane and brightness residuals at a pose, for the left
+// perturbation (w [rad], v [m]) in the target frame.
 struct JointSystem {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d right_side = Vector6d::Zero();
@@ -47,10 +49,12 @@ struct JointSystem {
 JointSystem LinearizeJointly(const ViewLevel& source, const ViewLevel& target,
                              const JointOptions& options, const Rigid3d& target_from_source);
 
-// Gauss-Newton iterations from an initial pose.
+// Damped Gauss-Newton iterations from an initial pose target_from_source. Ends early after a small
+// step, or with too few correspondences.
 Rigid3d Descend(const ViewLevel& source, const ViewLevel& target, const Rigid3d& start,
                 const DescentOptions& options);
 
+// Pose with its score.
 struct CandidatePose {
   Rigid3d target_from_source;
   double score = 0;  // ViewFit::Score() on the level of the search
@@ -66,13 +70,15 @@ std::vector<Eigen::Quaterniond> RotationGrid();
 class InitialPoseSearch {
  public:
   // Keeps references: both views must outlive this object. Each pyramid needs at least one level.
+  // Aborts if a colour image does not have the size of the finest level. Const functions are
+  // thread-safe.
   InitialPoseSearch(const ColoredView& source, const ColoredView& target,
                     const ErrorModel& error_model);
 
   // Rotation about the camera centre with the highest score on the coarsest level.
   Rigid3d FindRotation() const;
 
-  // Distinct poses in descending order of their scores.
+  // Up to 8 distinct poses in descending order of their scores. Not empty.
   std::vector<CandidatePose> FindPoses() const;
 
   // Finest of the three levels.

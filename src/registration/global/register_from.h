@@ -7,7 +7,8 @@
 
 namespace surfit {
 
-// Input view of a global registration. References must outlive the registration.
+// Input view of a global registration. Each pyramid needs at least one level. References must
+// outlive the registration.
 struct GlobalView {
   const FramePyramid& pyramid;  // registered from all initial poses
   // For the final registration of the best pose. No final registration if it is `pyramid` itself.
@@ -16,6 +17,7 @@ struct GlobalView {
   bool has_color = false;
 };
 
+// Options of RegisterFrom().
 struct GlobalRegistrationOptions {
   IcpOptions icp_from_start;  // on `pyramid`; the error model also scores fits
   IcpOptions icp;             // on `finest`
@@ -27,18 +29,20 @@ struct GlobalRegistrationOptions {
 // 2. final registration on the finest level,
 // 3. score margin over other poses: other initial poses, and shifts along the weakest direction,
 // 4. backward registration.
-// The result extends `verdict`.
+// The result extends `verdict`, which has the feature counts. Without initial poses, the reason is
+// kNotRegistered.
 GlobalRegistrationResult RegisterFrom(const std::vector<Rigid3d>& starts, const GlobalView& source,
                                       const GlobalView& target,
                                       const GlobalRegistrationOptions& options,
                                       const GlobalRegistrationResult& verdict = {});
 
-// True if two poses are equal within the tolerance of a registration.
+// True if two poses are equal within the tolerance of a registration: 4 cm and 2 degrees.
 bool AreSame(const Rigid3d& a, const Rigid3d& b);
 
-// Covariance of a fit with systematic errors. Registration assumes independent residuals, but
-// filters correlate neighbouring pixels. Calibration errors are common to both views, so more
-// points do not reduce them. The disagreement of forward and backward registration is added, too.
+// Covariance (w [rad], v [m]) of a fit with systematic errors. Registration assumes independent
+// residuals, but filters correlate neighbouring pixels. Calibration errors are common to both
+// views, so more points do not reduce them. The disagreement of forward and backward registration
+// is added, too.
 Matrix6d RealisticCovariance(const Matrix6d& covariance, double disagreement_rad,
                              double disagreement_m);
 

@@ -10,15 +10,18 @@
 
 namespace surfit {
 
+// Brightness of one pyramid level.
 struct BrightnessLevel {
   Image<float> value;   // 0: black, 1: white
   Image<float> detail;  // value minus its local mean: edges and texture without shading
 };
 
+// Computes the detail of an image.
 BrightnessLevel BrightnessOf(Image<float> value);
 
 // Pyramid with `levels` levels. Each level averages 2 x 2 pixels of the previous one, as in
-// HalfResolution(). All values are 0 without colour.
+// HalfResolution(). All values are 0 without colour. Aborts if a colour image does not have this
+// size.
 std::vector<BrightnessLevel> BrightnessPyramid(const Image<Rgb8>& color, int width, int height,
                                                int levels);
 
@@ -117,12 +120,13 @@ inline constexpr double kFreeSpaceSigmas = 5;
 double FreeSpaceViolationRatio(const FrameLevel& source, const FrameLevel& target,
                                const ErrorModel& error_model, const Rigid3d& target_from_source);
 
+// Sums for the correlation of two images a and b.
 struct CorrelationSums {
   double count = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 
   void Add(double value_a, double value_b);
   // Correlation from -1 to 1. `floor_variance` is added to both variances, so that the result is
-  // near 0 for uniform images.
+  // near 0 for uniform images. 0 without values.
   double Correlation(double floor_variance) const;
 };
 
@@ -141,8 +145,9 @@ struct ViewFit {
   double Score() const;
 };
 
-// Evaluates every stride-th row and column of both views. Surfaces overlap if their distance is
-// within kFreeSpaceSigmas and their normals agree.
+// Evaluates every stride-th row and column of both views. Value and detail must have the size of
+// the surface. All ratios are 0 without valid points. Surfaces overlap if their distance is within
+// kFreeSpaceSigmas and their normals agree.
 ViewFit MeasureFit(const ViewLevel& source, const ViewLevel& target, const ErrorModel& error_model,
                    const Rigid3d& target_from_source, int stride = 1);
 

@@ -23,6 +23,7 @@ NormalSystem Linearize(const Pairs<S>& pairs, ResidualType residual, const Robus
 template <typename S>
 NormalSystem LinearizeWithoutProducts(const Pairs<S>& pairs, ResidualType residual,
                                       const RobustKernel& kernel);
+// Adds the products of rows, and sets the cost.
 void SetProducts(const RowSums& sums, NormalSystem* system);
 void SetProducts(const RowSums& sums, PhotometricSystem* system);
 
@@ -36,7 +37,7 @@ PhotometricSystem Linearize(const IntensityPairs& pairs, const PhotometricTerm& 
 PhotometricSystem Linearize(const PhotometricTerm& term, const Rigid3d& target_from_source);
 
 // Kernel of the error model. With estimate_scale, the width is multiplied by the estimated standard
-// deviation of these pairs.
+// deviation of these pairs, at least 1e-3.
 template <typename S>
 RobustKernel KernelFor(const Pairs<S>& pairs, ResidualType residual, const ErrorModel& error_model);
 
@@ -54,9 +55,9 @@ struct IcpLevel {
 // convergence tolerance of iterative solvers follows from the tolerance of the level.
 PoseSolverOptions SolverOptions(const IcpOptions& options, const ErrorModel& error_model);
 
-// Iterates from result->target_from_source until termination. On the finest level, degenerate
-// directions are handled after that. The motion since the start along these directions is undone,
-// and the iterations continue along the constrained directions.
+// Iterates from result->target_from_source until termination, and extends `result`. On the finest
+// level, degenerate directions are handled after that. The motion since the start along these
+// directions is undone, and the iterations continue along the constrained directions.
 void RunLevel(const IcpLevel& level, const IcpOptions& options, IcpResult* result);
 
 }  // namespace surfit

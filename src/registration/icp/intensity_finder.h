@@ -7,7 +7,8 @@
 
 namespace surfit {
 
-// Input of an IntensityFinder. Keeps references.
+// Input of an IntensityFinder. Keeps a reference to the target, which has intensities and vertices
+// of the size of its camera.
 struct IntensitySearch {
   const FrameLevel& target;
   Rigid3d target_from_source;
@@ -27,8 +28,8 @@ class IntensityFinder {
     if (search.max_distance_m > 0) max_distance_ = V(search.max_distance_m);
   }
 
-  // Writes the pairs of all points from index `first`. Returns the number of pairs. The arrays need
-  // space for all points plus one vector of lanes.
+  // Writes the pairs of all points from index `first`. Returns the number of pairs, without
+  // changing pairs->size. The arrays need space for all points plus one vector of lanes.
   int Find(const TexturedPoints& points, int first, IntensityPairs* pairs) const {
     const int count = static_cast<int>(points.x.size());
     int next = first;

@@ -4,7 +4,8 @@
 
 namespace surfit {
 
-// User-defined residual with the name of the type; null for a built-in residual.
+// User-defined residual with the name of the type; null for a built-in residual. Valid until the
+// process ends.
 const OwnResidual* OwnResidualOf(ResidualType type);
 
 // Variance of the row direction relative to the variance of a normal, see SpuriousInformation(). 1:

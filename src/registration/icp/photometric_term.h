@@ -10,7 +10,8 @@
 
 namespace surfit {
 
-// Source points at one pose, with their projections into the target image I.
+// Source points at one pose, with their projections into the target image I. The first `size`
+// values of each array are valid.
 struct IntensityPairs {
   RawVector<float> px, py, pz;        // p' = R p + t in the target frame, m
   RawVector<float> source;            // intensity J of the source point
@@ -40,6 +41,7 @@ struct Exposure {
   float gain = 1;
   float offset = 0;
 
+  // Intensity difference of pair i, not divided by sigma.
   float Residual(const IntensityPairs& pairs, int i) const {
     return pairs.target[i] - (gain * pairs.source[i] + offset);
   }
@@ -52,8 +54,9 @@ class PhotometricTerm {
  public:
   // Keeps references: both levels must outlive this object and have intensities. Estimates the
   // exposure at `start` and keeps it, so that all steps minimise the same cost. The term is empty
-  // if fewer than 100 points are available for this estimate. Points whose depth differs from the
-  // target depth by more than max_distance_m are occluded; 0: no limit.
+  // (no blocks) if fewer than 100 points are available for this estimate. Aborts if an image width
+  // differs from that of its level. Points whose depth differs from the target depth by more than
+  // max_distance_m are occluded; 0: no limit.
   PhotometricTerm(const FrameLevel& source, const FrameLevel& target, double max_distance_m,
                   const ErrorModel& error_model, const Rigid3d& start);
 

@@ -11,7 +11,8 @@
 
 namespace surfit {
 
-// One pair, or one pair per lane of V, in the target frame.
+// Rows of the built-in residuals for the left perturbation, see row_sums.h. One pair, or one pair
+// per lane of V, in the target frame, with the symbols of Pairs (association.h).
 template <typename V>
 struct PairValues {
   V p[3], q[3], n[3], m[3];
@@ -180,7 +181,8 @@ inline void AddProducts(const RowSums& sums, Matrix6d* hessian, Vector6d* right_
   }
 }
 
-// Calls f with the row type of a built-in residual, known at compile time.
+// Calls f with the row type of a built-in residual, known at compile time. Test OwnResidualOf()
+// first: user-defined types give PointToPlaneRows.
 template <typename F>
 auto WithRowsOf(ResidualType type, const F& f) {
   switch (type) {

@@ -85,7 +85,8 @@ struct ProjectiveSearch {
   NeededNormals needed_normals;
 };
 
-// Finds the pairs of one row of source pixels, eight pixels at a time.
+// Finds the pairs of one row of source pixels, eight pixels at a time. ProjectiveAssociation
+// defines the pairs.
 template <typename Instructions>
 class RowFinder {
  public:

@@ -5,7 +5,7 @@
 namespace surfit {
 
 // Decompositions of fixed-size matrices, compiled once because Eigen's templates take seconds to
-// compile.
+// compile. No function tests for singular matrices; their results are then not finite or arbitrary.
 
 // Solves matrix * x = right_side for a symmetric matrix by LDLT.
 Vector6d SolveLdlt(const Matrix6d& matrix, const Vector6d& right_side);
@@ -28,8 +28,8 @@ struct GeneralizedEigen {
 };
 GeneralizedEigen EigenOf(const Matrix6d& matrix, const Matrix6d& metric);
 
-// Left increment (rad, m) along the weakest direction of the information. It moves points at
-// `distance_m` by about 1 m.
+// Left increment (rad, m) along the weakest direction of the information (1/rad^2, 1/m^2). Requires
+// distance_m > 0. It moves points at `distance_m` by about 1 m.
 Vector6d WeakestIncrement(const Matrix6d& information, double distance_m);
 
 // Largest standard deviation in any direction.

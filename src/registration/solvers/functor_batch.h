@@ -20,6 +20,7 @@ namespace surfit {
 // already transformed. The pose starts at the identity, so the estimated pose is the left
 // increment.
 
+// 1 / sigma of each value 1 / sigma^2.
 template <typename S>
 RawVector<S> InverseSigmas(RawVector<S> information) {
   ParallelFor(0, static_cast<int>(information.size()), 4096, [&](int begin, int end) {
@@ -73,6 +74,7 @@ BatchData<PlaneToPlane, S> MakeBatch(Pairs<S> pairs, const PlaneToPlane&) {
                                      std::move(whitening[4]), std::move(whitening[5])});
 }
 
+// Photometric functor of a target camera, without data.
 inline Photometric FunctorOf(const PinholeCamera& camera) {
   return {camera.fx, camera.fy, camera.cx, camera.cy};
 }
@@ -97,7 +99,8 @@ inline BatchData<Photometric, float> MakeBatch(const IntensityPairs& pairs,
                                         RawVector<float>(pairs.size, inverse_sigma)});
 }
 
-// Calls f with the functor of a built-in residual, with the type known at compile time.
+// Calls f with the functor of a built-in residual, with the type known at compile time. Test
+// OwnResidualOf() first: user-defined types give PointToPlane.
 template <typename F>
 auto WithFunctorOf(ResidualType type, const F& f) {
   switch (type) {

@@ -8,6 +8,7 @@
 
 namespace surfit {
 
+// Wall time since construction.
 class Stopwatch {
  public:
   double Milliseconds() const {
@@ -44,6 +45,8 @@ class PairSolver : public PoseSolver {
  protected:
   const Derived& derived() const { return static_cast<const Derived&>(*this); }
 
+  // Step for given pairs. The increment is 0 if all directions are unobservable; Solve() is not
+  // called then.
   template <typename S>
   StepResult StepOver(Pairs<S> pairs, const IntensityPairs& intensities) const {
     const RobustKernel kernel = KernelFor(pairs, options().residual, options().error_model);
