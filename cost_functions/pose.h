@@ -44,8 +44,8 @@ void TurnByPose(const T* pose, const D* x, T* result) {
   for (int i = 0; i < 3; ++i) result[i] = pose[3] * twice[i] + across[i];
 }
 
-// result = R x, with the rotation R of the pose block. Likewise below. `result` must be another
-// array than x.
+// result = R x, with the rotation R of the pose block. `result` must be another array than x, here
+// and in the functions below.
 template <typename T, typename D>
 void RotateByPose(const T* pose, const D* x, T* result) {
   TurnByPose(pose, x, result);
