@@ -11,11 +11,15 @@ namespace surfit {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kMinLength_m = 0.3;
+constexpr double kMinLength_m = 0.4;
 constexpr double kHalfThickness_m = 0.04;
 constexpr double kMaxGap_m = 0.15;
 constexpr double kMinHeight_m = 0.4;  // vertical extent of a wall in the band
 constexpr double kAngleGate_rad = 10 * kPi / 180;
+// Points about a line that do not make lines of their own: noise of the surface, and flat objects
+// on it.
+constexpr double kUsedDistance_m = 0.12;
+constexpr double kUsedAngle_rad = 35 * kPi / 180;
 
 // Vertical surface in plan view.
 struct WallPoint {
@@ -56,9 +60,10 @@ struct Line {
   Eigen::Vector2d normal = Eigen::Vector2d::Zero();
   double offset = 0;
 
-  bool Has(const WallPoint& p) const {
-    return std::abs(p.normal.dot(normal)) > std::cos(kAngleGate_rad) &&
-           std::abs(p.position.dot(normal) - offset) < kHalfThickness_m;
+  bool Has(const WallPoint& p) const { return IsNear(p, kHalfThickness_m, kAngleGate_rad); }
+  bool IsNear(const WallPoint& p, double distance_m, double angle_rad) const {
+    return std::abs(p.normal.dot(normal)) > std::cos(angle_rad) &&
+           std::abs(p.position.dot(normal) - offset) < distance_m;
   }
 };
 
@@ -142,15 +147,18 @@ std::vector<WallLine> PartsOf(const Line& line, const std::vector<WallPoint>& po
 class Svg {
  public:
   Svg(std::ostream& out, const OccupancyGrid& grid)
-      : out_(out), grid_(grid), height_m_(grid.cells.height() * grid.cell_m) {
+      : out_(out),
+        grid_(grid),
+        cell_(kUnits_per_m * grid.cell_m),
+        height_(cell_ * grid.cells.height()) {
     out_.precision(6);
   }
 
   void Begin() {
-    const double width_m = grid_.cells.width() * grid_.cell_m;
-    out_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << width_m << ' '
-         << height_m_ + kFooter_m << "\" width=\"" << 100 * width_m << "\" height=\""
-         << 100 * (height_m_ + kFooter_m) << "\" font-family=\"sans-serif\" font-size=\"0.16\">\n"
+    const double width = cell_ * grid_.cells.width(), height = height_ + kFooter;
+    out_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << width << ' ' << height
+         << "\" width=\"" << width << "\" height=\"" << height
+         << "\" font-family=\"sans-serif\" font-size=\"14\">\n"
          << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   }
   void End() { out_ << "</svg>\n"; }
@@ -163,15 +171,14 @@ class Svg {
         if (grid_.cells(u, v) != state) continue;
         const int begin = u;
         while (u + 1 < grid_.cells.width() && grid_.cells(u + 1, v) == state) ++u;
-        out_ << "<rect x=\"" << begin * grid_.cell_m << "\" y=\""
-             << height_m_ - (v + 1) * grid_.cell_m << "\" width=\""
-             << (u + 1 - begin) * grid_.cell_m << "\" height=\"" << grid_.cell_m << "\"/>\n";
+        out_ << "<rect x=\"" << begin * cell_ << "\" y=\"" << height_ - (v + 1) * cell_
+             << "\" width=\"" << (u + 1 - begin) * cell_ << "\" height=\"" << cell_ << "\"/>\n";
       }
     }
     out_ << "</g>\n";
   }
   void Walls(const std::vector<WallLine>& walls) {
-    out_ << "<g stroke=\"#000000\" stroke-width=\"0.04\" stroke-linecap=\"square\">\n";
+    out_ << "<g stroke=\"#000000\" stroke-width=\"4\" stroke-linecap=\"square\">\n";
     for (const WallLine& wall : walls) {
       const Eigen::Vector2d a = PageOf(wall.begin), b = PageOf(wall.end);
       out_ << "<line x1=\"" << a.x() << "\" y1=\"" << a.y() << "\" x2=\"" << b.x() << "\" y2=\""
@@ -180,7 +187,7 @@ class Svg {
     out_ << "</g>\n";
   }
   void Path(const std::vector<Eigen::Vector3d>& path) {
-    out_ << "<polyline fill=\"none\" stroke=\"#3070c0\" stroke-width=\"0.015\" points=\"";
+    out_ << "<polyline fill=\"none\" stroke=\"#3070c0\" stroke-width=\"1.5\" points=\"";
     for (const Eigen::Vector3d& point : path) {
       const Eigen::Vector2d at = PageOf(point.head<2>());
       out_ << at.x() << ',' << at.y() << ' ';
@@ -188,24 +195,25 @@ class Svg {
     out_ << "\"/>\n";
   }
   void ScaleBar() {
-    const double y = height_m_ + 0.15;
-    out_ << "<g stroke=\"#000000\" stroke-width=\"0.02\">\n<path fill=\"none\" d=\"M0.2 "
-         << y - 0.06 << "v0.12 m0 -0.06 h1 m0 -0.06 v0.12\"/>\n</g>\n<text x=\"1.3\" y=\""
-         << y + 0.06 << "\">1 m</text>\n<text x=\"0.2\" y=\"" << y + 0.3 << "\">heights "
+    const double y = height_ + 15;
+    out_ << "<path fill=\"none\" stroke=\"#000000\" stroke-width=\"2\" d=\"M20 " << y - 6
+         << "v12m0-6h" << kUnits_per_m << "m0-6v12\"/>\n<text x=\"" << 30 + kUnits_per_m
+         << "\" y=\"" << y + 5 << "\">1 m</text>\n<text x=\"20\" y=\"" << y + 30 << "\">heights "
          << grid_.low_m << " to " << grid_.high_m << " m</text>\n";
   }
 
  private:
-  static constexpr double kFooter_m = 0.6;
+  static constexpr double kUnits_per_m = 100;
+  static constexpr double kFooter = 60;
 
   Eigen::Vector2d PageOf(const Eigen::Vector2d& point) const {
-    const Eigen::Vector2d at = point - grid_.origin_m;
-    return {at.x(), height_m_ - at.y()};
+    const Eigen::Vector2d at = kUnits_per_m * (point - grid_.origin_m);
+    return {at.x(), height_ - at.y()};
   }
 
   std::ostream& out_;
   const OccupancyGrid& grid_;
-  const double height_m_;
+  const double cell_, height_;
 };
 
 }  // namespace
@@ -221,7 +229,10 @@ std::vector<WallLine> FindWallLines(const UprightMap& map, const OccupancyGrid& 
     const Line line = FitLine(points, start);
     for (const WallLine& part : PartsOf(line, points)) walls.push_back(part);
     points.erase(std::remove_if(points.begin(), points.end(),
-                                [&](const WallPoint& p) { return line.Has(p) || start.Has(p); }),
+                                [&](const WallPoint& p) {
+                                  return start.Has(p) ||
+                                         line.IsNear(p, kUsedDistance_m, kUsedAngle_rad);
+                                }),
                  points.end());
   }
   std::stable_sort(walls.begin(), walls.end(), [](const WallLine& a, const WallLine& b) {

@@ -40,7 +40,7 @@ struct UprightMap {
 // InputError if the grid would have more than 10000 rows or columns.
 OccupancyGrid MakeOccupancyGrid(const UprightMap& map);
 
-// Lines along which vertical surfaces of the band are plane for at least 0.3 m, the longest first.
+// Lines along which vertical surfaces of the band are plane for at least 0.4 m, the longest first.
 std::vector<WallLine> FindWallLines(const UprightMap& map, const OccupancyGrid& grid);
 
 // Writes map.pgm and map.yaml of the ROS map_server: 0 occupied, 254 free, 205 unknown; the first
