@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <vector>
+
 #include "testing/matchers.h"
 
 namespace surfit::testing {
@@ -26,8 +28,8 @@ TEST(ColorLens, DerivativesAreThoseOfFiniteDifferences) {
 }
 
 TEST(ColorLens, RayIsTheInverseOfTheProjection) {
-  for (const Eigen::Vector2d pixel :
-       {Eigen::Vector2d(0, 0), {639, 0}, {100, 470}, {318.6, 255.3}}) {
+  const std::vector<Eigen::Vector2d> pixels = {{0, 0}, {639, 0}, {100, 470}, {318.6, 255.3}};
+  for (const Eigen::Vector2d& pixel : pixels) {
     const auto ray = RayOfLens(kCamera, pixel.x(), pixel.y());
     ASSERT_TRUE(ray);
     EXPECT_THAT(ProjectByLens(kCamera, *ray)->pixel, VectorNear(pixel, 1e-5));
