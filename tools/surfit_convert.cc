@@ -1,8 +1,12 @@
-// Converts sequences, maps and trajectories to formats of other programs.
+// Converts sequences, maps, trajectories and runs to formats of other programs.
 
 #include <cstdio>
 #include <filesystem>
+#include <iostream>
 
+#include "apps/export/export_run.h"
+#include "common/console.h"
+#include "common/recorded_flags.h"
 #include "common/tool_main.h"
 #include "core/shared_options.h"
 #include "io/sequences/klg_writer.h"
@@ -17,19 +21,18 @@ namespace surfit::tools {
 namespace {
 
 struct Options {
-  SequenceOptions sequence;
-  std::string cloud, trajectory, output;
+  ExportOptions run_export;  // with the sequence and the output of all conversions
+  std::string cloud, trajectory;
   bool make_camera_yaml = false;
   KlgOptions klg;
 
   void Visit(OptionVisitor& v) {
-    v.AddPart(sequence, "sequence", "input sequence", OptionalPart());
+    v.AddPart(run_export, "run_export", "export of a run");
     v.Group("input");
     v.Add(cloud, "cloud", "instead of a sequence: a map or point cloud (PLY or PCD)", Everyday());
     v.Add(trajectory, "trajectory", "instead of a sequence: a trajectory in TUM format",
           Everyday());
     v.Group("output");
-    v.Add(output, SharedOption("output", Everyday()));
     v.Add(make_camera_yaml, "make_camera_yaml",
           "write the camera of the sequence to a camera.yaml, as a template; default of --output: "
           "camera.yaml in the folder of the sequence",
@@ -37,6 +40,9 @@ struct Options {
     v.AddPart(klg, "klg", ".klg file");
   }
 };
+
+const SequenceOptions& SequenceOf(const Options& options) { return options.run_export.sequence; }
+const std::string& OutputOf(const Options& options) { return options.run_export.output; }
 
 bool EndsWith(const std::string& path, const std::string& ending) {
   return path.size() > ending.size() &&
@@ -49,11 +55,11 @@ void RequireEnding(const std::string& output, bool holds, const char* endings) {
 
 void ConvertSequence(const Options& options) {
   constexpr int kFramesAhead = 4;
-  RequireEnding(options.output, EndsWith(options.output, ".klg"), ".klg");
-  const auto source = ReadAhead(OpenSequence(options.sequence), kFramesAhead);
-  const KlgSummary summary = WriteKlg(source.get(), options.output, options.klg);
+  RequireEnding(OutputOf(options), EndsWith(OutputOf(options), ".klg"), ".klg");
+  const auto source = ReadAhead(OpenSequence(SequenceOf(options)), kFramesAhead);
+  const KlgSummary summary = WriteKlg(source.get(), OutputOf(options), options.klg);
   std::printf("%s: %d frames, %d skipped, %lld depths above 65.534 m removed\n",
-              options.output.c_str(), summary.frames_written, summary.frames_skipped,
+              OutputOf(options).c_str(), summary.frames_written, summary.frames_skipped,
               static_cast<long long>(summary.depths_out_of_range));
   if (source->info().low_confidence_ratio)
     std::printf("depth of low confidence is written as missing; .klg has no confidence images\n");
@@ -65,52 +71,81 @@ std::string OwnCameraFile(const std::string& sequence) {
 }
 
 void MakeCameraYaml(const Options& options) {
-  const bool own = options.output.empty();
-  const std::string path = own ? OwnCameraFile(options.sequence.path) : options.output;
+  const bool own = OutputOf(options).empty();
+  const std::string path = own ? OwnCameraFile(SequenceOf(options).path) : OutputOf(options);
   RequireEnding(path, EndsWith(path, ".yaml"), ".yaml");
   if (own && std::filesystem::exists(path)) {
     throw InputError(path +
                      " exists and is the camera of the sequence: set another file with --output");
   }
-  const auto source = OpenSequence(options.sequence);
+  const auto source = OpenSequence(SequenceOf(options));
   const SequenceInfo& info = source->info();
-  WriteCameraYaml(info.camera, path, ReadDepthField(options.sequence, info.format));
+  WriteCameraYaml(info.camera, path, ReadDepthField(SequenceOf(options), info.format));
   std::printf(
       "%s: %s%s\n", path.c_str(), info.assumed.c_str(),
       info.camera_is_guessed ? "; replace the guessed values by the values of your camera" : "");
 }
 
 void ConvertCloud(const Options& options) {
-  const bool pcd = EndsWith(options.output, ".pcd");
-  RequireEnding(options.output, pcd || EndsWith(options.output, ".ply"), ".pcd or .ply");
+  const bool pcd = EndsWith(OutputOf(options), ".pcd");
+  RequireEnding(OutputOf(options), pcd || EndsWith(OutputOf(options), ".ply"), ".pcd or .ply");
   const PointCloud cloud = ReadPointCloud(options.cloud);
   if (pcd) {
-    WritePcd(cloud, options.output);
+    WritePcd(cloud, OutputOf(options));
   } else {
-    WritePly(cloud, options.output);
+    WritePly(cloud, OutputOf(options));
   }
-  std::printf("%s: %zu points\n", options.output.c_str(), cloud.points.size());
+  std::printf("%s: %zu points\n", OutputOf(options).c_str(), cloud.points.size());
 }
 
 void ConvertTrajectory(const Options& options) {
   const Trajectory trajectory = ReadTumTrajectory(options.trajectory);
-  WriteKittiTrajectory(trajectory, options.output);
-  std::printf("%s: %zu poses\n", options.output.c_str(), trajectory.size());
+  WriteKittiTrajectory(trajectory, OutputOf(options));
+  std::printf("%s: %zu poses\n", OutputOf(options).c_str(), trajectory.size());
+}
+
+int ConvertRun(const ExportOptions& options) {
+  RequireFlag("to", options.to);
+  RequireFlag("output", options.output);
+  ProgressLine line;
+  const ExportSummary summary =
+      ExportRun(options, [&](const std::string& text) { line.Show(text, false); });
+  line.Show("done", true);
+  for (const std::string& warning : summary.warnings) {
+    std::cerr << "warning: " << warning << '\n';
+  }
+  for (const std::string& message : summary.messages) {
+    std::printf("%s: %s\n", options.output.c_str(), message.c_str());
+  }
+  return kDone;
+}
+
+// The calibrated camera is in poses.json of the run, so the frames are read with the input camera.
+void Prepare(Options* options) {
+  const ExportOptions& run_export = options->run_export;
+  if (run_export.run.empty()) return;
+  ApplyRecordedFlags(run_export.run, TableOf(&options->run_export.sequence), {},
+                     RecordedCamera::kGiven);
 }
 
 int Run(const Options& options) {
-  const int inputs =
-      !options.sequence.path.empty() + !options.cloud.empty() + !options.trajectory.empty();
-  if (inputs != 1)
-    throw InputError(Concat(inputs, " of --sequence, --cloud and --trajectory are set, must be 1"));
-  if (options.make_camera_yaml && options.sequence.path.empty())
+  const bool has_run = !options.run_export.run.empty();
+  const int inputs = (!SequenceOf(options).path.empty() && !has_run) + !options.cloud.empty() +
+                     !options.trajectory.empty() + has_run;
+  if (inputs != 1) {
+    throw InputError(
+        Concat(inputs, " of --sequence, --cloud, --trajectory and --run are set, must be 1"));
+  }
+  if (!options.run_export.to.empty() && !has_run) throw InputError("--to requires --run");
+  if (has_run) return ConvertRun(options.run_export);
+  if (options.make_camera_yaml && SequenceOf(options).path.empty())
     throw InputError("--make_camera_yaml requires --sequence");
   if (options.make_camera_yaml) {
     MakeCameraYaml(options);
     return kDone;
   }
-  RequireFlag("output", options.output);
-  if (!options.sequence.path.empty()) ConvertSequence(options);
+  RequireFlag("output", OutputOf(options));
+  if (!SequenceOf(options).path.empty()) ConvertSequence(options);
   if (!options.cloud.empty()) ConvertCloud(options);
   if (!options.trajectory.empty()) ConvertTrajectory(options);
   return kDone;
@@ -120,9 +155,11 @@ int Run(const Options& options) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  return surfit::tools::ToolMain(argc, argv,
-                                 "converts a sequence to .klg (with its camera as .klg.yaml), a "
-                                 "map or cloud to PCD or PLY, or a trajectory to KITTI poses; "
-                                 "writes the camera of a sequence as camera.yaml",
-                                 surfit::tools::Run);
+  return surfit::tools::ToolMain(
+      argc, argv,
+      "converts a sequence to .klg (with its camera as .klg.yaml), a "
+      "map or cloud to PCD or PLY, or a trajectory to KITTI poses; "
+      "writes the camera of a sequence as camera.yaml; exports poses "
+      "and map of a run for COLMAP, nerfstudio, Gaussian splatting or ROS",
+      surfit::tools::Run, surfit::tools::Prepare);
 }

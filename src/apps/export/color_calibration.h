@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "apps/export/color_images.h"
+#include "surfit/geometry/sensor.h"
+#include "surfit/mapping/surfel_map.h"
+
+namespace surfit {
+
+// Parameters of EstimateColorCamera(): rotation (rad) and translation (m) as a left increment of
+// color_from_depth, relative change of fx and of fy, change of cx and cy (px), and colour latency
+// (s).
+inline constexpr int kColorParameters = 11;
+using ColorParameters = Eigen::Matrix<double, kColorParameters, 1>;
+
+struct ColorCalibration {
+  ColorCamera camera;         // the given camera if the estimate is not significant
+  double latency_s = 0;       // to be subtracted from the capture times
+  bool is_estimated = false;  // false: the given camera is kept
+  int images = 0;             // images used
+  std::size_t observations = 0;
+  ColorParameters change = ColorParameters::Zero();  // estimate minus given camera
+  ColorParameters sigmas = ColorParameters::Zero();  // standard deviations
+  double distance2 = 0, limit2 = 0;  // squared Mahalanobis distance of the change, and its limit
+  // Root mean square difference of log brightness between images, before and after.
+  double rms_before = 0, rms_after = 0;
+};
+
+// Estimates the colour camera of a run from at most `kImages` of its images and the map: its pose
+// on the depth camera, focal lengths, principal point and latency. Lens distortion is fixed.
+//
+// A surfel k with the position X_k has the same log brightness in all images i that show it, except
+// for an exposure. So the images, high-pass filtered, satisfy
+//   B_i(pi(C D_i X_k)) = b_k
+// with the depth camera pose D_i and color_from_depth C. The mean b_k is eliminated: residuals and
+// derivatives are centred per surfel. Gauss-Newton with the kernel of Geman and McClure, from
+// coarse to fine images. A point moves during the readout as in RegisterColors(). The covariance is
+// that of the sum of the gradients of the images, from their scatter (Huber 1967). The prior is
+// CalibrationPrior. The estimate is kept if its squared Mahalanobis distance from the given camera
+// exceeds its mean by more than three standard deviations.
+//
+// Keeps the given camera if fewer than ten images or too few surfels can be used.
+ColorCalibration EstimateColorCamera(const ColorCamera& given, const CalibrationPrior& prior,
+                                     const SequenceOptions& sequence,
+                                     const std::vector<ColorImage>& images, const SurfelMap& map,
+                                     const std::function<void(int)>& progress);
+
+}  // namespace surfit

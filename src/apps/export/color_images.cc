@@ -1,0 +1,180 @@
+#include "apps/export/color_images.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "finishing/color_registration.h"
+#include "surfit/core/error.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+double SharpnessOf(const Image<Rgb8>& image) {
+  const auto grey = [&](int u, int v) {
+    const Rgb8 c = image(u, v);
+    return c.r + 2 * c.g + c.b;
+  };
+  const double sum = ParallelSum(1, image.height() - 1, kRowsPerBlock, 0., [&](int begin, int end) {
+    std::int64_t part = 0;
+    for (int v = begin; v < end; ++v) {
+      for (int u = 1; u < image.width() - 1; ++u) {
+        const std::int64_t by_u = grey(u + 1, v) - grey(u - 1, v);
+        const std::int64_t by_v = grey(u, v + 1) - grey(u, v - 1);
+        part += by_u * by_u + by_v * by_v;
+      }
+    }
+    return static_cast<double>(part);
+  });
+  return sum / static_cast<double>(image.size());
+}
+
+// Pose at a time close to a pose of the trajectory; std::nullopt if that is too far away.
+std::optional<Rigid3d> PoseNear(const RecordedRun& run, const StampedPose& frame, double stamp_s) {
+  constexpr double kMaxExtrapolation_s = 0.1, kSameTime_s = 1e-9;
+  if (std::abs(stamp_s - frame.stamp_s) > kMaxExtrapolation_s) return {};
+  if (auto pose = InterpolatePose(run.trajectory, stamp_s, kMaxExtrapolation_s, kSameTime_s)) {
+    return pose;
+  }
+  return ExtrapolatePose(frame.world_from_camera, MotionAt(run.trajectory, frame.stamp_s),
+                         stamp_s - frame.stamp_s);
+}
+
+}  // namespace
+
+std::string ColorImage::Name() const {
+  std::array<char, 40> name;
+  std::snprintf(name.data(), name.size(), "%06d.png", index);
+  return name.data();
+}
+
+ColorCamera GivenColorCamera(const SequenceInfo& info, const RecordedRun& run) {
+  const RgbdCamera given = info.mirrored ? Mirrored(info.camera) : info.camera;
+  ColorCamera color;
+  color.readout_s = run.found.calibration ? run.found.calibration->readout_s : given.readout_s;
+  if (!given.color_is_registered) {
+    color.lens = given.color;
+    color.color_from_depth = given.color_from_depth;
+    return color;
+  }
+  color.lens = given.depth;
+  if (run.found.calibration) {
+    const PinholeCamera& found = run.found.calibration->camera;
+    const double downsample = color.lens.fx / info.pinhole.fx;
+    color.lens.fx = found.fx * downsample;
+    color.lens.fy = found.fy * downsample;
+    color.lens.cx = found.cx * downsample;
+    color.lens.cy = found.cy * downsample;
+  }
+  return color;
+}
+
+std::vector<ColorImage> ListColorImages(const SequenceOptions& sequence, const RecordedRun& run,
+                                        const std::function<void(int)>& progress,
+                                        UnusedFrames* unused) {
+  const RawSequence opened = OpenRawSequence(sequence);
+  std::map<int, StampedPose> poses;
+  std::size_t at = 0;
+  for (const auto& [index, pose] : run.world_from_camera) {
+    poses[index] = {run.trajectory[at++].stamp_s, pose};
+  }
+  std::vector<ColorImage> images;
+  Image<Rgb8> previous;
+  while (std::optional<RawFrame> raw = opened.frames->Next()) {
+    const auto frame = poses.find(raw->head.index);
+    if (frame == poses.end()) continue;
+    progress(static_cast<int>(images.size()));
+    Image<Rgb8> color;
+    try {
+      if (!raw->head.error.empty()) throw InputError(raw->head.error);
+      FrameImages read = opened.frames->Read();
+      RequireSizeOf(opened.info.camera, read);
+      color = std::move(read.color);
+    } catch (const InputError&) {
+      ++unused->unreadable;
+      continue;
+    }
+    if (color.empty()) {
+      ++unused->without_color;
+      continue;
+    }
+    if (color == previous) {
+      ++unused->repeated;
+      continue;
+    }
+    const double stamp_s =
+        CaptureTimes(raw->stamps, opened.info.camera).color_s - run.found.color_latency_s;
+    const std::optional<Rigid3d> pose = PoseNear(run, frame->second, stamp_s);
+    if (pose) {
+      images.push_back({raw->head.index, stamp_s, *pose,
+                        MotionAt(run.trajectory, frame->second.stamp_s), SharpnessOf(color)});
+    } else {
+      ++unused->without_pose_at_time;
+    }
+    previous = std::move(color);
+  }
+  return images;
+}
+
+std::vector<ColorImage> ChooseImages(const std::vector<ColorImage>& images, int most) {
+  const std::size_t count = images.size();
+  if (most == 0 || count <= static_cast<std::size_t>(most)) return images;
+  // Image motion of a point at this depth, in focal lengths.
+  constexpr double kUsualDepth_m = 1.5;
+  std::vector<double> path(count, 0);
+  for (std::size_t i = 1; i < count; ++i) {
+    const Rigid3d step = images[i - 1].world_from_depth.Inverse() * images[i].world_from_depth;
+    path[i] = path[i - 1] + step.translation.norm() / kUsualDepth_m + RotationAngle(step.rotation);
+  }
+  // Frames count as well as motion, so that a camera at rest has a part, too.
+  const double by_frame = 0.1 * path.back() / static_cast<double>(count) + 1e-9;
+  for (std::size_t i = 0; i < count; ++i) path[i] += by_frame * static_cast<double>(i);
+  const auto choose = [&](std::size_t parts) {
+    std::vector<std::size_t> best(parts, count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double share = path[i] / path.back();
+      const std::size_t part =
+          std::min(parts - 1, static_cast<std::size_t>(share * static_cast<double>(parts)));
+      if (best[part] == count || images[i].sharpness > images[best[part]].sharpness) best[part] = i;
+    }
+    best.erase(std::remove(best.begin(), best.end(), count), best.end());
+    return best;
+  };
+  // Parts without an image make room for more parts.
+  std::vector<std::size_t> chosen = choose(most);
+  std::size_t low = most, high = 16 * count;
+  while (high - low > 1) {
+    const std::size_t middle = (low + high) / 2;
+    std::vector<std::size_t> finer = choose(middle);
+    if (finer.size() <= static_cast<std::size_t>(most)) {
+      low = middle;
+      chosen = std::move(finer);
+    } else {
+      high = middle;
+    }
+  }
+  std::vector<ColorImage> result;
+  for (const std::size_t i : chosen) result.push_back(images[i]);
+  return result;
+}
+
+void ReadColorImages(const SequenceOptions& sequence, const std::vector<ColorImage>& images,
+                     const std::function<void(std::size_t, const Image<Rgb8>&)>& call) {
+  const RawSequence opened = OpenRawSequence(sequence);
+  std::size_t next = 0;
+  while (next < images.size()) {
+    const std::optional<RawFrame> raw = opened.frames->Next();
+    if (!raw) break;
+    if (raw->head.index != images[next].index) continue;
+    ThrowIf(!raw->head.error.empty(), raw->head.error);
+    call(next++, opened.frames->Read().color);
+  }
+  ThrowIf(next < images.size(), sequence.path, ": the sequence has changed during the export");
+}
+
+}  // namespace surfit

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "io/sequences/raw_frames.h"
+#include "output/recorded_run.h"
+#include "surfit/core/image.h"
+#include "surfit/frame/camera_motion.h"
+#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/rigid3.h"
+
+namespace surfit {
+
+// Colour camera of a run. Its pixels are those of the recorded colour images.
+struct ColorCamera {
+  PinholeCamera lens;        // with distortion; fy > 0
+  Rigid3d color_from_depth;  // from the depth camera, whose poses the run has
+  double readout_s = 0;      // rolling-shutter readout
+};
+
+// Colour image of a frame with a pose.
+struct ColorImage {
+  int index = 0;       // of the frame
+  double stamp_s = 0;  // capture time of the middle row
+  // Pose and motion of the depth camera at this time.
+  Rigid3d world_from_depth;
+  CameraMotion motion;
+  double sharpness = 0;  // mean squared gradient of the brightness
+
+  std::string Name() const;  // file name of the exported image
+};
+
+// Number of frames of a run that are not used, by reason.
+struct UnusedFrames {
+  int without_color = 0, unreadable = 0, repeated = 0, without_pose_at_time = 0, not_chosen = 0;
+};
+
+// Colour camera before estimation: that of the sequence, or the estimated depth camera of the run
+// for registered colour.
+ColorCamera GivenColorCamera(const SequenceInfo& info, const RecordedRun& run);
+
+// Reads all frames of the run, and returns their colour images with poses. An image that repeats
+// the previous image has another capture time than its timestamp, and is not used.
+std::vector<ColorImage> ListColorImages(const SequenceOptions& sequence, const RecordedRun& run,
+                                        const std::function<void(int)>& progress,
+                                        UnusedFrames* unused);
+
+// Chooses at most `most` images; 0: all. Divides the path of the camera into parts of equal image
+// motion, and takes the sharpest image of each part.
+std::vector<ColorImage> ChooseImages(const std::vector<ColorImage>& images, int most);
+
+// Calls `call` with the position in `images` and the recorded colour image, in ascending order.
+// `images` must be ascending in their index. Throws InputError if an image cannot be read again.
+void ReadColorImages(const SequenceOptions& sequence, const std::vector<ColorImage>& images,
+                     const std::function<void(std::size_t, const Image<Rgb8>&)>& call);
+
+}  // namespace surfit
