@@ -9,17 +9,20 @@ namespace surfit {
 
 // Point cloud, ready for registration.
 struct PreparedCloud {
-  PointCloud cloud;  // finite points with given or estimated normals
-  PointSet points;
+  PointCloud cloud;                 // finite points with given or estimated normals
+  PointSet points;                  // without duplicates
+  bool has_signed_normals = false;  // the normals are those of the file
   RegisteredCloud about;
 };
 
-// Estimates normals and sigmas as described at RunRegister(). `what` names the cloud in the
-// InputError that is thrown for a cloud without finite points.
+// Removes points that are equal to an earlier point from `points`, because equal points slow down
+// searches. Estimates normals and sigmas as described at RunRegister(). `what` names the cloud in
+// the InputError that is thrown for a cloud without finite points.
 PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what, const CloudSensor& sensor,
                            const CloudNormalOptions& normals, double floor_sigma_m);
 
-// Reads and prepares a file. Throws InputError with the name of the file.
+// Reads and prepares a file. Coordinates are relative to `cloud.origin`. The viewpoint is in the
+// frame of the file. Throws InputError with the name of the file.
 PreparedCloud ReadCloudFile(const std::string& path, const CloudSensor& sensor,
                             const CloudNormalOptions& normals, double floor_sigma_m);
 
