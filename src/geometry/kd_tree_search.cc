@@ -118,7 +118,7 @@ class KdTree::FewNearestSearch : private Search {
   float Bound() const {
     return neighbors_.size() < count_ ? kAnyDistance : neighbors_.back().squared_distance;
   }
-  // Points at the distance of a complete list are ignored, so many equal points cost little.
+  // Equal distances do not change a complete list. Subtrees of equal points are therefore skipped.
   bool IsUseless(float squared_distance) const {
     return neighbors_.size() == count_ && !(squared_distance < Bound());
   }

@@ -40,7 +40,7 @@ std::vector<Eigen::Vector3f> NoisyRoom(int count, std::mt19937_64* rng) {
   return points;
 }
 
-SensedCloud CloudOf(const std::vector<Eigen::Vector3f>& points) {
+SensedCloud RoomCloud(const std::vector<Eigen::Vector3f>& points) {
   CloudSensor sensor;
   sensor.noise.inverse_depth_sigma = 0;
   const CloudNormals estimated = EstimateCloudNormals(points, sensor, {});
@@ -69,7 +69,7 @@ double MeanNees(const std::string& residual, int points, int runs) {
     CloudStartOptions start;
     start.method = "identity";
     const CloudRegistration result = RegisterCloudsFrom(
-        CloudOf(source), CloudOf(NoisyRoom(points, &rng)), std::nullopt, start, options);
+        RoomCloud(source), RoomCloud(NoisyRoom(points, &rng)), std::nullopt, start, options);
     if (!result.icp.covariance) continue;
     ++accepted;
     const Rigid3d error = result.icp.target_from_source * truth.Inverse();

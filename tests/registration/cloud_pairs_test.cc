@@ -17,12 +17,12 @@
 namespace surfit::testing {
 namespace {
 
-constexpr int kRooms = 5, kFrames = 900;
+constexpr int kRooms = 5, kPathFrames = 900;
 
 // Kinect v1 (Khoshelham and Elberink 2012): sigma_z = 0.0015 z^2, with z in m.
 constexpr double kKinectSigma = 0.0015;
 
-PinholeCamera Camera() {
+PinholeCamera SmallCamera() {
   PinholeCamera camera;
   camera.width = 160, camera.height = 120;
   camera.fx = camera.fy = 131.25;
@@ -30,13 +30,13 @@ PinholeCamera Camera() {
   return camera;
 }
 
-struct PairCounts {
+struct CloudPairCounts {
   int right = 0, refused = 0, wrong = 0;
 };
 
 std::vector<Eigen::Vector3f> PointsOfView(const Scene& scene, const Rigid3d& world_from_camera,
                                           double inverse_depth_sigma, std::mt19937_64* rng) {
-  const PinholeCamera camera = Camera();
+  const PinholeCamera camera = SmallCamera();
   const Rendering view = RenderGeometry(scene, camera, world_from_camera);
   std::normal_distribution<double> noise(0, 1);
   std::vector<Eigen::Vector3f> points;
@@ -53,7 +53,7 @@ std::vector<Eigen::Vector3f> PointsOfView(const Scene& scene, const Rigid3d& wor
   return points;
 }
 
-SensedCloud CloudOf(std::vector<Eigen::Vector3f> points, const Rigid3d& pose) {
+SensedCloud ViewCloud(std::vector<Eigen::Vector3f> points, const Rigid3d& pose) {
   CloudSensor sensor;
   sensor.noise.inverse_depth_sigma = 0;
   for (Eigen::Vector3f& point : points) point = (pose * point.cast<double>()).cast<float>();
@@ -71,7 +71,7 @@ SensedCloud CloudOf(std::vector<Eigen::Vector3f> points, const Rigid3d& pose) {
 // Ratio of source points that are within 3 cm of the target at the true pose, by projection.
 double OverlapOf(const std::vector<Eigen::Vector3f>& source, const Rendering& target,
                  const Rigid3d& target_from_source) {
-  const PinholeCamera camera = Camera();
+  const PinholeCamera camera = SmallCamera();
   int seen = 0;
   for (const Eigen::Vector3f& point : source) {
     const Eigen::Vector3d p = target_from_source * point.cast<double>();
@@ -92,33 +92,33 @@ bool IsRight(const Rigid3d& found, const Rigid3d& truth, const Eigen::Vector3d& 
 }
 
 // Registers `count` pairs with an overlap from 10 to 90 %. The source has any rotation.
-PairCounts RegisterPairs(int count, std::uint64_t seed) {
+CloudPairCounts RegisterCloudPairs(int count, std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::vector<Scene> scenes;
   std::vector<Trajectory> paths;
   for (int room = 0; room < kRooms; ++room) {
     scenes.push_back(MakeScene("room", room + 1));
-    paths.push_back(MakePath(scenes.back(), kFrames, room + 1));
+    paths.push_back(MakePath(scenes.back(), kPathFrames, room + 1));
   }
-  PairCounts counts;
+  CloudPairCounts counts;
   for (int pair = 0; pair < count;) {
     const int room = pair % kRooms;
     const double noise = pair / kRooms % 2 == 0 ? 0 : kKinectSigma;
-    std::uniform_int_distribution<int> frame(0, kFrames - 1);
+    std::uniform_int_distribution<int> frame(0, kPathFrames - 1);
     const Rigid3d source_pose = paths[room][frame(rng)].world_from_camera;
     const Rigid3d target_pose = paths[room][frame(rng)].world_from_camera;
     const Rigid3d target_from_camera = target_pose.Inverse() * source_pose;
     const std::vector<Eigen::Vector3f> source =
         PointsOfView(scenes[room], source_pose, noise, &rng);
-    const double overlap =
-        OverlapOf(source, RenderGeometry(scenes[room], Camera(), target_pose), target_from_camera);
+    const double overlap = OverlapOf(
+        source, RenderGeometry(scenes[room], SmallCamera(), target_pose), target_from_camera);
     if (overlap < 0.1 || overlap > 0.9) continue;
     ++pair;
     const Rigid3d moved = RandomPose(M_PI, 2, &rng);
     const std::vector<Eigen::Vector3f> target =
         PointsOfView(scenes[room], target_pose, noise, &rng);
     const CloudRegistration result =
-        RegisterCloudsFrom(CloudOf(source, moved), CloudOf(target, {}), std::nullopt, {}, [] {
+        RegisterCloudsFrom(ViewCloud(source, moved), ViewCloud(target, {}), std::nullopt, {}, [] {
           RegisterCloudsOptions options;
           options.icp.gates.max_distance_m = 0;
           return options;
@@ -155,13 +155,13 @@ PairCounts RegisterPairs(int count, std::uint64_t seed) {
 }
 
 TEST(CloudPairs, NoWrongRegistrationIsAccepted) {
-  const PairCounts counts = RegisterPairs(30, 1);
+  const CloudPairCounts counts = RegisterCloudPairs(30, 1);
   EXPECT_EQ(counts.wrong, 0);
   EXPECT_GE(counts.right, 10);
 }
 
 TEST(CloudPairsSweep, NoWrongRegistrationIsAccepted) {
-  const PairCounts counts = RegisterPairs(1000, 2);
+  const CloudPairCounts counts = RegisterCloudPairs(1000, 2);
   EXPECT_EQ(counts.wrong, 0);
   EXPECT_GE(counts.right, 400);
 }

@@ -94,9 +94,10 @@ SensedCloud Sensed(PointSet set) {
   return cloud;
 }
 
-// Corner with a box, so that no rotation maps it to itself.
+// Corner of walls with different sizes and a box, so that no rotation maps it to itself.
 PointSet CornerWithBox(double sigma_m, int seed) {
   PointSet set = Corner(sigma_m, seed);
+  for (auto& point : set.points) point.y() *= 1.8f, point.z() = 2 + 0.6f * (point.z() - 2);
   std::mt19937_64 rng(seed + 50);
   std::uniform_real_distribution<double> uniform(0, 1);
   for (int i = 0; i < 4000; ++i) {
@@ -166,7 +167,7 @@ TEST(RegisterCloudsFrom, RejectsInvalidOptions) {
                    Names("method", "magic", "identity", "file", "global", "auto"));
   start.method = "file";
   ExpectInputError([&] { RegisterCloudsFrom({}, {}, std::nullopt, start, {}); },
-                   Names("file", "initial pose"));
+                   Names("start", "file"));
 }
 
 TEST(RegisterClouds, ReportsTooFewInliers) {

@@ -10,6 +10,7 @@
 namespace surfit {
 namespace {
 
+constexpr int kSeeds = 1000;             // the best matches
 constexpr int kFittedMatches = 30;       // per seed
 constexpr int kLeastCompatible = 3;      // compatible matches of a seed
 constexpr float kMaxAngleCosine = 0.3f;  // difference of the cosines of normals
@@ -58,8 +59,8 @@ class KeyConsensusFinder {
   }
 
   std::vector<KeyConsensus> Find(int max_count) const {
-    std::vector<KeyConsensus> all(count_);
-    ParallelFor(0, count_, 8, [&](int begin, int end) {
+    std::vector<KeyConsensus> all(std::min(count_, kSeeds));
+    ParallelFor(0, static_cast<int>(all.size()), 8, [&](int begin, int end) {
       for (int seed = begin; seed < end; ++seed) all[seed] = FromSeed(seed);
     });
     std::stable_sort(all.begin(), all.end(), [](const KeyConsensus& a, const KeyConsensus& b) {
@@ -98,8 +99,10 @@ class KeyConsensusFinder {
     }
     KeyConsensus result;
     if (static_cast<int>(ranked.size()) < kLeastCompatible) return result;
-    std::sort(ranked.begin(), ranked.end());
-    ranked.resize(std::min<std::size_t>(ranked.size(), kFittedMatches));
+    const std::size_t fitted = std::min<std::size_t>(ranked.size(), kFittedMatches);
+    std::partial_sort(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(fitted),
+                      ranked.end());
+    ranked.resize(fitted);
     std::vector<int> used = {seed};
     for (const auto& [common, i] : ranked) used.push_back(i);
     for (int round = 0; round < 3; ++round) {

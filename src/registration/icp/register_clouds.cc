@@ -24,7 +24,7 @@ IcpOptions RegisterCloudsOptions::DefaultIcp() {
 
 namespace {
 
-int StrideOf(int source_count, int level) {
+int LevelStride(int source_count, int level) {
   return std::clamp(source_count / RegisterCloudsOptions::kMinPoints, 1, 1 << 2 * level);
 }
 
@@ -39,7 +39,7 @@ void RegisterLevel(const SearchablePoints& source, const SearchablePoints& targe
   const KdTreeAssociation association(
       source, target,
       {icp.gates, NormalsNeededBy(residual), options.reciprocal && level == 0,
-       StrideOf(source.size(), level)});
+       LevelStride(source.size(), level)});
   RunLevel({association, *solver, level, start}, icp, result);
 }
 
