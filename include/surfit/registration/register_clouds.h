@@ -34,10 +34,12 @@ struct RegisterCloudsOptions {
 // Registers source to target with ICP and nearest neighbours, coarse to fine. Throws InputError for
 // invalid options. A failed registration is a termination, not an error.
 //
-// `covariance` accounts for the noise of points and normals, for correlated errors of neighbouring
-// points, and for source points that share a target point. It assumes that points more than
-// kErrorSpacings point spacings apart have independent errors, that both clouds show the same rigid
-// surfaces, and that the sensor has no systematic error. `information` is its inverse.
+// `covariance` includes the noise of points and normals, and correlated errors of neighbouring
+// points. It also includes errors that source points share through a common target point.
+// `information` is its inverse. Assumptions:
+// - The errors of points more than kErrorSpacings point spacings apart are independent.
+// - Both clouds show the same rigid surfaces.
+// - The sensor has no systematic error.
 IcpResult RegisterClouds(const PointSet& source, const PointSet& target,
                          const Rigid3d& target_from_source_initial,
                          const RegisterCloudsOptions& options);
