@@ -12,24 +12,46 @@ namespace {
 void PrintCloud(const char* name, const RegisteredCloud& cloud) {
   std::printf("%s: %zu points", name, cloud.points);
   if (cloud.not_finite > 0) std::printf(", %zu non-finite points removed", cloud.not_finite);
+  if (cloud.duplicates > 0) std::printf(", %zu equal to other points", cloud.duplicates);
   if (cloud.normal_radius_m > 0) {
     std::printf(", normals from a radius of %.4f m", cloud.normal_radius_m);
   }
   std::printf(", %zu without normal\n", cloud.without_normal);
 }
 
+void PrintVerification(const CloudRegistration& result) {
+  std::printf("start %s: overlap ratio %.3f, inliers near the surface %.3f, ", result.start.c_str(),
+              result.overlap_ratio, result.inlier_ratio);
+  if (result.free_space_violation_ratio) {
+    std::printf("free-space violations %.3f, ", *result.free_space_violation_ratio);
+  }
+  std::printf("forward-backward %.4f m, largest sigma %.4f m, point spacing %.4f m, noise %.4f m\n",
+              result.disagreement_m, result.sigma_m, result.spacing_m, result.noise_m);
+}
+
+// Prints the reason of a rejected registration on stderr.
+ExitCode PrintReason(const CloudRegistration& result, const RegisterRunOptions& options) {
+  if (result.accepted()) return kDone;
+  if (!result.icp.Succeeded()) return PrintFailure(result.icp, options.registration.icp);
+  std::fprintf(stderr, "failed: %s: %s\n", ToString(result.reason).c_str(),
+               ViolatedCriterion(result, options.start.criteria).c_str());
+  return kAlgorithmFailed;
+}
+
 int Run(const RegisterRunOptions& options) {
   const RegisterRunResult result = RunRegister(options);
+  const CloudRegistration& registration = result.registration;
   PrintCloud("source", result.source);
   PrintCloud("target", result.target);
-  PrintIterations(result.icp);
+  PrintIterations(registration.icp);
   std::printf("%s: rmse %.4f m, inlier share %.3f, smallest eigenvalue %.2e\n",
-              ToString(result.icp.termination).c_str(), result.icp.rmse_m, result.icp.inlier_ratio,
-              result.icp.eigenvalues[0]);
-  PrintPose(result.icp);
+              ToString(registration.icp.termination).c_str(), registration.icp.rmse_m,
+              registration.icp.inlier_ratio, registration.icp.eigenvalues[0]);
+  PrintVerification(registration);
+  PrintPose(registration.icp);
   std::printf("pictures: %s/before.png, %s/after.png\n", options.output.c_str(),
               options.output.c_str());
-  return PrintFailure(result.icp, options.registration.icp);
+  return PrintReason(registration, options);
 }
 
 }  // namespace
@@ -37,6 +59,6 @@ int Run(const RegisterRunOptions& options) {
 
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(
-      argc, argv, "registers two point clouds by ICP with nearest neighbours, from the identity",
+      argc, argv, "registers two point clouds from any pose, and verifies the result",
       surfit::tools::Run);
 }

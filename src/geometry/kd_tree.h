@@ -48,7 +48,12 @@ class KdTree {
   Neighbor Nearest(const Eigen::Vector3f& query, float max_squared_distance = kAnyDistance,
                    std::uint32_t hint = kNone) const;
 
-  // Replaces `ranks` by the ranks of all points within the maximum distance, ascending.
+  // Replaces `neighbors` by the `count` nearest points, or by all points if there are fewer. They
+  // are sorted by distance. The time does not grow with the number of equal points.
+  void FindNearest(const Eigen::Vector3f& query, std::size_t count,
+                   std::vector<Neighbor>* neighbors) const;
+
+  // Replaces `ranks` by the ranks of all points within the maximum distance, in ascending order.
   void FindWithin(const Eigen::Vector3f& query, float max_squared_distance,
                   std::vector<std::uint32_t>* ranks) const;
 
@@ -66,6 +71,7 @@ class KdTree {
   class Sorter;
   class Search;
   class NearestSearch;
+  class FewNearestSearch;
   class RangeSearch;
 
   void MakeNodes();

@@ -1,4 +1,6 @@
 
+#include <algorithm>
+
 #include "geometry/float4.h"
 #include "geometry/kd_tree.h"
 
@@ -101,6 +103,69 @@ class KdTree::NearestSearch : private Search {
   Neighbor best_;
 };
 
+class KdTree::FewNearestSearch : private Search {
+ public:
+  FewNearestSearch(const KdTree& tree, const Eigen::Vector3f& query, std::size_t count,
+                   std::vector<Neighbor>* neighbors)
+      : Search(tree, query), count_(std::min(count, tree.size())), neighbors_(*neighbors) {}
+
+  void Run() {
+    neighbors_.clear();
+    if (count_ > 0) Visit(0, 0);
+  }
+
+ private:
+  float Bound() const {
+    return neighbors_.size() < count_ ? kAnyDistance : neighbors_.back().squared_distance;
+  }
+  // Equal distances do not change a complete list. Subtrees of equal points are therefore skipped.
+  bool IsUseless(float squared_distance) const {
+    return neighbors_.size() == count_ && !(squared_distance < Bound());
+  }
+
+  void Visit(std::size_t level, std::uint32_t index) {
+    if (IsLeaf(level)) return VisitLeaf(index);
+    alignas(16) float distances[kChildren];
+    unsigned rest = ChildrenWithin(level, index, Bound(), distances);
+    while (rest != 0) {
+      int nearest = __builtin_ctz(rest);
+      for (unsigned bits = rest & (rest - 1); bits != 0; bits &= bits - 1) {
+        const int child = __builtin_ctz(bits);
+        if (distances[child] < distances[nearest]) nearest = child;
+      }
+      if (IsUseless(distances[nearest])) return;
+      rest &= ~(1u << nearest);
+      Visit(level + 1, kChildren * index + nearest);
+    }
+  }
+
+  void VisitLeaf(std::uint32_t leaf) {
+    alignas(16) float distances[kWidth];
+    const std::uint32_t end = tree_.LeafBegin(std::uint64_t{leaf} + 1);
+    for (std::uint32_t rank = tree_.LeafBegin(leaf); rank < end; rank += kWidth) {
+      unsigned bits = PointsWithin(rank, Bound(), distances);
+      for (; bits != 0; bits &= bits - 1) {
+        const int lane = __builtin_ctz(bits);
+        if (rank + lane < end) Consider({rank + lane, distances[lane]});
+      }
+    }
+  }
+
+  void Consider(const Neighbor& neighbor) {
+    if (IsUseless(neighbor.squared_distance)) return;
+    if (neighbors_.size() == count_) neighbors_.pop_back();
+    auto place = neighbors_.end();
+    while (place != neighbors_.begin() &&
+           neighbor.squared_distance < (place - 1)->squared_distance) {
+      --place;
+    }
+    neighbors_.insert(place, neighbor);
+  }
+
+  std::size_t count_;
+  std::vector<Neighbor>& neighbors_;
+};
+
 class KdTree::RangeSearch : private Search {
  public:
   RangeSearch(const KdTree& tree, const Eigen::Vector3f& query, float bound,
@@ -138,6 +203,11 @@ KdTree::Neighbor KdTree::Nearest(const Eigen::Vector3f& query, float max_squared
     if (squared_distance <= max_squared_distance) start = {hint, squared_distance};
   }
   return NearestSearch(*this, query, start).Run();
+}
+
+void KdTree::FindNearest(const Eigen::Vector3f& query, std::size_t count,
+                         std::vector<Neighbor>* neighbors) const {
+  FewNearestSearch(*this, query, count, neighbors).Run();
 }
 
 void KdTree::FindWithin(const Eigen::Vector3f& query, float max_squared_distance,

@@ -92,6 +92,26 @@ TEST_P(KdTreeOfSize, FindWithinAgreesWithBruteForce) {
   }
 }
 
+TEST_P(KdTreeOfSize, FindNearestAgreesWithBruteForce) {
+  for (const Points& points : {RandomPoints(GetParam(), 1, 3), GridPoints(GetParam(), 4)}) {
+    const KdTree tree(points);
+    std::vector<KdTree::Neighbor> found;
+    for (const Eigen::Vector3f& query : RandomPoints(20, 1, 5)) {
+      std::vector<float> distances;
+      for (std::uint32_t rank = 0; rank < tree.size(); ++rank) {
+        distances.push_back(tree.SquaredDistance(query, rank));
+      }
+      std::sort(distances.begin(), distances.end());
+      tree.FindNearest(query, 7, &found);
+      ASSERT_EQ(found.size(), std::min<std::size_t>(7, points.size()));
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        EXPECT_EQ(found[i].squared_distance, distances[i]);
+        EXPECT_EQ(found[i].squared_distance, tree.SquaredDistance(query, found[i].rank));
+      }
+    }
+  }
+}
+
 TEST(KdTree, DistancesAreInclusive) {
   const KdTree tree({{0.25f, 0, 0}});
   std::vector<std::uint32_t> found;

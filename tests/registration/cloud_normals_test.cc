@@ -156,6 +156,34 @@ TEST(CloudNormals, AreMissingWithoutPlane) {
   }
 }
 
+// A lidar scan has far more points near the sensor. The normals of the dense part use part of the
+// points, and the time per point stays bounded.
+TEST(CloudNormals, AreRightAtVeryDifferentDensities) {
+  Points points = Rectangle(1, 1, 2000, 0.001, {Eigen::Quaterniond::Identity(), {0, 0, 2}});
+  const Points dense =
+      Rectangle(0.05, 0.05, 8e6, 0.001, {Eigen::Quaterniond::Identity(), {2, 0, 2}});
+  points.insert(points.end(), dense.begin(), dense.end());
+  CloudNormalOptions options;
+  options.radius_m = 0.05;
+  const CloudNormals result = EstimateCloudNormals(points, WithoutDepthNoise(), options);
+  EXPECT_LT(result.missing, 0.01 * points.size());
+  int slanted = 0;
+  for (const auto& normal : result.normals) {
+    slanted += !normal.isZero(0) && (normal + Eigen::Vector3f::UnitZ()).norm() > 0.15f;
+  }
+  EXPECT_LT(slanted, 0.01 * points.size());
+}
+
+// Half of the points are equal. The spacing is that of the other half.
+TEST(CloudNormals, IgnoreManyEqualPoints) {
+  Points points = Rectangle(1, 1, 5000, 0, {Eigen::Quaterniond::Identity(), {0, 0, 2}});
+  const double radius_m = EstimateCloudNormals(points, WithoutDepthNoise(), {}).radius_m;
+  points.resize(2 * points.size(), Eigen::Vector3f::Zero());
+  const CloudNormals result = EstimateCloudNormals(points, WithoutDepthNoise(), {});
+  EXPECT_EQ(result.missing, 5000);
+  EXPECT_NEAR(result.radius_m, radius_m, 0.1 * radius_m);
+}
+
 TEST(CloudNormals, IsTheSameAtAnyNumberOfThreads) {
   const Points points = Rectangle(1, 1, 5000, 0.002);
   const auto results =

@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <optional>
 #include <random>
+#include <utility>
 
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
@@ -72,7 +74,7 @@ TEST(RegisterClouds, FindsMotionOfNoisyClouds) {
   }
 }
 
-TEST(RegisterClouds, SkipsLevelsWithTooFewPoints) {
+TEST(RegisterClouds, StartsWithTheCoarsestGateForAnyNumberOfPoints) {
   const auto coarsest = [](int count, int levels) {
     PointSet set = Corner(0, 1);
     set.points.resize(count), set.normals.resize(count), set.sigma_m.resize(count);
@@ -80,10 +82,92 @@ TEST(RegisterClouds, SkipsLevelsWithTooFewPoints) {
     options.levels = levels;
     return RegisterClouds(set, Corner(0, 2), Rigid3d(), options).iterations.front().level;
   };
-  EXPECT_EQ(coarsest(30000, 4), 2);  // 30000 / 4^3 < 1000
+  EXPECT_EQ(coarsest(30000, 4), 3);
   EXPECT_EQ(coarsest(30000, 2), 1);
-  EXPECT_EQ(coarsest(3999, 4), 0);
-  EXPECT_EQ(coarsest(4000, 4), 1);
+  EXPECT_EQ(coarsest(500, 4), 3);
+}
+
+SensedCloud Sensed(PointSet set) {
+  SensedCloud cloud;
+  cloud.points = std::move(set);
+  cloud.has_signed_normals = true;
+  return cloud;
+}
+
+// Corner of walls with different sizes and a box, so that no rotation maps it to itself.
+PointSet CornerWithBox(double sigma_m, int seed) {
+  PointSet set = Corner(sigma_m, seed);
+  for (auto& point : set.points) point.y() *= 1.8f, point.z() = 2 + 0.6f * (point.z() - 2);
+  std::mt19937_64 rng(seed + 50);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int i = 0; i < 4000; ++i) {
+    const Eigen::Vector3d point(0.2 + 0.3 * uniform(rng), -0.3 + 0.2 * uniform(rng), 2.25);
+    set.Add(point.cast<float>(), Eigen::Vector3f::UnitZ(), kSigma_m);
+    const Eigen::Vector3d side(0.2, -0.3 + 0.2 * uniform(rng), 2 + 0.25 * uniform(rng));
+    set.Add(side.cast<float>(), -Eigen::Vector3f::UnitX(), kSigma_m);
+  }
+  return set;
+}
+
+// The tolerance is that of FindsMotionOfNoisyClouds, for coordinates up to 10 m from the origin.
+TEST(RegisterCloudsFrom, FindsAnyPoseByAutoAndGlobal) {
+  std::mt19937_64 rng(9);
+  for (const char* method : {"auto", "global"}) {
+    const Rigid3d truth = RandomPose(2, 5, &rng);
+    CloudStartOptions start;
+    start.method = method;
+    RegisterCloudsOptions options;
+    options.icp.gates.max_distance_m = 0;
+    const CloudRegistration result =
+        RegisterCloudsFrom(Sensed(Moved(CornerWithBox(0.002, 7), truth.Inverse())),
+                           Sensed(CornerWithBox(0.002, 6)), std::nullopt, start, options);
+    EXPECT_TRUE(result.accepted()) << ToString(result.reason);
+    EXPECT_EQ(result.start, "global");
+    EXPECT_THAT(result.icp.target_from_source, RigidNear(truth, 5e-3, 4.8e-4));
+  }
+}
+
+// A wall does not constrain two translations and the rotation about its normal.
+TEST(RegisterCloudsFrom, RejectsNoisyWallAsDegenerate) {
+  const auto wall = [](int seed) {
+    PointSet set = Corner(0.002, seed);
+    set.points.erase(set.points.begin(), set.points.begin() + 20000);
+    CloudSensor sensor;
+    sensor.noise.inverse_depth_sigma = 0;
+    set.normals = EstimateCloudNormals(set.points, sensor, {}).normals;
+    set.sigma_m.resize(set.points.size());
+    return Sensed(std::move(set));
+  };
+  RegisterCloudsOptions options;
+  options.icp.gates.max_distance_m = 0;
+  const CloudRegistration result = RegisterCloudsFrom(wall(1), wall(2), std::nullopt, {}, options);
+  EXPECT_EQ(ToString(result.reason), "degenerate");
+  EXPECT_EQ(result.icp.degenerate_directions.size(), 3u);
+}
+
+TEST(RegisterCloudsFrom, IsTheSameAtAnyNumberOfThreads) {
+  const Rigid3d moved(QuaternionExp<double>({0.8, 0.4, 0}), {0.5, 0, 0.2});
+  CloudStartOptions start;
+  start.method = "global";
+  RegisterCloudsOptions options;
+  options.icp.gates.max_distance_m = 0;
+  const auto results = AtThreads({1, 4}, [&] {
+    return RegisterCloudsFrom(Sensed(Moved(CornerWithBox(0.002, 1), moved)),
+                              Sensed(CornerWithBox(0.002, 2)), std::nullopt, start, options);
+  });
+  EXPECT_EQ(results[0].icp.target_from_source.Matrix(), results[1].icp.target_from_source.Matrix());
+  EXPECT_EQ(results[0].icp.information, results[1].icp.information);
+  EXPECT_EQ(results[0].score_margin, results[1].score_margin);
+}
+
+TEST(RegisterCloudsFrom, RejectsInvalidOptions) {
+  CloudStartOptions start;
+  start.method = "magic";
+  ExpectInputError([&] { RegisterCloudsFrom({}, {}, std::nullopt, start, {}); },
+                   Names("method", "magic", "identity", "file", "global", "auto"));
+  start.method = "file";
+  ExpectInputError([&] { RegisterCloudsFrom({}, {}, std::nullopt, start, {}); },
+                   Names("start", "file"));
 }
 
 TEST(RegisterClouds, ReportsTooFewInliers) {

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -145,9 +146,49 @@ TEST_F(RegisterTool, FailsWithoutOverlap) {
   PointCloud far = Corner(1);
   for (auto& point : far.points) point.x() += 100;
   WritePly(far, Source());
-  const ProgramResult result = Register(Source(), Target());
+  const ProgramResult result = Register(Source(), Target(), {"--start=identity"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, StartsWith("failed: too_few_inliers: "));
+}
+
+TEST_F(RegisterTool, StartsFromGivenPose) {
+  PointCloud far = MovedCorner(1);
+  for (auto& point : far.points) point.x() += 3;
+  WritePly(far, Source());
+  const std::string file = folder_ / "pose.txt";
+  std::ofstream(file) << "1 0 0 -3\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  for (const std::string& pose : {std::string("-3,0,0,0,0,0,1"), file}) {
+    Succeeded(Register(Source(), Target(), {"--start=file", "--initial_pose=" + pose}));
+    const Rigid3d expected =
+        Truth() * Rigid3d(Eigen::Quaterniond::Identity(), Eigen::Vector3d(-3, 0, 0));
+    EXPECT_THAT(ParseTransform(ReadBytes(Output("transform.txt"))),
+                RigidNear(expected, 3 * kTolerance_m, kTolerance_rad));
+  }
+}
+
+// Coordinates of a survey: single precision has steps of 0.5 m there.
+TEST_F(RegisterTool, KeepsPrecisionFarFromTheOrigin) {
+  const Eigen::Vector3d origin(500000, 5400000, 300);
+  PointCloud source = MovedCorner(1), target = Corner(2);
+  source.origin = target.origin = origin;
+  WritePly(source, Source());
+  WritePly(target, Target());
+  Succeeded(Register(Source(), Target()));
+  const Rigid3d found = ParseTransform(ReadBytes(Output("transform.txt")));
+  const Eigen::Vector3d point(0.1, 0.2, 2);
+  EXPECT_THAT(Eigen::Vector3d(found * (origin + point) - origin),
+              VectorNear(Eigen::Vector3d(Truth() * point), kTolerance_m));
+}
+
+TEST_F(RegisterTool, EstimatesNormalsIfAllAreZeroAndCountsEqualPoints) {
+  PointCloud source = MovedCorner(1);
+  source.points.resize(20000, Eigen::Vector3f::Zero());
+  source.normals.assign(source.points.size(), Eigen::Vector3f::Zero());
+  WritePly(source, Source());
+  const ProgramResult result = Succeeded(Register(Source(), Target()));
+  EXPECT_THAT(result.out, Names("source", 20000, 7999, "equal"));
+  EXPECT_THAT(ParseTransform(ReadBytes(Output("transform.txt"))),
+              RigidNear(Truth(), kTolerance_m, kTolerance_rad));
 }
 
 TEST_F(RegisterTool, RejectsBadInputInOneLine) {
@@ -159,6 +200,10 @@ TEST_F(RegisterTool, RejectsBadInputInOneLine) {
       {empty, {}, {empty}},
       {Source(), {"--association=projective"}, {"association", "projective", "kd_tree"}},
       {Source(), {"--levels=0"}, {"levels", "0"}},
+      {Source(), {"--start=magic"}, {"start", "magic", "identity", "file", "global", "auto"}},
+      {Source(), {"--start=file"}, {"start", "file", "initial_pose"}},
+      {Source(), {"--start=file", "--initial_pose=/no/pose.txt"}, {"/no/pose.txt"}},
+      {Source(), {"--start=global", "--initial_pose=0,0,0,0,0,0,1"}, {"initial_pose", "global"}},
       {Source(), {"--normal_radius_m=-1"}, {"--normal_radius_m", "-1"}},
       {Source(), {"--solver=magic"}, {"solver", "magic", "closed_form_ldlt"}},
       {Source(), {"--solver=svd"}, {"svd"}},

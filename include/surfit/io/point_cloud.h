@@ -17,6 +17,9 @@ struct PointCloud {
   std::vector<Rgb8> colors;
   std::vector<float> radii_m = {};      // of surfels; metres
   std::vector<float> confidences = {};  // of surfels
+  // Position of the coordinates (0, 0, 0) of `points`, m. Not 0 only after
+  // ReadPointCloudAboutOrigin().
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
 // Reads the element `vertex` of a PLY file, ascii or binary little endian. x, y and z have any
@@ -32,12 +35,18 @@ PointCloud ReadPly(const std::string& path);
 // confidences are not read from PCD. Throws InputError that names the file and the error.
 PointCloud ReadPointCloud(const std::string& path);
 
+// Reads a file as ReadPointCloud(). If the first finite point is more than 100 m from (0, 0, 0), it
+// becomes the origin, rounded to 1 m. It is subtracted in double precision, so that coordinates of
+// a survey keep their precision.
+PointCloud ReadPointCloudAboutOrigin(const std::string& path);
+
 // Removes the points with a coordinate that is not finite. Returns the number of removed points.
 // Aborts if an attribute has another size than `points`.
 std::size_t RemoveNonFinite(PointCloud* cloud);
 
-// Writes binary little-endian PLY atomically. Throws InputError that names the file if it cannot be
-// written. Aborts if an attribute has another size than `points`.
+// Writes binary little-endian PLY atomically. Coordinates are double if `origin` is not 0. Throws
+// InputError that names the file if it cannot be written. Aborts if an attribute has another size
+// than `points`.
 void WritePly(const PointCloud& cloud, const std::string& path);
 
 // Writes binary PCD 0.7 atomically: x y z, and normal_x normal_y normal_z and rgb (the bits

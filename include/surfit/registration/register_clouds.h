@@ -1,11 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/registration/association.h"
+#include "surfit/registration/global_registration.h"
 #include "surfit/registration/icp.h"
 
 namespace surfit {
@@ -18,8 +21,7 @@ struct RegisterCloudsOptions {
   // 1 / PointSet::sigma_m^2.
   IcpOptions icp = DefaultIcp();
   bool reciprocal = false;  // on the finest level, use mutual nearest neighbours only
-  // Number of levels. Level l uses every 4^l-th source point. Coarse levels with fewer than
-  // kMinPoints source points are skipped.
+  // Number of levels. Level l uses every 4^l-th source point, and at least kMinPoints points.
   int levels = 4;
 
   static constexpr int kMinPoints = 1000;
@@ -37,14 +39,90 @@ struct RegisterCloudsOptions {
 // need the normals of both clouds. An empty cloud gives kTooFewInliers. Throws InputError for
 // invalid options. Aborts if the vectors of a PointSet have different sizes. Keeps no reference.
 // The result is the same for any number of threads.
+//
+// `covariance` includes the noise of points and normals, and correlated errors of neighbouring
+// points. It also includes errors that source points share through a common target point.
+// `information` is its inverse. Assumptions:
+// - The errors of points more than kErrorSpacings point spacings apart are independent.
+// - Both clouds show the same rigid surfaces.
+// - The sensor has no systematic error.
 IcpResult RegisterClouds(const PointSet& source, const PointSet& target,
                          const Rigid3d& target_from_source_initial,
                          const RegisterCloudsOptions& options);
 
+// Distance from which the errors of points are independent, in point spacings.
+inline constexpr double kErrorSpacings = 8;
+
+// Acceptance criteria of a registration of two clouds, which must all hold. Points are on the other
+// surface if they are near its tangent plane and the normals agree.
+struct CloudCriteria {
+  double min_overlap_ratio = 0.1;                // of points on the surface of the other cloud
+  double min_inlier_ratio = 0.65;                // points on the other surface, per point near it
+  double max_free_space_violation_ratio = 0.06;  // if both viewpoints are known
+  double min_score_margin = 0.1;                 // 1 - second-best score / best score
+  double max_disagreement_spacings = 1;          // forward and backward registration, RMS of points
+  double max_sigma_spacings = 0.5;               // of the points, in the least certain direction
+
+  void Visit(OptionVisitor& visitor);
+};
+
+// Cloud and the position of its sensor.
+struct SensedCloud {
+  PointSet points;
+  Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  // m
+  bool has_viewpoint = false;                           // all points were observed from `viewpoint`
+  bool has_signed_normals = false;  // false: the signs of the normals are arbitrary
+};
+
+// Source of the initial pose of two clouds.
+// - identity: no motion.
+// - file: the given pose.
+// - global: matches of local shapes (FPFH).
+// - auto: the given pose, or the identity without one; then global if the result is not accepted.
+std::vector<std::string> CloudStartNames();
+
+// Options of the registration of two clouds from any pose.
+struct CloudStartOptions {
+  std::string method = "auto";  // a name of CloudStartNames()
+  CloudCriteria criteria;
+
+  void Visit(OptionVisitor& visitor);
+};
+
+// Registration of two clouds with its verification result. Values that were not computed are 0.
+struct CloudRegistration {
+  GlobalRegistrationReason reason = GlobalRegistrationReason::kNoStart;
+  std::string start;  // initial pose of the result: a name of CloudStartNames() except auto
+  IcpResult icp;
+  double overlap_ratio = 0;  // larger of both directions
+  double inlier_ratio = 0;   // smaller of both directions
+  // Larger of both directions. std::nullopt: a viewpoint is unknown.
+  std::optional<double> free_space_violation_ratio;
+  double score_margin = 0;
+  double disagreement_m = 0;  // forward and backward registration, RMS of the source points
+  double sigma_m = 0;         // of the source points, in the least certain direction
+  double spacing_m = 0;       // larger median point spacing of both clouds
+  double noise_m = 0;         // larger median deviation of points from a plane
+
+  bool accepted() const { return reason == GlobalRegistrationReason::kAccepted; }
+};
+
+// Violated criterion with value and limit. Empty for kAccepted.
+std::string ViolatedCriterion(const CloudRegistration& result, const CloudCriteria& criteria);
+
+// Registers source to target from the initial poses of start.method and verifies the result.
+// Standard deviations of points are at least a tenth of the point spacing and the noise of the
+// clouds. If the distance gate is 0, it follows from spacing and noise. Throws InputError for
+// invalid options. A rejected registration is a result, not an error.
+CloudRegistration RegisterCloudsFrom(const SensedCloud& source, const SensedCloud& target,
+                                     const std::optional<Rigid3d>& given,
+                                     const CloudStartOptions& start,
+                                     const RegisterCloudsOptions& options);
+
 // Options for normals of point clouds.
 //
-// A plane is fitted to the N neighbours of a point within a radius. Above 4 radius_m, each doubling
-// of the radius uses a quarter of the points. With the eigenvalues l0 <= l1 <= l2 of their
+// A plane is fitted to the N neighbours of a point within a radius. Dense neighbourhoods are
+// thinned. With the eigenvalues l0 <= l1 <= l2 of their
 // covariance:
 // - s = sqrt(l0 N / (N - 3)): deviation of the points from the plane,
 // - sqrt(l0 / l1): relative thickness of the plane,

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "surfit/core/error.h"
 
@@ -31,22 +35,60 @@ void Normalize(std::vector<Eigen::Vector3f>* normals) {
   }
 }
 
+bool AllZero(const std::vector<Eigen::Vector3f>& normals) {
+  return std::all_of(normals.begin(), normals.end(),
+                     [](const Eigen::Vector3f& normal) { return normal.isZero(0); });
+}
+
+// Index of the first equal point, for each point.
+std::vector<std::uint32_t> FirstEquals(const std::vector<Eigen::Vector3f>& points) {
+  std::vector<std::uint32_t> sorted(points.size());
+  std::iota(sorted.begin(), sorted.end(), 0u);
+  const auto key = [&](std::uint32_t i) {
+    return std::make_tuple(points[i].x(), points[i].y(), points[i].z());
+  };
+  std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::make_pair(key(a), a) < std::make_pair(key(b), b);
+  });
+  std::vector<std::uint32_t> firsts(points.size());
+  for (std::size_t k = 0; k < sorted.size(); ++k) {
+    const bool is_equal = k > 0 && key(sorted[k]) == key(sorted[k - 1]);
+    firsts[sorted[k]] = is_equal ? firsts[sorted[k - 1]] : sorted[k];
+  }
+  return firsts;
+}
+
+// Estimates normals if the cloud has none.
 PointSet MakePointSet(const CloudSensor& sensor, const CloudNormalOptions& normals,
                       double floor_sigma_m, PointCloud* cloud, RegisteredCloud* about) {
+  const std::vector<std::uint32_t> firsts = FirstEquals(cloud->points);
+  std::vector<std::uint32_t> used;                  // points that are equal to no earlier point
+  std::vector<std::uint32_t> place(firsts.size());  // position of the first equal point in `used`
+  for (std::uint32_t i = 0; i < firsts.size(); ++i) {
+    if (firsts[i] == i) used.push_back(i);
+  }
+  for (std::uint32_t k = 0; k < used.size(); ++k) place[used[k]] = k;
+  about->duplicates = firsts.size() - used.size();
   PointSet set;
-  set.points = cloud->points;
+  for (const std::uint32_t i : used) set.points.push_back(cloud->points[i]);
   set.sigma_m.assign(set.size(), static_cast<float>(floor_sigma_m));
-  if (cloud->normals.empty()) {
-    CloudNormals estimated = EstimateCloudNormals(cloud->points, sensor, normals);
+  Normalize(&cloud->normals);
+  if (AllZero(cloud->normals)) {
+    CloudSensor local = sensor;
+    local.viewpoint -= cloud->origin;
+    const CloudNormals estimated = EstimateCloudNormals(set.points, local, normals);
     about->normal_radius_m = estimated.radius_m;
-    cloud->normals = std::move(estimated.normals);
-    for (std::size_t i = 0; i < set.size(); ++i) {
-      set.sigma_m[i] = std::hypot(set.sigma_m[i], estimated.deviation_m[i]);
+    set.normals = estimated.normals;
+    for (std::size_t k = 0; k < set.size(); ++k) {
+      set.sigma_m[k] = std::hypot(set.sigma_m[k], estimated.deviation_m[k]);
+    }
+    cloud->normals.resize(cloud->points.size());
+    for (std::size_t i = 0; i < firsts.size(); ++i) {
+      cloud->normals[i] = set.normals[place[firsts[i]]];
     }
   } else {
-    Normalize(&cloud->normals);
+    for (const std::uint32_t i : used) set.normals.push_back(cloud->normals[i]);
   }
-  set.normals = cloud->normals;
   about->without_normal = std::count_if(set.normals.begin(), set.normals.end(),
                                         [](const auto& normal) { return normal.isZero(0); });
   return set;
@@ -60,12 +102,13 @@ PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what, const Clou
   prepared.cloud = std::move(cloud);
   KeepFinitePoints(what, &prepared.cloud, &prepared.about);
   prepared.points = MakePointSet(sensor, normals, floor_sigma_m, &prepared.cloud, &prepared.about);
+  prepared.has_signed_normals = prepared.about.normal_radius_m == 0;
   return prepared;
 }
 
 PreparedCloud ReadCloudFile(const std::string& path, const CloudSensor& sensor,
                             const CloudNormalOptions& normals, double floor_sigma_m) {
-  return PrepareCloud(ReadPointCloud(path), path, sensor, normals, floor_sigma_m);
+  return PrepareCloud(ReadPointCloudAboutOrigin(path), path, sensor, normals, floor_sigma_m);
 }
 
 }  // namespace surfit

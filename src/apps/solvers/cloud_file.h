@@ -9,18 +9,20 @@ namespace surfit {
 
 // Point cloud for registration.
 struct PreparedCloud {
-  PointCloud cloud;  // finite points with normals of the file or estimated normals
-  PointSet points;   // the same points with sigmas
+  PointCloud cloud;                 // finite points with given or estimated normals
+  PointSet points;                  // without duplicates
+  bool has_signed_normals = false;  // the normals are those of the file
   RegisteredCloud about;
 };
 
-// Sets normals and sigmas as RunRegister(). Throws InputError for a cloud without finite points or
-// with more than 2^30 points. `what`: name of the cloud in messages. Zero and non-finite normals
-// become (0, 0, 0). `floor_sigma_m`: smallest sigma, m.
+// Removes points that are equal to an earlier point from `points`, because equal points slow down
+// searches. Estimates normals and sigmas as described at RunRegister(). `what` names the cloud in
+// the InputError that is thrown for a cloud without finite points.
 PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what, const CloudSensor& sensor,
                            const CloudNormalOptions& normals, double floor_sigma_m);
 
-// Reads a PLY or PCD file, then PrepareCloud(). Throws InputError with the file name.
+// Reads and prepares a file. Coordinates are relative to `cloud.origin`. The viewpoint is in the
+// frame of the file. Throws InputError with the name of the file.
 PreparedCloud ReadCloudFile(const std::string& path, const CloudSensor& sensor,
                             const CloudNormalOptions& normals, double floor_sigma_m);
 

@@ -28,14 +28,28 @@ void RefineRunOptions::Visit(OptionVisitor& v) {
   });
 }
 
+RegisterRunOptions::RegisterRunOptions() {
+  sensor.noise.inverse_depth_sigma = 0;
+  registration.icp.gates.max_distance_m = 0;
+  registration.icp.error_model.floor_sigma_m = 1e-6;
+}
+
 void RegisterRunOptions::Visit(OptionVisitor& v) {
   v.Group("clouds");
   v.Add(source, SharedOption("source", Required(), Everyday()));
   v.Add(target, SharedOption("target", Required(), Everyday()));
+  v.Group("registration");
+  v.AddPart(start, "start", "initial pose and verification");
+  v.Add(initial_pose, "initial_pose",
+        "initial target_from_source: a file with a 4 x 4 matrix, or tx,ty,tz,qx,qy,qz,qw; empty: "
+        "none",
+        AsFlag(), Everyday());
   v.Group("run");
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(threads, SharedOption("threads", Everyday()));
   v.AddPart(sensor, "sensor", "sensor of both clouds");
+  v.Add(single_view, "single_view",
+        "both clouds were observed from --viewpoint: verify their free space", AsFlag());
   v.AddPart(normals, "normals", "normal estimation");
   v.AddPart(registration, "registration", "registration");
 }

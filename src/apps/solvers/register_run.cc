@@ -1,6 +1,9 @@
 #include "apps/solvers/register_run.h"
 
+#include <fstream>
 #include <iomanip>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "apps/solvers/cloud_file.h"
@@ -10,6 +13,7 @@
 #include "output/pictures/pictures.h"
 #include "run/posed_views.h"
 #include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/io/point_cloud.h"
@@ -46,8 +50,12 @@ void WriteClouds(const PosedPair& pair, const Rigid3d& target_from_source,
   WritePly(both, stem + ".ply");
 }
 
-PointCloud Moved(PointCloud cloud, const Rigid3d& pose) {
-  for (auto& point : cloud.points) point = (pose * point.cast<double>()).cast<float>();
+// Coordinates of the result are relative to `origin`.
+PointCloud Moved(PointCloud cloud, const Rigid3d& pose, const Eigen::Vector3d& origin) {
+  for (auto& point : cloud.points) {
+    point = (pose * (point.cast<double>() + cloud.origin) - origin).cast<float>();
+  }
+  cloud.origin = origin;
   for (auto& normal : cloud.normals) normal = (pose.rotation * normal.cast<double>()).cast<float>();
   return cloud;
 }
@@ -62,6 +70,79 @@ void WriteTransform(const Rigid3d& pose, const std::string& path) {
       }
     }
   });
+}
+
+std::optional<Rigid3d> ReadInitialPose(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  if (text.find(',') != std::string::npos) return ParsePose("initial_pose", text);
+  std::ifstream file(text);
+  ThrowIf(!file, "initial_pose is '", text,
+          "', must be tx,ty,tz,qx,qy,qz,qw or a file with a 4 x 4 matrix");
+  Eigen::Matrix4d matrix;
+  for (int i = 0; i < 16; ++i) file >> matrix(i / 4, i % 4);
+  std::string rest;
+  ThrowIf(!file || file >> rest, text, ": must contain the 16 numbers of a 4 x 4 matrix");
+  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+  constexpr double kTolerance = 1e-3;  // of matrices that were written with few digits
+  const bool is_rigid = matrix.allFinite() && rotation.determinant() > 0 &&
+                        (rotation * rotation.transpose()).isIdentity(kTolerance) &&
+                        matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), kTolerance);
+  ThrowIf(!is_rigid, text, ": the matrix must be a rotation and a translation");
+  return Rigid3d(rotation, matrix.topRightCorner<3, 1>());
+}
+
+// Mean of the points, in the frame of the file.
+Eigen::Vector3d CenterOf(const PreparedCloud& prepared) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3f& point : prepared.points.points) sum += point.cast<double>();
+  return prepared.cloud.origin + sum / static_cast<double>(prepared.points.size());
+}
+
+SensedCloud CloudAbout(const Eigen::Vector3d& center, const PreparedCloud& prepared,
+                       const RegisterRunOptions& options) {
+  SensedCloud cloud;
+  cloud.points = prepared.points;
+  for (Eigen::Vector3f& point : cloud.points.points) {
+    point = (point.cast<double>() + prepared.cloud.origin - center).cast<float>();
+  }
+  cloud.viewpoint = options.sensor.viewpoint - center;
+  cloud.has_viewpoint = options.single_view;
+  cloud.has_signed_normals = prepared.has_signed_normals;
+  return cloud;
+}
+
+Rigid3d Shift(const Eigen::Vector3d& translation) {
+  return {Eigen::Quaterniond::Identity(), translation};
+}
+
+// Moves the origins of both frames. A left perturbation (w, v) about the centre c of the target is
+// (w, v + c x w) in the frame of the file.
+void MoveOrigins(const Eigen::Vector3d& source_center, const Eigen::Vector3d& target_center,
+                 IcpResult* icp) {
+  icp->target_from_source = Shift(target_center) * icp->target_from_source * Shift(-source_center);
+  Matrix6d moved = Matrix6d::Identity(), back = moved;
+  moved.bottomLeftCorner<3, 3>() = CrossMatrix<double>(target_center);
+  back.bottomLeftCorner<3, 3>() = -CrossMatrix<double>(target_center);
+  icp->information = back.transpose() * icp->information * back;
+  icp->trusted_information = back.transpose() * icp->trusted_information * back;
+  if (icp->covariance) *icp->covariance = moved * *icp->covariance * moved.transpose();
+  for (Vector6d& direction : icp->degenerate_directions) direction = moved * direction;
+}
+
+// Registers about the centres of the clouds.
+CloudRegistration RegisterAboutCenters(const PreparedCloud& source, const PreparedCloud& target,
+                                       const RegisterRunOptions& options) {
+  const Eigen::Vector3d source_center = CenterOf(source), target_center = CenterOf(target);
+  const Rigid3d given = ReadInitialPose(options.initial_pose).value_or(Rigid3d());
+  CloudStartOptions start = options.start;
+  // Without an initial pose, the given pose is the identity in the frames of the files.
+  if (start.method == "identity") start.method = "file";
+  CloudRegistration result = RegisterCloudsFrom(
+      CloudAbout(source_center, source, options), CloudAbout(target_center, target, options),
+      Shift(-target_center) * given * Shift(source_center), start, options.registration);
+  if (result.start == "file" && options.initial_pose.empty()) result.start = "identity";
+  MoveOrigins(source_center, target_center, &result.icp);
+  return result;
 }
 
 }  // namespace
@@ -88,6 +169,13 @@ AlignRunResult RunAlign(const AlignRunOptions& options) {
 
 RegisterRunResult RunRegister(const RegisterRunOptions& options) {
   Validate(options);
+  ReadInitialPose(options.initial_pose);  // throws before the clouds are read
+  ThrowIf(options.start.method == "file" && options.initial_pose.empty(),
+          "start is 'file', but initial_pose is empty");
+  ThrowIf((options.start.method == "identity" || options.start.method == "global") &&
+              !options.initial_pose.empty(),
+          "initial_pose has no effect with start '", options.start.method,
+          "', must be empty or start must be 'file' or 'auto'");
   const ThreadLimit limit(options.threads);
   RegisterRunResult result;
   const double floor_sigma_m = options.registration.icp.error_model.floor_sigma_m;
@@ -99,12 +187,15 @@ RegisterRunResult RunRegister(const RegisterRunOptions& options) {
   result.target = target.about;
   const OutputFolder owned(options.output, {"transform.txt", "registration.json", "aligned.ply",
                                             "before.png", "after.png"});
-  result.icp = RegisterClouds(source.points, target.points, Rigid3d(), options.registration);
-  const PointCloud aligned = Moved(source.cloud, result.icp.target_from_source);
-  WriteTransform(result.icp.target_from_source, options.output + "/transform.txt");
+  result.registration = RegisterAboutCenters(source, target, options);
+  const Rigid3d& pose = result.registration.icp.target_from_source;
+  const Eigen::Vector3d& origin = target.cloud.origin;
+  const PointCloud aligned = Moved(source.cloud, pose, origin);
+  WriteTransform(pose, options.output + "/transform.txt");
   WriteRegistrationJson(result, options, options.output + "/registration.json");
   WritePly(aligned, options.output + "/aligned.ply");
-  WriteTwoCloudPicture(source.cloud.points, target.cloud.points, options.output + "/before.png");
+  WriteTwoCloudPicture(Moved(source.cloud, Rigid3d(), origin).points, target.cloud.points,
+                       options.output + "/before.png");
   WriteTwoCloudPicture(aligned.points, target.cloud.points, options.output + "/after.png");
   return result;
 }

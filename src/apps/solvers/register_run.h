@@ -49,11 +49,18 @@ struct RegisterRunOptions {
   std::string source;  // clouds: PLY or PCD, m
   std::string target;
   std::string output;  // output folder, created if missing
-  CloudSensor sensor;
+  CloudStartOptions start;
+  // File with a 4 x 4 matrix target_from_source, or tx,ty,tz,qx,qy,qz,qw. Empty: none.
+  std::string initial_pose;
+  CloudSensor sensor;        // sensor of both clouds
+  bool single_view = false;  // both clouds were observed from sensor.viewpoint
   CloudNormalOptions normals;
   RegisterCloudsOptions registration;
   int threads = 2;
 
+  // Gates and standard deviations follow from the clouds: the distance gate is 0, the smallest
+  // sigma is 1 micrometre, and the sensor has no depth noise.
+  RegisterRunOptions();
   void Visit(OptionVisitor& visitor);
 };
 
@@ -61,22 +68,26 @@ struct RegisterRunOptions {
 struct RegisteredCloud {
   std::size_t points = 0;
   std::size_t not_finite = 0;      // removed points
-  std::size_t without_normal = 0;  // remaining points without normal
-  double normal_radius_m = 0;      // minimum radius for normal estimation; 0: normals of the file
+  std::size_t duplicates = 0;      // points that are equal to an earlier point: not registered
+  std::size_t without_normal = 0;  // registered points without normal
+  double normal_radius_m = 0;      // minimum radius of normal estimation; 0: normals of the file
 };
 
 // Result of RunRegister().
 struct RegisterRunResult {
-  IcpResult icp;
+  CloudRegistration registration;  // in the frames of the files
   RegisteredCloud source, target;
 };
 
-// Registers two clouds, starting from the identity. Normals are estimated if the files have
-// none. The sigma of a point is floor_sigma_m of the error model. For estimated normals, the RMS
-// distance of the neighbours from their plane is added in quadrature. Files in the output
-// folder:
+// Registers two clouds and verifies the result. Normals are read from the files, and estimated if
+// they are missing or all zero. The sigma of a point is floor_sigma_m of the error model. For
+// estimated normals, the deviation of the neighbours from their plane is added in quadrature.
+// Registration is computed about the centres of the clouds, so that coordinates of a survey keep
+// their precision.
+// Files in the output folder:
 //   transform.txt            target_from_source, 4 x 4
-//   registration.json        target_from_source, its covariance, and the statistics of ICP
+//   registration.json        target_from_source, its covariance, the verification result, and the
+//                            statistics of ICP
 //   aligned.ply              source in the frame of the target, with normals and colours
 //   before.png, after.png    source in orange, target in blue
 // Throws InputError for invalid options, unreadable files, clouds without finite points, and

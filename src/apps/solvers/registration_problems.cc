@@ -85,8 +85,9 @@ PoseProblems CloudProblems(const CompareOptions& options) {
     if (const auto& sigma = given.sequence.inverse_depth_sigma) {
       sensor.noise.inverse_depth_sigma = *sigma;
     }
-    return std::make_shared<const PreparedCloud>(
-        ReadCloudFile(path, sensor, CloudNormalOptions(), given.icp.error_model.floor_sigma_m));
+    return std::make_shared<const PreparedCloud>(PrepareCloud(ReadPointCloud(path), path, sensor,
+                                                              CloudNormalOptions(),
+                                                              given.icp.error_model.floor_sigma_m));
   };
   const auto source = read(options, options.source), target = read(options, options.target);
   return {1, [&options, source, target](int) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "output/output_files.h"
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
 namespace surfit {
@@ -24,6 +25,7 @@ Json ToJson(const RegisteredCloud& cloud, const std::string& path) {
   return {{"path", path},
           {"points", cloud.points},
           {"points_not_finite", cloud.not_finite},
+          {"points_duplicate", cloud.duplicates},
           {"points_without_normal", cloud.without_normal},
           {"normal_radius_m", cloud.normal_radius_m}};
 }
@@ -64,17 +66,35 @@ Json ToJson(const RefinementRound& round) {
 
 void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOptions& options,
                            const std::string& path) {
-  const IcpResult& icp = result.icp;
+  const CloudRegistration& registration = result.registration;
+  const IcpResult& icp = registration.icp;
   Json j;
   j["target_from_source"] = Rows(icp.target_from_source.Matrix());
   j["termination"] = ToString(icp.termination);
-  j["succeeded"] = icp.Succeeded();
+  j["succeeded"] = registration.accepted();
+  j["start"] = registration.start;
+  j["verification"] = {
+      {"result", ToString(registration.reason)},
+      {"violated_criterion", ViolatedCriterion(registration, options.start.criteria)},
+      {"overlap_ratio", registration.overlap_ratio},
+      {"surface_inlier_ratio", registration.inlier_ratio},
+      {"free_space_violation_ratio", registration.free_space_violation_ratio
+                                         ? Json(*registration.free_space_violation_ratio)
+                                         : Json()},
+      {"score_margin", registration.score_margin},
+      {"forward_backward_m", registration.disagreement_m},
+      {"largest_sigma_m", registration.sigma_m},
+      {"point_spacing_m", registration.spacing_m},
+      {"noise_m", registration.noise_m}};
   j["rmse_m"] = icp.rmse_m;
   j["inlier_count"] = icp.inlier_count;
   j["inlier_ratio"] = icp.inlier_ratio;
   j["step_count"] = icp.step_count;
   j["information"] = Rows(icp.information);
   j["covariance"] = icp.covariance ? Rows(*icp.covariance) : Json();
+  j["covariance_assumptions"] = Concat(
+      "left perturbation (rad, m) about the origin of the target; errors of points more than ",
+      kErrorSpacings, " point spacings apart are independent; no systematic error of the sensor");
   j["eigenvalues"] = icp.eigenvalues;
   j["degenerate_directions"] = icp.degenerate_directions;
   j["source"] = ToJson(result.source, options.source);

@@ -220,7 +220,7 @@ std::string FormatHeader(const PointCloud& cloud) {
 
 }  // namespace
 
-PointCloud ParsePcd(std::string_view file, const std::string& path) {
+PointCloud ParsePcd(std::string_view file, const std::string& path, CloudOrigin origin) {
   const PcdHeader header = ParsePcdHeader(file, path);
   const auto points = FindPlyColumns(header.points, {"x", "y", "z"});
   if (!points) throw InputError(path, ": FIELDS must have x, y and z");
@@ -235,13 +235,14 @@ PointCloud ParsePcd(std::string_view file, const std::string& path) {
     table.size = 0;
   }
   PointCloud cloud;
+  OriginReader reader(origin, &cloud);
   const auto begin = [&] {
     cloud.points.reserve(header.points.count);
     if (normals) cloud.normals.reserve(header.points.count);
     if (color) cloud.colors.reserve(header.points.count);
   };
   ReadPlyElement(file, table, header.points.name, path, begin, [&](const double* row) {
-    cloud.points.push_back(VectorAt(row, *points));
+    reader.Add(row, *points);
     if (normals) cloud.normals.push_back(VectorAt(row, *normals));
     if (color) {
       cloud.colors.push_back(UnpackColor(row[*color], header.points.properties[*color].type));

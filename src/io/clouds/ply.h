@@ -67,7 +67,34 @@ inline Eigen::Vector3f VectorAt(const double* row, const PlyColumns& c) {
   return Eigen::Vector3d(row[c[0]], row[c[1]], row[c[2]]).cast<float>();
 }
 
-// Header of a binary little-endian file, up to the first byte of the body.
+// Origin of the points that are read.
+enum class CloudOrigin { kZero, kFirstPoint };
+
+// Adds a point to the cloud. The first finite point sets the origin, see
+// ReadPointCloudAboutOrigin().
+class OriginReader {
+ public:
+  OriginReader(CloudOrigin origin, PointCloud* cloud)
+      : is_set_(origin == CloudOrigin::kZero), cloud_(*cloud) {}
+
+  void Add(const double* row, const PlyColumns& c) {
+    const Eigen::Vector3d point(row[c[0]], row[c[1]], row[c[2]]);
+    if (!is_set_ && point.allFinite()) SetOrigin(point);
+    cloud_.points.push_back((point - cloud_.origin).cast<float>());
+  }
+
+ private:
+  // Points before the first finite point are not finite.
+  void SetOrigin(const Eigen::Vector3d& point) {
+    constexpr double kFarM = 100;
+    is_set_ = true;
+    if (point.norm() > kFarM) cloud_.origin = point.array().round();
+  }
+
+  bool is_set_;
+  PointCloud& cloud_;
+};
+
 std::string FormatPlyHeader(const std::vector<PlyElement>& elements);
 
 // Calls `row` for each row of the first element with this name. The argument has one value per
@@ -104,6 +131,6 @@ void WritePlyVertices(const std::string& path, std::size_t count,
 
 // Parses a PCD file. Reads x y z of any type, normal_x normal_y normal_z if all exist, and rgb or
 // rgba of four bytes. VIEWPOINT is not applied. Throws InputError with `path` and reason.
-PointCloud ParsePcd(std::string_view file, const std::string& path);
+PointCloud ParsePcd(std::string_view file, const std::string& path, CloudOrigin origin);
 
 }  // namespace surfit

@@ -45,7 +45,7 @@ bool IsWhole(const PointCloud& cloud) {
   return is_whole;
 }
 
-PointCloud ParsePly(std::string_view file, const std::string& path) {
+PointCloud ParsePly(std::string_view file, const std::string& path, CloudOrigin origin) {
   const PlyHeader header = ParsePlyHeader(file, path);
   const PlyElement& vertices = FindPlyElement(header, "vertex", path);
   const auto points = FindPlyColumns(vertices, {"x", "y", "z"});
@@ -55,6 +55,7 @@ PointCloud ParsePly(std::string_view file, const std::string& path) {
   const auto radius = FindPlyColumn(vertices, "radius");
   const auto confidence = FindPlyColumn(vertices, "confidence");
   PointCloud cloud;
+  OriginReader reader(origin, &cloud);
   const auto begin = [&] {
     cloud.points.reserve(vertices.count);
     if (normals) cloud.normals.reserve(vertices.count);
@@ -63,7 +64,7 @@ PointCloud ParsePly(std::string_view file, const std::string& path) {
     if (confidence) cloud.confidences.reserve(vertices.count);
   };
   ReadPlyElement(file, header, "vertex", path, begin, [&](const double* row) {
-    cloud.points.push_back(VectorAt(row, *points));
+    reader.Add(row, *points);
     if (normals) cloud.normals.push_back(VectorAt(row, *normals));
     if (colors) cloud.colors.push_back(Color(row, *colors));
     if (radius) cloud.radii_m.push_back(static_cast<float>(row[*radius]));
@@ -72,14 +73,22 @@ PointCloud ParsePly(std::string_view file, const std::string& path) {
   return cloud;
 }
 
-}  // namespace
-
-PointCloud ReadPly(const std::string& path) { return ParsePly(ReadFileOrPipe(path), path); }
-
-PointCloud ReadPointCloud(const std::string& path) {
+PointCloud ReadCloud(const std::string& path, CloudOrigin origin) {
   const std::string file = ReadFileOrPipe(path);
   const bool is_ply = SplitWords(std::string_view(file).substr(0, file.find('\n'))) == Words{"ply"};
-  return is_ply ? ParsePly(file, path) : ParsePcd(file, path);
+  return is_ply ? ParsePly(file, path, origin) : ParsePcd(file, path, origin);
+}
+
+}  // namespace
+
+PointCloud ReadPly(const std::string& path) {
+  return ParsePly(ReadFileOrPipe(path), path, CloudOrigin::kZero);
+}
+
+PointCloud ReadPointCloud(const std::string& path) { return ReadCloud(path, CloudOrigin::kZero); }
+
+PointCloud ReadPointCloudAboutOrigin(const std::string& path) {
+  return ReadCloud(path, CloudOrigin::kFirstPoint);
 }
 
 std::size_t RemoveNonFinite(PointCloud* cloud) {
@@ -104,13 +113,19 @@ void WritePly(const PointCloud& cloud, const std::string& path) {
   const auto add = [&](const PlyNames& names, PlyType type) {
     for (const char* name : names) properties.push_back({name, type});
   };
-  add({"x", "y", "z"}, PlyType::kFloat32);
+  const bool is_far = !cloud.origin.isZero(0);
+  add({"x", "y", "z"}, is_far ? PlyType::kFloat64 : PlyType::kFloat32);
   if (!cloud.normals.empty()) add({"nx", "ny", "nz"}, PlyType::kFloat32);
   if (!cloud.colors.empty()) add({"red", "green", "blue"}, PlyType::kUint8);
   if (!cloud.radii_m.empty()) properties.push_back({"radius", PlyType::kFloat32});
   if (!cloud.confidences.empty()) properties.push_back({"confidence", PlyType::kFloat32});
   WritePlyVertices(path, cloud.points.size(), properties, [&](std::size_t i, PlyRow* row) {
-    for (const float value : cloud.points[i]) row->Put(value);
+    if (is_far) {
+      const Eigen::Vector3d point = cloud.origin + cloud.points[i].cast<double>();
+      for (const double value : point) row->Put(value);
+    } else {
+      for (const float value : cloud.points[i]) row->Put(value);
+    }
     if (!cloud.normals.empty()) {
       for (const float value : cloud.normals[i]) row->Put(value);
     }

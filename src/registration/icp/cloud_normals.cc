@@ -22,31 +22,17 @@ Eigen::Vector3d Offset(const KdTree& tree, std::uint32_t from, std::uint32_t to)
 float SquaredBound(double radius_m) { return static_cast<float>(radius_m * radius_m); }
 
 // Median point spacing of the cloud, m; 0: too few points. Assumes that k neighbours within radius
-// r share the area pi r^2.
+// r share the area pi r^2. Samples with many equal points are skipped.
 double Spacing(const KdTree& tree) {
   constexpr std::size_t kNeighbors = 8, kSamples = 500;
   if (tree.size() <= kNeighbors) return 0;
-  Eigen::Vector3d low = tree.Point(0).cast<double>(), high = low;
-  for (std::uint32_t i = 0; i < tree.size(); ++i) {
-    low = low.cwiseMin(tree.Point(i).cast<double>());
-    high = high.cwiseMax(tree.Point(i).cast<double>());
-  }
-  const double extent = (high - low).norm();
   const std::size_t step = std::max<std::size_t>(1, tree.size() / kSamples);
   std::vector<double> spacings;
-  std::vector<std::uint32_t> found;
+  std::vector<KdTree::Neighbor> found;
   for (std::uint32_t i = 0; i < tree.size(); i += step) {
-    double radius = extent / 4096;
-    do {
-      tree.FindWithin(tree.Point(i), SquaredBound(radius), &found);
-      radius *= 2;
-    } while (found.size() <= kNeighbors && radius <= 4 * extent);
-    if (found.size() <= kNeighbors) continue;
-    std::vector<double> distances;
-    distances.reserve(found.size());
-    for (const std::uint32_t j : found) distances.push_back(Offset(tree, i, j).norm());
-    std::nth_element(distances.begin(), distances.begin() + kNeighbors, distances.end());
-    spacings.push_back(distances[kNeighbors] * std::sqrt(M_PI / kNeighbors));
+    tree.FindNearest(tree.Point(i), kNeighbors + 1, &found);
+    const double distance = Offset(tree, i, found.back().rank).norm();
+    if (distance > 0) spacings.push_back(distance * std::sqrt(M_PI / kNeighbors));
   }
   if (spacings.empty()) return 0;
   const auto middle = spacings.begin() + spacings.size() / 2;
@@ -92,7 +78,7 @@ class PlaneFinder {
     thinned_.emplace_back(points);
     radius_m_ =
         options.radius_m > 0 ? options.radius_m : CloudNormalOptions::kSpacings * Spacing(all());
-    while (thinned_.size() < kTrees) thinned_.push_back(Thinned(thinned_.back()));
+    while (thinned_.back().size() > kThinnest) thinned_.push_back(Thinned(thinned_.back()));
   }
 
   const KdTree& all() const { return thinned_.front(); }
@@ -107,15 +93,13 @@ class PlaneFinder {
     if (!(radius_m_ > 0)) return plane;  // too few points, or all at the same position
     for (double radius_m = std::clamp(noise_radius_m, radius_m_, options_.max_growth * radius_m_);
          !plane.good && radius_m <= largest_m; radius_m *= kRadiusStep) {
-      const KdTree& tree = TreeFor(radius_m);
-      tree.FindWithin(point, SquaredBound(radius_m), found);
-      plane = FitPlane(tree, point, *found, options_);
+      plane = FitPlane(FindNeighbors(point, radius_m, found), point, *found, options_);
     }
     return plane;
   }
 
  private:
-  static constexpr int kTrees = 6;
+  static constexpr std::size_t kThinnest = 256;  // points of the thinnest tree
 
   // Keeps every fourth point in tree order, which samples the whole cloud.
   static KdTree Thinned(const KdTree& tree) {
@@ -124,12 +108,18 @@ class PlaneFinder {
     return KdTree(points);
   }
 
-  // Returns the tree for searches within `radius_m`. Thinned trees limit the number of neighbours
-  // to a few hundred. Radii below four times the initial radius use all points. Each further
-  // doubling of the radius uses a quarter of the points.
-  const KdTree& TreeFor(double radius_m) const {
-    const int doublings = static_cast<int>(std::log2(radius_m / radius_m_ + 1e-9));
-    return thinned_[std::clamp(doublings - 1, 0, kTrees - 1)];
+  // Bounds the number of neighbours at any density, so the time per point is O(log n). Starts with
+  // the thinnest tree. Continues with trees of 4 or 16 times the points until there are enough
+  // neighbours.
+  const KdTree& FindNeighbors(const Eigen::Vector3f& point, double radius_m,
+                              std::vector<std::uint32_t>* found) const {
+    constexpr std::size_t kEnough = 64;
+    std::size_t tree = thinned_.size() - 1;
+    for (;;) {
+      thinned_[tree].FindWithin(point, SquaredBound(radius_m), found);
+      if (tree == 0 || found->size() >= kEnough) return thinned_[tree];
+      tree -= std::min<std::size_t>(tree, found->size() * 16 < kEnough ? 2 : 1);
+    }
   }
 
   const CloudSensor& sensor_;

@@ -64,7 +64,8 @@ void ObservabilityOptions::Visit(OptionVisitor& v) {
 
 void AssociationGates::Visit(OptionVisitor& v) {
   v.Add(max_distance_m, "max_distance_m",
-        "maximum distance of corresponding points on the finest level", ZeroIs("off"), AsFlag());
+        "maximum distance of corresponding points on the finest level",
+        ZeroIs("off; surfit_register: from the point spacing"), AsFlag());
   v.Add(max_normal_angle_rad, "max_normal_angle_rad",
         "maximum angle between the normals of corresponding points", ZeroIs("off"), Below(M_PI / 2),
         AsFlag());
@@ -172,6 +173,31 @@ void CloudSensor::Visit(OptionVisitor& v) {
   v.AddPart(noise, "noise", "noise of the distances from the viewpoint");
 }
 
+void CloudCriteria::Visit(OptionVisitor& v) {
+  v.Add(min_overlap_ratio, "min_overlap_ratio",
+        "minimum ratio of points on the surface of the other cloud", Share());
+  v.Add(min_inlier_ratio, "min_inlier_ratio",
+        "minimum ratio of points on the surface of the other cloud to points near it", Share());
+  v.Add(max_free_space_violation_ratio, "max_free_space_violation_ratio",
+        "maximum ratio of points in the free space of the other cloud", Share());
+  v.Add(min_score_margin, "min_score_margin",
+        "minimum score margin over other poses, relative to the best score", Share());
+  v.Add(max_disagreement_spacings, "max_disagreement_spacings",
+        "maximum distance of points after forward and backward registration, in point spacings",
+        Positive());
+  v.Add(max_sigma_spacings, "max_sigma_spacings",
+        "maximum standard deviation of points in any direction, in point spacings", Positive());
+}
+
+void CloudStartOptions::Visit(OptionVisitor& v) {
+  v.Group("registration");
+  v.Add(method, "method",
+        "initial pose; file: --initial_pose; global: matches of local shapes; auto: initial_pose "
+        "or identity, then global if that result is not accepted",
+        OneOf(CloudStartNames()), AsFlag("start"), Everyday());
+  v.AddPart(criteria, "criteria", "acceptance criteria", NoFlags());
+}
+
 void RegisterCloudsOptions::Visit(OptionVisitor& v) {
   v.Group("clouds");
   v.AddPart(icp, "icp", "ICP options; image options are not used",
@@ -180,7 +206,8 @@ void RegisterCloudsOptions::Visit(OptionVisitor& v) {
   v.Add(reciprocal, "reciprocal", "accept only mutual nearest neighbours on the finest level",
         Everyday());
   v.Add(levels, "levels",
-        "number of levels; each has a quarter of the source points of the next finer one",
+        "number of levels; each has a quarter of the source points of the next finer one, but at "
+        "least 1000",
         Between(1, 10), AsFlag());
   v.Check([this] {
     if (icp.association == "kd_tree") return;

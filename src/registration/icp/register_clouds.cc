@@ -1,9 +1,15 @@
 #include "surfit/registration/register_clouds.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
+#include <vector>
 
+#include "registration/global/cloud_fit.h"
+#include "registration/icp/cloud_covariance.h"
 #include "registration/icp/icp_level.h"
+#include "registration/solvers/decompositions.h"
 #include "surfit/core/options.h"
 #include "surfit/registration/pose_solver.h"
 
@@ -18,11 +24,8 @@ IcpOptions RegisterCloudsOptions::DefaultIcp() {
 
 namespace {
 
-// Coarsest level with at least kMinPoints source points.
-int CoarsestLevel(int source_count, int levels) {
-  int level = levels - 1;
-  while (level > 0 && source_count >> 2 * level < RegisterCloudsOptions::kMinPoints) --level;
-  return level;
+int LevelStride(int source_count, int level) {
+  return std::clamp(source_count / RegisterCloudsOptions::kMinPoints, 1, 1 << 2 * level);
 }
 
 void RegisterLevel(const SearchablePoints& source, const SearchablePoints& target, int level,
@@ -35,8 +38,36 @@ void RegisterLevel(const SearchablePoints& source, const SearchablePoints& targe
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(SolverOptions(icp, icp.error_model));
   const KdTreeAssociation association(
       source, target,
-      {icp.gates, NormalsNeededBy(residual), options.reciprocal && level == 0, 1 << 2 * level});
+      {icp.gates, NormalsNeededBy(residual), options.reciprocal && level == 0,
+       LevelStride(source.size(), level)});
   RunLevel({association, *solver, level, start}, icp, result);
+}
+
+// Median standard deviation of the residuals of points, m.
+double MedianSigma(const PointSet& set) {
+  std::vector<float> sigmas = set.sigma_m;
+  if (sigmas.empty()) return 0;
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  return *middle;
+}
+
+void StateCovariance(const SearchablePoints& source_points, const SearchablePoints& target_points,
+                     const PointSet& source, const PointSet& target,
+                     const RegisterCloudsOptions& options, IcpResult* result) {
+  const double spacing_m =
+      std::max(MeasureScale(source.points).spacing_m, MeasureScale(target.points).spacing_m);
+  const ResidualType residual = ResidualTypeFromName(options.icp.residual);
+  const KdTreeAssociation association(
+      source_points, target_points,
+      {options.icp.gates, NormalsNeededBy(residual), options.reciprocal, 1});
+  CloudCovariance stated = CovarianceOfClouds(association, result->target_from_source, residual,
+                                              options.icp.error_model.kernel,
+                                              {MedianSigma(source), kErrorSpacings * spacing_m});
+  result->covariance = stated.covariance;
+  result->degenerate_directions = std::move(stated.degenerate_directions);
+  if (!result->covariance) return;
+  result->information = SymmetricInverse(*result->covariance);
 }
 
 }  // namespace
@@ -48,13 +79,15 @@ IcpResult RegisterClouds(const PointSet& source, const PointSet& target,
   const SearchablePoints source_points(source), target_points(target);
   IcpResult result;
   result.target_from_source = target_from_source_initial;
-  const int coarsest = CoarsestLevel(source_points.size(), options.levels);
-  for (int level = coarsest; level >= 0; --level) {
-    if (!options.icp.middle_levels && level > 0 && level < coarsest) continue;
+  for (int level = options.levels - 1; level >= 0; --level) {
+    if (!options.icp.middle_levels && level > 0 && level < options.levels - 1) continue;
     RegisterLevel(source_points, target_points, level, target_from_source_initial, options,
                   &result);
     // Finer levels can constrain directions that are degenerate on a coarse level.
     if (result.termination == Termination::kTooFewInliers) return result;
+  }
+  if (result.Succeeded()) {
+    StateCovariance(source_points, target_points, source, target, options, &result);
   }
   return result;
 }

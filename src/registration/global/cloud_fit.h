@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "surfit/geometry/rigid3.h"
+#include "surfit/registration/association.h"
+
+namespace surfit {
+
+// Length scales of a cloud, in m.
+struct CloudScale {
+  double spacing_m = 0;  // median point spacing; 0: too few different points
+  double noise_m = 0;    // median deviation of points from a plane through their neighbours
+};
+
+CloudScale MeasureScale(const std::vector<Eigen::Vector3f>& points);
+
+// Agreement of two clouds at a pose, measured in one direction.
+struct CloudAgreement {
+  double overlap_ratio = 0;  // source points on the target surface, per source point
+  double inlier_ratio = 0;  // source points on the target surface, per source point near the target
+};
+
+// Compares clouds at poses. Source points are near the target within `near_m` of a target point.
+// They are on its surface if their distance from the tangent plane is within `tolerance_m`, and if
+// the normals agree up to the sign. Points without a normal are ignored.
+class CloudComparison {
+ public:
+  CloudComparison(const PointSet& source, const PointSet& target, double near_m,
+                  double tolerance_m);
+  ~CloudComparison();
+
+  CloudAgreement At(const Rigid3d& target_from_source) const;
+  // Root mean square of the distances of the source points at two poses, m.
+  double Distance(const Rigid3d& a, const Rigid3d& b) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<const Data> data_;
+};
+
+// Ranges of a cloud that was observed from one viewpoint, on the six faces of a cube. A direction
+// is free up to the range of the first point in its pixel and the pixels around it.
+class RangeImage {
+ public:
+  RangeImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3d& viewpoint,
+             double spacing_m);
+
+  // Ratio of free-space violations: points more than `tolerance_m` in front of the surface, per
+  // point that is not behind it. 0 without points in view.
+  double ViolationRatio(const std::vector<Eigen::Vector3f>& points, const Rigid3d& pose,
+                        double tolerance_m) const;
+
+ private:
+  // Pixel of a direction; the face is the largest component.
+  struct Pixel {
+    int face, u, v;
+  };
+  Pixel PixelOf(const Eigen::Vector3d& direction) const;
+  std::size_t Index(const Pixel& pixel) const;
+  // Smallest range around a pixel; 0 without a point in the pixel.
+  float FreeRange(const Pixel& pixel) const;
+
+  Eigen::Vector3d viewpoint_;
+  int size_ = 0;                           // pixels along an edge of the cube
+  std::vector<float> nearest_, farthest_;  // 0: no point
+};
+
+}  // namespace surfit

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "surfit/core/robust_kernel.h"
+#include "surfit/geometry/rigid3.h"
+#include "surfit/registration/association.h"
+#include "surfit/registration/error_model.h"
+#include "surfit/registration/normal_system.h"
+
+namespace surfit {
+
+// Length scales of ErrorOfClouds(), m.
+struct CloudErrorScales {
+  double step_m = 0;  // motion of the points for numerical derivatives
+  double cell_m = 0;  // points in one cell have correlated errors
+};
+
+// Covariance of a pose, or the directions (rad, m) that the clouds do not constrain.
+struct CloudCovariance {
+  std::optional<Matrix6d> covariance;
+  std::vector<Vector6d> degenerate_directions;
+};
+
+// Covariance of the pose that minimises the cost of the clouds, for the left perturbation (rad, m).
+// This is the sandwich estimator (Huber 1967; White 1980; for cells: Liang and Zeger 1986)
+//   C = J^-1 B J^-T,  B = sum over the cells c of g_c g_c^T,
+// with g_c the gradient of the points in cell c. B contains the noise of points and normals, and
+// errors that points in a cell share. J is the derivative of the gradient. It is numerical, with
+// new correspondences at each pose. J does not count directions along which correspondences move
+// with the pose, and no information from noise of normals.
+// Directions in which J is not positive are degenerate. There is no covariance with degenerate
+// directions, or with fewer than 12 cells.
+CloudCovariance CovarianceOfClouds(const Association& association,
+                                   const Rigid3d& target_from_source, ResidualType residual,
+                                   const RobustKernel& kernel, const CloudErrorScales& scales);
+
+}  // namespace surfit

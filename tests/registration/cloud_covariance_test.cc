@@ -1,0 +1,106 @@
+// Compares the stated covariance of clouds with the errors of simulated registrations.
+#include <gmock/gmock.h>
+
+#include <cstdio>
+#include <random>
+#include <string>
+
+#include "registration/solvers/decompositions.h"
+#include "surfit/registration/register_clouds.h"
+#include "testing/random_pose.h"
+
+namespace surfit::testing {
+namespace {
+
+constexpr double kNoise_m = 0.003;
+
+// Random points of three walls, a box and a ball in front of the origin, with noise along the
+// normals.
+std::vector<Eigen::Vector3f> NoisyRoom(int count, std::mt19937_64* rng) {
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::normal_distribution<double> noise(0, kNoise_m);
+  std::vector<Eigen::Vector3f> points;
+  const auto plane = [&](int n, const Eigen::Vector3d& origin, const Eigen::Vector3d& a,
+                         const Eigen::Vector3d& b) {
+    const Eigen::Vector3d normal = a.cross(b).normalized();
+    for (int i = 0; i < n; ++i) {
+      const double s = uniform(*rng), t = uniform(*rng);
+      points.push_back((origin + s * a + t * b + noise(*rng) * normal).cast<float>());
+    }
+  };
+  plane(count / 4, {-1.5, 1, 1}, {3, 0, 0}, {0, 0, 2.2});
+  plane(count / 4, {-1.5, -1, 3.2}, {3, 0, 0}, {0, 2, 0});
+  plane(count / 5, {-1.5, -1, 1}, {0, 2, 0}, {0, 0, 2.2});
+  plane(count / 10, {0.3, 0.4, 2}, {0.5, 0, 0.2}, {0, 0.6, 0});
+  for (int i = 0; i < count / 5; ++i) {
+    const Eigen::Vector3d direction = RandomVector(1, rng).normalized();
+    points.push_back(
+        (Eigen::Vector3d(-0.6, 0.5, 2.2) + (0.4 + noise(*rng)) * direction).cast<float>());
+  }
+  return points;
+}
+
+SensedCloud RoomCloud(const std::vector<Eigen::Vector3f>& points) {
+  CloudSensor sensor;
+  sensor.noise.inverse_depth_sigma = 0;
+  const CloudNormals estimated = EstimateCloudNormals(points, sensor, {});
+  SensedCloud cloud;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    cloud.points.Add(points[i], estimated.normals[i], 1e-6f + estimated.deviation_m[i]);
+  }
+  return cloud;
+}
+
+// Mean normalised estimation error squared of `runs` registrations. The expectation for a true
+// covariance is 6.
+double MeanNees(const std::string& residual, int points, int runs) {
+  std::mt19937_64 rng(7);
+  double sum = 0;
+  int accepted = 0;
+  for (int run = 0; run < runs; ++run) {
+    const Rigid3d truth = RandomPose(0.02, 0.02, &rng);
+    std::vector<Eigen::Vector3f> source = NoisyRoom(points, &rng);
+    for (Eigen::Vector3f& point : source) {
+      point = (truth.Inverse() * point.cast<double>()).cast<float>();
+    }
+    RegisterCloudsOptions options;
+    options.icp.residual = residual;
+    options.icp.gates.max_distance_m = 0;
+    CloudStartOptions start;
+    start.method = "identity";
+    const CloudRegistration result = RegisterCloudsFrom(
+        RoomCloud(source), RoomCloud(NoisyRoom(points, &rng)), std::nullopt, start, options);
+    if (!result.icp.covariance) continue;
+    ++accepted;
+    const Rigid3d error = result.icp.target_from_source * truth.Inverse();
+    Vector6d increment;
+    increment << QuaternionLog<double>(error.rotation), error.translation;
+    sum += increment.dot(SymmetricInverse(*result.icp.covariance) * increment);
+  }
+  EXPECT_GT(accepted, 0.9 * runs);
+  std::printf("%s, %d points: NEES %.2f of %d runs\n", residual.c_str(), points, sum / accepted,
+              accepted);
+  return sum / accepted;
+}
+
+// The mean of n values of a chi-square distribution with 6 degrees of freedom has the standard
+// deviation sqrt(12 / n): 0.77 for 20 runs, 0.45 for 60 runs.
+TEST(CloudCovariance, AgreesWithErrors) {
+  const double nees = MeanNees("point_to_plane", 5000, 20);
+  EXPECT_GT(nees, 4);
+  EXPECT_LT(nees, 9);
+}
+
+TEST(CloudCovarianceSweep, AgreesWithErrorsForEachResidual) {
+  for (const char* residual :
+       {"point_to_plane", "symmetric_point_to_plane", "plane_to_plane", "point_to_point"}) {
+    for (const int points : {5000, 20000}) {
+      const double nees = MeanNees(residual, points, 60);
+      EXPECT_GT(nees, 4) << residual;
+      EXPECT_LT(nees, 9) << residual;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace surfit::testing
