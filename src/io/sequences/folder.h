@@ -6,7 +6,8 @@
 
 namespace surfit {
 
-// Sorted names of the entries of a folder. Empty if the folder does not exist.
+// Sorted names of the entries of a folder, except ._NAME. macOS writes such a file beside a file
+// NAME, and it has no image or recording. Empty if the folder does not exist.
 std::vector<std::string> NamesIn(const std::string& folder);
 
 bool IsFolder(const std::string& path);
@@ -23,8 +24,7 @@ bool IsImageName(const std::string& name);
 // without digits.
 std::optional<long> NumberInName(const std::string& name);
 
-// Time in a file name, in seconds: 1763820000.134 for 1763820000.134.png. A prefix without digits
-// and points is ignored. Returns std::nullopt for other names, including integers.
+// TimeInName() in s.
 std::optional<double> StampInName(const std::string& name);
 
 // Returns the path of the file `name` in `folder`, and follows a text link. Data sets share image
