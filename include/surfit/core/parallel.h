@@ -8,9 +8,9 @@ namespace surfit {
 
 // Limits the number of threads that compute at the same time in this process, including the calling
 // thread. The limit applies to ParallelFor() and RunInBackground() during the lifetime of the
-// object. The smallest of several limits applies. OpenCV is set to one thread, and keeps one thread
-// after the lifetime of the object. Threads that the program starts itself are not counted, for
-// example those of loop closure and calibration.
+// object. The smallest of several limits applies. OpenCV uses one thread under a limit. The end of
+// the last limit restores the former number of OpenCV threads. Threads that the program starts
+// itself are not counted, for example those of loop closure and calibration.
 class ThreadLimit {
  public:
   // Throws InputError unless 1 <= threads <= 1024.
