@@ -23,9 +23,8 @@ RgbdFrame CorrectRollingShutter(const RgbdFrame& frame, const DepthSensor& senso
 // m)(X), which changes the pose and m' again. The consistent pose is world_from_camera * exp(d)
 // with
 //   (A + B / seconds) d = -B (m' - m),   A = sum w a a^T,  B = sum w tau a a^T,  a = (X x n, n),
-// and weights w = 1 / sigma_z^2. Returns exp(d), or the identity if d is not finite. The caller
-// must ensure that the surface constrains all six degrees of freedom: this is not tested, and d is
-// arbitrary along unconstrained directions.
+// and weights w = 1 / sigma_z^2. Returns exp(d). Returns the identity if the system is singular,
+// because the surface does not constrain all six degrees of freedom, and if d is not finite.
 Rigid3d ReadoutCorrection(const FrameLevel& surface, double readout_s, const CameraMotion& expected,
                           const CameraMotion& found, double seconds);
 

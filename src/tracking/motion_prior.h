@@ -23,6 +23,8 @@ ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected
 //
 // z has the variance 1 + 1 / w. If z exceeds `most_sigmas` standard deviations, the registration is
 // overconfident: w is reduced until z is within this bound.
+//
+// Returns the predicted pose if the information is not finite, or if P is not positive definite.
 ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
                         const Matrix6d& information, double most_sigmas);
 
