@@ -145,8 +145,10 @@ struct RefinementSummary {
   bool calibration_kept = false;  // the input calibration is kept, and only poses are refined
   // Covariance of each keyframe pose, 6 x 6, of (w [rad], v [m]) in exp(w) R and t + v. 0 for the
   // first keyframe, which is fixed. Infinite on the diagonal for a keyframe without shared surfels.
+  // Empty after a failure.
   std::vector<Eigen::MatrixXd> pose_covariances;
-  // Fit with surfels of the initial poses, and fit with surfels of the final poses.
+  // Fit with surfels of the initial poses, and fit with surfels of the final poses. `after` is 0
+  // after a failure.
   RefinementFit before, after;
   std::vector<RefinementRound> rounds;  // all rounds, including the rounds of a second refinement
 

@@ -114,11 +114,15 @@ RefinementFit FitOf(const RefinementOptions& options,
   return Agreement(FitOf(shared, state, KernelsOf(options.error_model)));
 }
 
-// Refines from the given poses and calibration, and restores them after a failure.
+// Refines from the given poses and calibration, and restores them after a failure. Results of an
+// earlier refinement are removed from the summary, except its rounds.
 void RefineFrom(const JointState& given, const RefinementOptions& options, JointPrior prior,
                 std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
                 const std::function<void(const RefinementRound&)>& progress) {
   TakePoses(given, keyframes);
+  summary->calibration_covariance.resize(0, 0);
+  summary->pose_covariances.clear();
+  summary->after = {};
   JointState state = given;
   summary->termination = RunRounds(options, keyframes, &prior, &state, &summary->rounds, progress);
   // Noise can make the estimate negative.
@@ -197,7 +201,7 @@ RefinementSummary Refine(const RefinementOptions& all_options, const DepthCalibr
   if (summary.calibration_kept) {
     const Eigen::MatrixXd covariance = summary.calibration_covariance;
     RefinePoses(as_given, options, keyframes, &summary, progress);
-    summary.calibration_covariance = covariance;
+    if (summary.Succeeded()) summary.calibration_covariance = covariance;
   }
   return summary;
 }
