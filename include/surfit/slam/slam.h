@@ -124,11 +124,10 @@ class Slam {
   // Sets a callback for each frame whose registration and search have failed.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
-  // Replaces FindLoops(). Aborts unless loops are enabled and no frame was processed. Call it
-  // before OnKeyframe(), whose callback it discards.
+  // Replaces FindLoops(). Aborts unless loops are enabled and no frame was processed.
   void UseLoopFinder(LoopFinder finder);
 
-  // Sets a callback for each new keyframe. Loops must be enabled.
+  // Sets a callback for each new keyframe. Throws InputError unless loops are enabled.
   void OnKeyframe(KeyframeCall call);
 
   // Sets the period of fusion for the following frames, instead of SlamOptions::map_period: a
@@ -183,6 +182,7 @@ class Slam {
   std::unique_ptr<Relocalizer> relocalizer_;  // null without loops
   int frame_count_ = 0;
   std::function<void(const FrameReport&)> on_pose_;
+  KeyframeCall on_keyframe_;  // stored for a back end that replaces the present one
 };
 
 }  // namespace surfit
