@@ -54,11 +54,14 @@ using MeshProgress = std::function<void(const std::string& stage, double share)>
 
 // Computes a triangle mesh from a cloud with normals, in the frame of the cloud. The mesh has
 // normals and colours; it is grey if the cloud has no colours. Holes remain, except with
-// `watertight`. Points must be finite (RemoveNonFinite()). Points without a radius above 0, or
-// without a normal of length 0.5 to 2, are ignored. Radii and confidences are used if the cloud has
-// them. `summary` must not be null. The result does not depend on the number of threads. Throws
-// InputError for invalid options, for a cloud without normals, and for an empty mesh. Throws
-// InputError if a point is too far from the origin for the cell size.
+// `watertight`. Points without a radius above 0, or without a normal of length 0.5 to 2, are
+// ignored. Radii and confidences are used if the cloud has them. `summary` must not be null. The
+// result does not depend on the number of threads. Throws InputError for
+// - invalid options
+// - a cloud without normals, or with an attribute of another size than `points`
+// - a point that is not finite (see RemoveNonFinite()), or too far from the origin for the cell
+//   size
+// - a result without a triangle
 TriangleMesh MeshSurfels(const PointCloud& cloud, const MeshOptions& options, MeshSummary* summary,
                          const MeshProgress& progress = {});
 

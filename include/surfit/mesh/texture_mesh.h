@@ -19,8 +19,8 @@ class OptionVisitor;
 
 // Options of TextureMesh().
 struct TextureOptions {
-  // Maximum width and height of the texture, px. 0: no texture, for callers that check it:
-  // TextureMesh() aborts with 0.
+  // Maximum width and height of the texture, px. 0: no texture, for callers that then do not call
+  // TextureMesh().
   int max_texture_px = 8192;
   // Maximum number of frames; 0: all. TextureMesh() ignores it. The supplier of the frames uses it:
   // surfit_mesh selects the slowest frame in equal parts of the run.
@@ -75,9 +75,9 @@ struct TextureSummary {
 // - Frames are adapted to the brightness of the vertex colours.
 //
 // Calls `frames` twice and keeps one frame in memory at a time. The result does not depend on the
-// number of threads. Throws InputError for invalid options, and if the texture is too small for the
-// number of its regions. Aborts if `max_texture_px` is 0, and if the mesh lacks a normal or a
-// colour per vertex.
+// number of threads. Throws InputError for invalid options, if `max_texture_px` is 0, and if the
+// texture is too small for the number of its regions. Aborts if the mesh lacks a normal or a colour
+// per vertex.
 MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
                         const TextureOptions& options, TextureSummary* summary);
 

@@ -126,6 +126,7 @@ bool IsLive(const SequenceOptions& options) {
 RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
                         const std::atomic<bool>& stop) {
   Validate(options);
+  ThrowIf(capacity < 1, "capacity is ", capacity, ", must be at least 1");
   if (options.format == "watch") return OpenWatchedFolder(options, stop);
   if (options.format == "openni2") return OpenOpenNiCamera(options, capacity, stop);
   throw InputError("format is '", options.format,
