@@ -26,13 +26,13 @@ struct Options {
 };
 
 void PrintTable(const RecordingReport& report) {
-  std::vector<std::vector<std::string>> rows = {{"", "check", "must be", "measured"}};
+  std::vector<std::vector<std::string>> rows = {{"", "check", "measured", "must be"}};
   for (const RecordingCheck& check : report.checks) {
     const auto with_unit = [&](const std::string& text) {
       return check.unit.empty() ? text : text + " " + check.unit;
     };
-    rows.push_back({check.IsSound() ? "" : "FAULT", check.name, check.constraint,
-                    check.value ? with_unit(Number(*check.value, 3)) : "-"});
+    rows.push_back({check.IsSound() ? "" : "FAULT", check.name,
+                    check.value ? with_unit(Number(*check.value, 3)) : "-", check.constraint});
   }
   std::cout << TextTable(rows, 3);
 }

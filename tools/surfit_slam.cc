@@ -209,6 +209,8 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
                 s.evaluation->ate->translation_m.rmse, 100 * s.evaluation->coverage);
     PrintOtherTimestamps(s);
     PrintMount(s);
+  } else if (s.evaluation && s.evaluation->expected == 0) {
+    std::printf("ATE unknown: no frame has ground truth at its timestamp\n");
   } else if (s.evaluation) {
     std::printf("ATE unknown: %d of %d frames with ground truth have a pose, must be at least 3\n",
                 s.evaluation->matched, s.evaluation->expected);

@@ -7,6 +7,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <mutex>
 #include <opencv2/core/utility.hpp>
 #include <utility>
 
@@ -60,15 +61,34 @@ int SetOpenBlasThreads(int count) {
 }  // namespace
 
 struct ThreadLimit::State {
+  // OpenCV only decodes and draws images here. Its own threads would exceed the limit, so OpenCV
+  // uses one thread while at least one limit exists. The last limit restores the former number.
+  struct OneOpenCvThread {
+    OneOpenCvThread() {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (limits++ > 0) return;
+      former_threads = cv::getNumThreads();
+      cv::setNumThreads(1);
+    }
+    ~OneOpenCvThread() {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (--limits == 0) cv::setNumThreads(former_threads);
+    }
+    OneOpenCvThread& operator=(OneOpenCvThread&&) = delete;
+
+    static inline std::mutex mutex;
+    static inline int limits = 0, former_threads = 0;
+  };
+
   explicit State(int threads)
       : control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {}
+
+  OneOpenCvThread opencv;  // reads the number of threads before the limit applies
   tbb::global_control control;
 };
 
 ThreadLimit::ThreadLimit(int threads) {
   ThrowIf(threads < 1 || threads > 1024, "threads is ", threads, ", must be from 1 to 1024");
-  // OpenCV must not create threads, because they would exceed the limit.
-  cv::setNumThreads(1);
   state_ = std::make_unique<State>(threads);
 }
 

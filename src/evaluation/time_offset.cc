@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "surfit/core/options.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 
 namespace surfit {
@@ -101,6 +102,7 @@ std::optional<TimeOffset> EvaluateTimeOffset(const Trajectory& ground_truth,
 std::optional<TimeOffset> EstimateTimeOffset(const Trajectory& ground_truth,
                                              const Trajectory& estimate,
                                              const MatchOptions& options) {
+  Validate(options);
   const Trajectory known = CommonPoses(ground_truth, estimate, options);
   if (known.size() < 3) return std::nullopt;
   Search search(ground_truth, known, options);

@@ -1,5 +1,6 @@
 #include "frame/rolling_shutter.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
@@ -17,9 +18,13 @@ constexpr double kMaxBendSigmas = 6;
 
 constexpr double kMinScale = 0.1;
 
-// Motion of each pixel to the middle of the readout. Displacement (du, dv), px. The scale is new
-// depth over old depth. The inverse depth is the old value, 1/m; 0: missing. Pixels without depth
-// move like points at infinity.
+// Lower bound of the pivots of ReadoutCorrection(), relative to the largest pivot. Rounding of
+// float points and normals gives pivots of about (1e-7)^2 along unconstrained directions. One pixel
+// in 1e4 that constrains a rotation with a lever of 1 cm gives 1e-8.
+constexpr double kMinPivotRatio = 1e-10;
+
+// Displacement of each pixel to the middle of the readout in px, ratio of new to old depth, and old
+// inverse depth in 1/m (0: missing). Missing pixels move as points at infinity.
 struct MovedPixels {
   Image<float> du, dv, scale, inverse_depth;
 };
@@ -200,8 +205,10 @@ Rigid3d ReadoutCorrection(const FrameLevel& surface, double readout_s, const Cam
   Eigen::Matrix<double, 6, 1> motion;
   motion << found.angular_velocity_rad_per_s - expected.angular_velocity_rad_per_s,
       found.velocity_m_per_s - expected.velocity_m_per_s;
-  const Eigen::Matrix<double, 6, 1> change =
-      -(a_sum + b_sum / seconds).fullPivLu().solve(b_sum * motion);
+  Eigen::FullPivLU<Matrix6d> lu(a_sum + b_sum / seconds);
+  lu.setThreshold(kMinPivotRatio);
+  if (!lu.isInvertible()) return {};
+  const Eigen::Matrix<double, 6, 1> change = -lu.solve(b_sum * motion);
   if (!change.allFinite()) return {};
   return {QuaternionExp<double>(change.head<3>()), change.tail<3>()};
 }

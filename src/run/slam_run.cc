@@ -1,7 +1,9 @@
 #include "surfit/run/slam_run.h"
 
+#include <glog/logging.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -325,10 +327,24 @@ class SlamRun {
 
   const SurfelMap& map() const { return final_map_ ? *final_map_ : slam_->map(); }
 
+  // The ground truth has no pose at the time of a frame.
+  void WarnOfTruthTimes() const {
+    const std::vector<double>& stamps_s = statistics_.stamps_s();
+    if (stamps_s.empty()) return;
+    const auto [first, last] = std::minmax_element(stamps_s.begin(), stamps_s.end());
+    LOG(WARNING) << "no frame has ground truth: the timestamps of the frames are from "
+                 << std::to_string(*first) << " to " << std::to_string(*last)
+                 << " s and those of the ground truth from "
+                 << std::to_string(info_.ground_truth.front().stamp_s) << " to "
+                 << std::to_string(info_.ground_truth.back().stamp_s) << " s";
+  }
+
   void Evaluate(SlamRunSummary* summary) const {
     const Trajectory& truth = info_.ground_truth;
     const Trajectory& estimate = trajectory_->poses();
     summary->evaluation = EvaluateTrajectory(truth, estimate, statistics_.stamps_s(), {});
+    const bool is_own_file = !options_.groundtruth.empty();  // others are checked when opened
+    if (is_own_file && summary->evaluation->expected == 0) WarnOfTruthTimes();
     const auto without = EvaluateTimeOffset(truth, estimate, summary->sensor_latency_s, {});
     if (without) summary->ate_without_latency = without->ate;
     summary->time_offset = EstimateTimeOffset(truth, estimate, {});

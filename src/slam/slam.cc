@@ -116,6 +116,7 @@ Slam::~Slam() = default;
 void Slam::MakeBackend(LoopFinder finder) {
   backend_ = std::make_unique<Backend>(sensor_, options_.preprocess, options_.loops,
                                        options_.calibration, std::move(finder), options_.real_time);
+  backend_->OnKeyframe(on_keyframe_);
   mapper_->UseCalibration(backend_->calibration());
   if (!options_.loops.enabled) return;
   relocalizer_ = std::make_unique<BackendRelocalizer>(
@@ -277,7 +278,12 @@ void Slam::UseLoopFinder(LoopFinder finder) {
   MakeBackend(std::move(finder));
 }
 
-void Slam::OnKeyframe(KeyframeCall call) { backend_->OnKeyframe(std::move(call)); }
+void Slam::OnKeyframe(KeyframeCall call) {
+  ThrowIf(!options_.loops.enabled,
+          "loops.enabled is false, must be true for a callback for keyframes");
+  on_keyframe_ = std::move(call);
+  backend_->OnKeyframe(on_keyframe_);
+}
 
 void Slam::SetMapPeriod(int frames) {
   if (frames < 1) throw InputError(Concat("frames is ", frames, ", must be at least 1"));

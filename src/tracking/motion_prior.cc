@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "registration/solvers/decompositions.h"
 #include "surfit/registration/normal_system.h"
@@ -23,18 +24,19 @@ ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
                         const Matrix6d& information, double most_sigmas) {
   const Vector6d motion = FirstOrderIncrement(expected.target_from_source, registered);
   const Matrix6d of_expected = SymmetricInverse(expected.covariance);
-  const GeneralizedEigen both = EigenOf(information, of_expected);
-  const Vector6d away = both.vectors.transpose() * (of_expected * motion);
+  const std::optional<GeneralizedEigen> both = EigenOf(information, of_expected);
+  if (!both) return expected;
+  const Vector6d away = both->vectors.transpose() * (of_expected * motion);
   Vector6d worth, way;
   for (int i = 0; i < 6; ++i) {
-    worth[i] = std::max(0., both.values[i]);
+    worth[i] = std::max(0., both->values[i]);
     const double sigmas = std::abs(away[i]) / most_sigmas;
     if (sigmas > 1) worth[i] = std::min(worth[i], 1 / (sigmas * sigmas - 1));
     way[i] = worth[i] / (1 + worth[i]) * away[i];
   }
   const Vector6d left = (1 + worth.array()).inverse();
-  return {LeftIncrement<double>(both.vectors * way, expected.target_from_source),
-          both.vectors * left.asDiagonal() * both.vectors.transpose()};
+  return {LeftIncrement<double>(both->vectors * way, expected.target_from_source),
+          both->vectors * left.asDiagonal() * both->vectors.transpose()};
 }
 
 MotionPrior::MotionPrior(double acceleration_m_per_s2, double angular_acceleration_rad_per_s2)

@@ -5,7 +5,9 @@
 #include <atomic>
 #include <chrono>
 #include <future>
+#include <memory>
 #include <numeric>
+#include <opencv2/core/utility.hpp>
 #include <random>
 #include <thread>
 
@@ -64,6 +66,19 @@ TEST(ThreadLimit, LimitsThreadsOfLoop) {
     --running;
   });
   EXPECT_LE(most, 2);
+}
+
+TEST(ThreadLimit, LimitsOpenCvToOneThreadAndRestoresItsNumber) {
+  cv::setNumThreads(2);
+  ASSERT_EQ(cv::getNumThreads(), 2);
+  auto first = std::make_unique<ThreadLimit>(2), second = std::make_unique<ThreadLimit>(1);
+  EXPECT_EQ(cv::getNumThreads(), 1);
+  first.reset();
+  EXPECT_EQ(cv::getNumThreads(), 1);
+  second.reset();
+  EXPECT_EQ(cv::getNumThreads(), 2);
+  EXPECT_THROW(ThreadLimit(0), InputError);
+  EXPECT_EQ(cv::getNumThreads(), 2);
 }
 
 TEST(ThreadLimit, RejectsInvalidThreadCount) {

@@ -1,8 +1,9 @@
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 
 #include "surfit/evaluation/trajectory_evaluation.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
@@ -56,6 +57,12 @@ TEST(TimeOffset, IsNulloptWithoutThreeMatchedPoses) {
   EXPECT_FALSE(EstimateTimeOffset(truth, Swing(5, 0.01, 0.01), {}));
   EXPECT_FALSE(EstimateTimeOffset({}, Swing(5, 0.1, 1), {}));
   EXPECT_FALSE(EvaluateTimeOffset(truth, Swing(5, 0.1, 1), 100, {}));
+}
+
+TEST(TimeOffset, RejectsInvalidOptionsWithoutPoses) {
+  MatchOptions options;
+  options.max_gap_s = -1;
+  ExpectInputError([&] { EstimateTimeOffset({}, {}, options); }, HasSubstr("max_gap_s is -1"));
 }
 
 }  // namespace

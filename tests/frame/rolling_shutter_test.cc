@@ -176,6 +176,26 @@ TEST(ReadoutCorrection, IsIdentityForPredictedMotionOrEmptyFrame) {
             Rigid3d().Matrix());
 }
 
+TEST(ReadoutCorrection, ReturnsIdentityIfTheSurfaceDoesNotConstrainThePose) {
+  const Eigen::Vector3d slanted = Eigen::Vector3d(0.3, -0.2, -1).normalized();
+  const Eigen::Vector3d side = Eigen::Vector3d(-1, 0.1, 0.2).normalized();
+  FrameLevel surface = SurfaceAt({});
+  const auto add_plane = [&](const Eigen::Vector3d& normal, int begin, int end) {
+    for (const auto [u, v] : testing::Pixels(begin, end, 0, kHeight)) {
+      const Eigen::Vector3d ray = kSensor.camera.Ray(u, v);
+      const Eigen::Vector3d point = -2 / std::min(-0.1, normal.dot(ray)) * ray;
+      surface.vertex.Set(u, v, point.cast<float>());
+      surface.normal.Set(u, v, normal.cast<float>());
+    }
+  };
+  add_plane(slanted, 0, kWidth);
+  EXPECT_EQ(ReadoutCorrection(surface, kReadout_s, {}, kMotion, 1. / 30).Matrix(),
+            Rigid3d().Matrix());
+  add_plane(side, kWidth / 2, kWidth);
+  EXPECT_EQ(ReadoutCorrection(surface, kReadout_s, {}, kMotion, 1. / 30).Matrix(),
+            Rigid3d().Matrix());
+}
+
 TEST(CameraMotion, AgreesWithConstantMotion) {
   Trajectory trajectory;
   for (int i = 0; i < 5; ++i) {

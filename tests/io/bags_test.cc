@@ -300,6 +300,21 @@ TEST_F(BagTest, UsesRecordingTimesForMissingStamps) {
   ExpectError(Names("/camera/rgb/image_raw", 0.02));
 }
 
+TEST_F(BagTest, LeavesOutSingleMessagesWithoutStamp) {
+  AddInfos();
+  for (int i = 0; i < 6; ++i) {
+    const double stamp_s = i == 0 || i == 3 ? 0 : 7 + 0.1 * i;
+    bag_.Add(kDepth, kImage, 7 + 0.1 * i,
+             RosImage{"16UC1", RawBytes(NumberedDepth(i))}.Bytes(stamp_s, kOptical));
+  }
+  const auto source = Open();
+  EXPECT_THAT(source->info().warnings, ElementsAre(Names(2, 6, kDepth)));
+  const auto results = ReadAll(source.get());
+  ASSERT_EQ(results.size(), 4u);
+  EXPECT_DOUBLE_EQ(results[0].stamp_s, 7.1);
+  EXPECT_DOUBLE_EQ(results[3].stamp_s, 7.5);
+}
+
 TEST_F(BagTest, ReadsADamagedFileUpToTheDamage) {
   AddInfos();
   AddDepth();

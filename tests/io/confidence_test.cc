@@ -328,7 +328,7 @@ TEST(Confidence, MatchesNumbersInNames) {
   EXPECT_EQ(CountMissing(results[2]), kStripes);
   WriteConfidence(folder / "confidence/d2.png", Stripes());
   ExpectInputError([&] { OpenSequence(Options(folder)); },
-                   HasSubstr("c2.pgm and d2.png are both number 2, must be one image a number"));
+                   HasSubstr("c2.pgm and d2.png are both number 2, must be one image per number"));
 }
 
 TEST(Confidence, RecordingWritesLowConfidenceAsMissing) {

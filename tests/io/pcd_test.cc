@@ -205,6 +205,16 @@ TEST(WritePcd, RoundTripsClouds) {
   EXPECT_THAT(read.colors, IsEmpty());
 }
 
+TEST(WritePcdDeathTest, AbortsOnAttributesOfAnotherSize) {
+  const TempFolder folder;
+  PointCloud cloud = {{{1, 2, 3}, {4, 5, 6}}, {}, {}};
+  cloud.radii_m = {0.01f};
+  EXPECT_DEATH(WritePcd(cloud, folder / "a.pcd"), "radii_m");
+  cloud.radii_m.clear();
+  cloud.confidences = {1, 2, 3};
+  EXPECT_DEATH(WritePcd(cloud, folder / "a.pcd"), "confidences");
+}
+
 TEST(WritePcd, WritesTheHeaderOfTheFormat) {
   const TempFolder folder;
   WritePcd({{{1, 2, 3}}, {{0, 0, 1}}, {{1, 2, 3}}}, folder / "a.pcd");

@@ -41,6 +41,19 @@ TEST(ReadAhead, ReturnsTheSameFramesAtAnyNumberOfThreads) {
   }
 }
 
+TEST(OpenLive, RejectsAnEmptyQueue) {
+  const TempFolder folder;
+  SequenceOptions options = Options(folder);
+  const std::atomic<bool> stop{true};
+  for (const char* const format : {"watch", "openni2"}) {
+    options.format = format;
+    for (const int capacity : {0, -1}) {
+      ExpectInputError([&] { OpenLive(options, capacity, stop); },
+                       HasSubstr(Concat("capacity is ", capacity, ", must be at least 1")));
+    }
+  }
+}
+
 // Counts the calls of Next(). It fails on concurrent calls, and throws at frame `bad`.
 class CountingSource : public FrameSource {
  public:

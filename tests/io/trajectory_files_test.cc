@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <random>
 #include <sstream>
 
@@ -186,6 +187,16 @@ TEST(KittiTrajectory, WritesTheUpperThreeRowsOfEachMatrix) {
                                            {0., -1., 0., 1.5, 1., 0., 0., -2., 0., 0., 1., 3.}));
   std::string rest;
   EXPECT_FALSE(file >> rest);
+}
+
+TEST(KittiTrajectoryDeathTest, AbortsOnNumbersThatAreNotFinite) {
+  const TempFolder folder;
+  const double nan = std::nan("");
+  const Rigid3d placeless(Eigen::Quaterniond::Identity(), {0, nan, 0});
+  EXPECT_DEATH(WriteKittiTrajectory({{1, placeless}}, folder / "a.txt"), "allFinite");
+  Rigid3d turned;
+  turned.rotation.coeffs().setConstant(nan);
+  EXPECT_DEATH(WriteKittiTrajectory({{1, turned}}, folder / "a.txt"), "allFinite");
 }
 
 TEST(KittiTrajectory, RejectsUnwritableFile) {

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <random>
 
@@ -272,6 +273,31 @@ TEST(MeshSurfels, RejectsInvalidOptionsAndClouds) {
   EXPECT_THROW(Mesh(cloud), InputError);
   cloud.normals.clear();
   EXPECT_THROW(Mesh(cloud), InputError);
+}
+
+TEST(MeshSurfels, RejectsPointThatIsNotFinite) {
+  for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity()}) {
+    PointCloud cloud = TornPlane(0, 0, 0);
+    cloud.points[7].y() = bad;
+    ExpectInputError([&] { Mesh(cloud); }, HasSubstr("point 7 has a coordinate that is not"));
+  }
+}
+
+TEST(MeshSurfels, RejectsAttributeOfAnotherSize) {
+  const PointCloud good = TornPlane(0, 0, 0);
+  const auto expect = [&](const char* name, auto PointCloud::*attribute) {
+    for (const int change : {-1, 1}) {
+      PointCloud cloud = good;
+      (cloud.*attribute).resize(good.points.size() + change);
+      const std::string counts = Concat(name, " has ", good.points.size() + change,
+                                        " elements, must have ", good.points.size());
+      ExpectInputError([&] { Mesh(cloud); }, HasSubstr(counts));
+    }
+  };
+  expect("normals", &PointCloud::normals);
+  expect("colors", &PointCloud::colors);
+  expect("radii_m", &PointCloud::radii_m);
+  expect("confidences", &PointCloud::confidences);
 }
 
 }  // namespace

@@ -273,6 +273,9 @@ TEST(TextureMesh, ScalesDownToMaxTextureSize) {
   options.max_texture_px = 4;
   EXPECT_THAT([&] { TextureOf(mesh, FourNearAndOneFar(), &summary, options); },
               ThrowsNaming<InputError>("max_texture_px", 4));
+  options.max_texture_px = 0;
+  EXPECT_THAT([&] { TextureOf(mesh, FourNearAndOneFar(), &summary, options); },
+              ThrowsNaming<InputError>("max_texture_px", 0));
   options.min_sharpness = 2;
   EXPECT_THAT([&] { TextureOf(mesh, {}, &summary, options); },
               ThrowsNaming<InputError>("min_sharpness", 2));

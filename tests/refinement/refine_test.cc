@@ -289,6 +289,28 @@ TEST(Refine, KeepsCalibrationWithinModelError) {
   EXPECT_TRUE(keeps(0.02));  // the effect of the offset at 3 m
 }
 
+// The calibration is kept, but the gates of the pose refinement accept no surfel.
+TEST(Refine, HasNoCovarianceAfterFailedPoseRefinement) {
+  const Recording given = Record(12, 0, 0, 0);
+  RefinementOptions options;
+  options.estimate_intrinsics = options.estimate_depth_field = false;
+  options.model_error_ratio = 0.02;
+  options.max_rounds = 2;
+  options.kept_angle_ratio = 1e-6;
+  Recording recording = given;
+  const RefinementSummary summary = RefineAll(options, TrueCamera(), &recording);
+  EXPECT_TRUE(summary.calibration_kept);
+  EXPECT_EQ(summary.rounds.size(), 2u);
+  EXPECT_EQ(summary.termination, RefinementTermination::kTooFewSurfels);
+  EXPECT_EQ(summary.calibration_covariance.size(), 0);
+  EXPECT_TRUE(summary.pose_covariances.empty());
+  EXPECT_EQ(summary.after.rms_m, 0);
+  for (std::size_t k = 0; k < given.keyframes.size(); ++k) {
+    EXPECT_EQ(recording.keyframes[k].world_from_camera.Matrix(),
+              given.keyframes[k].world_from_camera.Matrix());
+  }
+}
+
 TEST(Refine, KeepsPosesWithoutSharedSurfels) {
   Recording recording = Record(2, 0, 0.01, 0.005);  // a surfel needs three observations
   const Rigid3d second = recording.keyframes[1].world_from_camera;

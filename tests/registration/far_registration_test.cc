@@ -97,6 +97,25 @@ TEST(RegisterGlobally, IsBitwiseIdenticalWithOneAndTwoThreads) {
   EXPECT_EQ(results[0].score_margin, results[1].score_margin);
 }
 
+TEST(ViolatedCriterion, HasDistanceAndAngleWithTheirLimits) {
+  const FitCriteria fit;
+  GlobalRegistrationResult verdict;
+  verdict.reason = GlobalRegistrationReason::kInconsistent;
+  verdict.disagreement_m = 0.002;
+  verdict.disagreement_rad = 0.5;
+  EXPECT_EQ(ViolatedCriterion(verdict, fit),
+            "forward-backward disagreement is 0.002 m and 0.5 rad, must be at most 0.01 m and 0.01 "
+            "rad");
+  verdict.reason = GlobalRegistrationReason::kDegenerate;
+  verdict.sigma_m = 0.003;
+  verdict.sigma_rad = 0.04;
+  EXPECT_EQ(ViolatedCriterion(verdict, fit),
+            "largest standard deviations are 0.003 m and 0.04 rad, must be at most 0.01 m and 0.01 "
+            "rad");
+  verdict.sigma_m = verdict.sigma_rad = 0;  // not computed: the pose is unobservable
+  EXPECT_EQ(ViolatedCriterion(verdict, fit), "");
+}
+
 TEST(InitializeOptions, RejectInvalidValues) {
   const auto expect_refused = ExpectOptionsRefused<InitializeOptions>;
   Validate(InitializeOptions());

@@ -3,6 +3,7 @@
 
 #include <Eigen/QR>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "registration/dual_system.h"
@@ -216,11 +217,43 @@ TEST(LargestSigma, IsSigmaOfWorstDirection) {
 TEST(WeakestIncrement, MovesPointsByOneMetreAlongWeakestDirection) {
   Matrix6d information = Matrix6d::Identity();
   information(4, 4) = 0.01;
-  EXPECT_NEAR(std::abs(WeakestIncrement(information, 2)[4]), 1, 0.2);
+  EXPECT_NEAR(std::abs((*WeakestIncrement(information, 2))[4]), 1, 0.2);
   information = Matrix6d::Identity();
   information(1, 1) = 0.04;
-  const Vector6d turn = WeakestIncrement(information, 2);
+  const Vector6d turn = *WeakestIncrement(information, 2);
   EXPECT_NEAR(std::abs(turn[1]), 0.5, 1e-12);
+}
+
+TEST(Decompositions, HaveNoResultForMatricesThatAreNotFinite) {
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    Matrix6d matrix = Matrix6d::Identity();
+    matrix(2, 3) = matrix(3, 2) = bad;
+    EXPECT_FALSE(EigenvaluesOf(matrix));
+    EXPECT_FALSE(EigenOf(matrix, Matrix6d::Identity()));
+    EXPECT_FALSE(EigenOf(Matrix6d::Identity(), matrix));
+    EXPECT_FALSE(WeakestIncrement(matrix, 2));
+    EXPECT_EQ(LargestSigma(matrix.block<3, 3>(1, 1)), std::numeric_limits<double>::infinity());
+  }
+}
+
+TEST(EigenOf, HasNoResultForIndefiniteMetric) {
+  Matrix6d metric = Matrix6d::Identity();
+  metric(5, 5) = -1;
+  EXPECT_FALSE(EigenOf(Matrix6d::Identity(), metric));
+}
+
+TEST(Observe, HoldsNoDirectionOfSystemThatIsNotFinite) {
+  NormalSystem system;
+  system.hessian = Matrix6d::Identity();
+  system.weight_sum = 1;
+  system.point_product_sum = Eigen::Matrix3d::Identity();
+  ASSERT_EQ(Observe(system, {}).degenerate_count, 0);
+  EXPECT_GT(ConservativeInformation(system, 1).norm(), 0);
+  system.hessian(1, 1) = std::nan("");
+  const Observability observability = Observe(system, {});
+  EXPECT_EQ(observability.degenerate_count, 6);
+  EXPECT_EQ(observability.Held(Vector6d::Ones()), Vector6d::Zero());
+  EXPECT_EQ(ConservativeInformation(system, 1), Matrix6d::Zero());
 }
 
 TEST(RealisticCovariance, IsLargerThanRegistrationCovariance) {

@@ -52,6 +52,15 @@ TEST(MostLikely, LimitsImplausibleRegistration) {
   EXPECT_NEAR(far.covariance(4, 4), 1e-8, 1e-11);
 }
 
+TEST(MostLikely, IsThePredictedPoseWithoutUsableInformation) {
+  const ExpectedPose expected = {Shifted(1, 2), Diagonal(1e-4, 1e-4)};
+  Matrix6d information = Diagonal(1e8, 1e8);
+  information(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  const ExpectedPose likely = MostLikely(expected, Shifted(1.01, 2), information, 3);
+  EXPECT_EQ(likely.target_from_source.Matrix(), expected.target_from_source.Matrix());
+  EXPECT_EQ(likely.covariance, expected.covariance);
+}
+
 // In another frame at this distance, a rotation increment moves the origin by the lever arm.
 TEST(ExpectedPoseIn, MapsRotationToTranslationCovariance) {
   const Matrix6d turns_alone = Diagonal(1e-4, 0);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <vector>
 
 #include "mapping/same_map.h"
 #include "slam/simulated_sequence.h"
@@ -265,6 +267,34 @@ TEST(Slam, CallsOnPoseForEachReport) {
   }
   EXPECT_EQ(told.size(), frames.size());
   EXPECT_EQ(told.back().state, FrameState::kLost);
+}
+
+TEST(Slam, KeepsTheKeyframeCallbackWithAnotherLoopFinder) {
+  const SimulatedSequence& room = IdealRoom();
+  SlamOptions options;
+  options.loops.enabled = true;
+  Slam slam({room.camera, {}}, options, room.world_from_camera[0]);
+  std::vector<int> keyframes;
+  slam.OnKeyframe([&](int frame, const ViewOfKeyframe&, const std::shared_ptr<const RgbdFrame>&) {
+    keyframes.push_back(frame);
+  });
+  slam.UseLoopFinder([](int, const std::vector<Keyframe>&, const PlaceIndex&) {
+    return std::vector<LoopVerification>();
+  });
+  slam.Process(room.frames[0]);
+  EXPECT_THAT(keyframes, ElementsAre(0));
+}
+
+TEST(Slam, RejectsKeyframeCallbackWithoutLoops) {
+  const SimulatedSequence& room = IdealRoom();
+  const auto call = [](int, const ViewOfKeyframe&, const std::shared_ptr<const RgbdFrame>&) {};
+  SlamOptions options;
+  for (const bool calibrates : {false, true}) {
+    options.calibration.enabled = calibrates;
+    Slam slam({room.camera, {}}, options, {});
+    ExpectInputError([&] { slam.OnKeyframe(call); },
+                     HasSubstr("loops.enabled is false, must be true"));
+  }
 }
 
 TEST(Slam, FusesAtGivenPosesWithoutTracking) {

@@ -103,13 +103,14 @@ InverseDepthField ReadDepthField(const SequenceOptions& options, const std::stri
 bool IsLive(const SequenceOptions& options);
 
 // Opens a live source: a folder that is being filled (watch, see WatchFolder()) or a camera
-// (openni2). Throws InputError that names the device or option. `stop` must outlive the source.
+// (openni2). Throws InputError that names the device or option, and unless `capacity` is at least
+// 1. `stop` must outlive the source.
 //
 // For a camera, `options.path` is its OpenNI2 URI, or "any" for the first device. Without other
 // calibration, the intrinsics follow from the field of view. Depth and colour are paired by their
 // device timestamps, in s. A frame without colour is a ReadResult with an error.
 //
-// A queue keeps the newest `capacity` (at least 1) frames of a camera. Older frames are dropped,
+// A queue keeps the newest `capacity` frames of a camera. Older frames are dropped,
 // logged and counted. While the camera is unplugged, Next() waits for it, and later timestamps
 // continue after this time (ReadResult::paused_before_s). The sequence ends when `stop` becomes
 // true.

@@ -81,8 +81,8 @@ struct GlobalRegistrationResult {
   bool accepted() const { return reason == GlobalRegistrationReason::kAccepted; }
 };
 
-// Violated criterion with value and limit. Empty for kAccepted, kNoView, kNoStart, kNotRegistered
-// and kDegenerate.
+// Violated criterion with value and limit. Empty for kAccepted, kNoView, kNoStart, kNotRegistered,
+// and for kDegenerate without standard deviations, because the pose is unobservable.
 std::string ViolatedCriterion(const GlobalRegistrationResult& verdict, const FitCriteria& criteria);
 
 // Options for the initial pose of the registration of two frames, and its verification.

@@ -185,6 +185,7 @@ class Slam {
   std::unique_ptr<Relocalizer> relocalizer_;  // null without loops
   int frame_count_ = 0;
   std::function<void(const FrameReport&)> on_pose_;
+  KeyframeCall on_keyframe_;  // stored for a back end that replaces the present one
 };
 
 }  // namespace surfit

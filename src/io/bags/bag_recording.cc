@@ -10,6 +10,7 @@
 #include "io/files/text.h"
 #include "io/sequences/recording.h"
 #include "io/sequences/sequence_camera.h"
+#include "io/stamps/time_words.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/camera_files.h"
@@ -175,48 +176,83 @@ class BagRecording : public Recording {
     MessageLocation depth, color;
   };
 
-  std::vector<Stamped> InOrder(const Topic& topic) {
+  std::vector<std::vector<Stamped>> InOrder(const Topic& topic) {
     const std::string name = Concat(log_->path(), ": a message of ", topic.name);
     std::vector<Stamped> messages;
     messages.reserve(topic.messages.size());
     for (const MessageLocation& place : topic.messages)
       messages.push_back({StampOf(place, topic, name), place});
-    const bool has_stamps =
-        std::any_of(messages.begin(), messages.end(),
-                    [](const Stamped& message) { return message.stamp_ns != 0; });
-    if (!has_stamps) {
+    UseValidStamps(topic, &messages);
+    return SortedByClock(std::move(messages));
+  }
+  // Without timestamps, recording times are used. If some messages have timestamps, the others are
+  // left out.
+  void UseValidStamps(const Topic& topic, std::vector<Stamped>* messages) {
+    const auto is_unset = [](const Stamped& message) { return message.stamp_ns == 0; };
+    const auto unset = std::count_if(messages->begin(), messages->end(), is_unset);
+    if (unset == static_cast<std::ptrdiff_t>(messages->size())) {
       warnings_.push_back(Concat(log_->path(), ": the messages of ", topic.name,
                                  " have no timestamps, their recording times are used"));
-      for (Stamped& message : messages)
+      for (Stamped& message : *messages)
         message.stamp_ns = std::max<std::int64_t>(message.place.recorded_ns, 0);
+    } else if (unset > 0) {
+      warnings_.push_back(Concat(log_->path(), ": ", unset, " of ", messages->size(),
+                                 " messages of ", topic.name,
+                                 " have no timestamp (0) and are left out"));
+      messages->erase(std::remove_if(messages->begin(), messages->end(), is_unset),
+                      messages->end());
     }
-    std::stable_sort(messages.begin(), messages.end(),
-                     [](const Stamped& a, const Stamped& b) { return a.stamp_ns < b.stamp_ns; });
-    return messages;
+  }
+  // Parts of the messages of a topic, see FindClockStarts(). Each part is sorted by timestamp.
+  using Parts = std::vector<std::vector<Stamped>>;
+  static Parts SortedByClock(std::vector<Stamped> messages) {
+    std::vector<double> stamps_s = SecondsOf(messages);
+    std::vector<std::size_t> starts = FindClockStarts(stamps_s);
+    Parts parts;
+    for (std::size_t k = 0; k < starts.size(); ++k) {
+      const auto at = [&](std::size_t i) {
+        return messages.begin() + static_cast<std::ptrdiff_t>(i);
+      };
+      parts.emplace_back(at(starts[k]), k + 1 < starts.size() ? at(starts[k + 1]) : messages.end());
+      std::stable_sort(parts.back().begin(), parts.back().end(),
+                       [](const Stamped& a, const Stamped& b) { return a.stamp_ns < b.stamp_ns; });
+    }
+    return parts;
+  }
+  static std::vector<double> SecondsOf(const std::vector<Stamped>& messages) {
+    std::vector<double> stamps_s;
+    stamps_s.reserve(messages.size());
+    for (const Stamped& message : messages) stamps_s.push_back(Seconds(message.stamp_ns));
+    return stamps_s;
   }
   void Pair() {
-    const std::vector<Stamped> depth = InOrder(*topics_.depth.topic);
-    const auto seconds_of = [](const std::vector<Stamped>& messages) {
-      std::vector<double> stamps_s;
-      stamps_s.reserve(messages.size());
-      for (const Stamped& message : messages) stamps_s.push_back(Seconds(message.stamp_ns));
-      return stamps_s;
-    };
-    const std::vector<double> depth_s = seconds_of(depth);
+    const Parts depth = InOrder(*topics_.depth.topic);
     if (topics_.color.topic == nullptr) {
-      for (std::size_t i = 0; i < depth.size(); ++i)
-        frames_.push_back({{depth_s[i], depth_s[i]}, depth[i].place, {}});
+      for (const std::vector<Stamped>& part : depth) AddDepth(part);
       return;
     }
-    const std::vector<Stamped> color = InOrder(*topics_.color.topic);
-    const std::vector<double> color_s = seconds_of(color);
-    for (const auto [c, d] : MatchStamps(color_s, depth_s, kMaxBetweenImages_s))
-      frames_.push_back({{depth_s[d], color_s[c]}, depth[d].place, color[c].place});
-    unpaired_images_ = static_cast<int>(color.size() + depth.size() - 2 * frames_.size());
+    const Parts color = InOrder(*topics_.color.topic);
+    ThrowIf(depth.size() != color.size(), log_->path(), ": the clock of ",
+            topics_.depth.topic->name, " starts ", depth.size(), " times and that of ",
+            topics_.color.topic->name, " ", color.size(),
+            " times, must be equal: make one bag per recording");
+    for (std::size_t k = 0; k < depth.size(); ++k) AddPairs(depth[k], color[k]);
     if (frames_.empty()) {
       throw InputError(log_->path(), ": no timestamp of ", topics_.color.topic->name, " is within ",
                        kMaxBetweenImages_s, " s of a timestamp of ", topics_.depth.topic->name);
     }
+  }
+  void AddDepth(const std::vector<Stamped>& depth) {
+    const std::vector<double> depth_s = SecondsOf(depth);
+    for (std::size_t i = 0; i < depth.size(); ++i)
+      frames_.push_back({{depth_s[i], depth_s[i]}, depth[i].place, {}});
+  }
+  void AddPairs(const std::vector<Stamped>& depth, const std::vector<Stamped>& color) {
+    const std::vector<double> depth_s = SecondsOf(depth), color_s = SecondsOf(color);
+    const auto matches = MatchStamps(color_s, depth_s, kMaxBetweenImages_s);
+    for (const auto [c, d] : matches)
+      frames_.push_back({{depth_s[d], color_s[c]}, depth[d].place, color[c].place});
+    unpaired_images_ += static_cast<int>(color.size() + depth.size() - 2 * matches.size());
   }
   ImageMessage ReadImage(const Topic& topic, const MessageLocation& place,
                          const std::string& name) const {

@@ -254,6 +254,8 @@ PointCloud ParsePcd(std::string_view file, const std::string& path, CloudOrigin 
 void WritePcd(const PointCloud& cloud, const std::string& path) {
   CHECK(cloud.normals.empty() || cloud.normals.size() == cloud.points.size());
   CHECK(cloud.colors.empty() || cloud.colors.size() == cloud.points.size());
+  CHECK(cloud.radii_m.empty() || cloud.radii_m.size() == cloud.points.size());
+  CHECK(cloud.confidences.empty() || cloud.confidences.size() == cloud.points.size());
   WriteFileAtomically(path, [&](std::ostream& out) {
     out << FormatHeader(cloud);
     PlyRow row;

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "io/clouds/ply.h"
+#include "io/files/text.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 
@@ -81,6 +82,7 @@ class AsciiCursor {
   double Next(PlyType) {
     rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r"), rest_.size()));
     double value = 0;
+    rest_ = WithoutPlus(rest_);
     const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
     rest_.remove_prefix(end - rest_.data());
     const bool ends = rest_.empty() || std::isspace(static_cast<unsigned char>(rest_.front()));

@@ -31,12 +31,22 @@ std::vector<TextRow> ReadTextRows(const std::string& path) {
   return rows;
 }
 
-double FiniteNumber(std::string_view word) {
+std::string_view WithoutPlus(std::string_view word) {
+  const bool has_plus = word.size() > 1 && word[0] == '+' && word[1] != '+' && word[1] != '-';
+  return has_plus ? word.substr(1) : word;
+}
+
+double AnyNumber(std::string_view word) {
   double value = 0;
   const char* const end = word.data() + word.size();
-  const auto [parsed, error] = std::from_chars(word.data(), end, value);
-  ThrowIf(error != std::errc() || parsed != end || !std::isfinite(value), "'", word,
-          "' is not a finite number");
+  const auto [parsed, error] = std::from_chars(WithoutPlus(word).data(), end, value);
+  ThrowIf(error != std::errc() || parsed != end, "'", word, "' is not a finite number");
+  return value;
+}
+
+double FiniteNumber(std::string_view word) {
+  const double value = AnyNumber(word);
+  ThrowIf(!std::isfinite(value), "'", word, "' is not a finite number");
   return value;
 }
 
@@ -70,16 +80,31 @@ Rigid3d RigidFromMatrix(const Eigen::Matrix4d& matrix, const std::string& place)
   return Rigid3d(r, matrix.topRightCorner<3, 1>());
 }
 
-Rigid3d ParseRigid(const std::vector<TextRow>& rows, std::size_t first, const std::string& path) {
-  ThrowIf(rows.size() < first + 4, path, " ends within a 4 x 4 matrix");
+ParsedRigid ParseRigid(const std::vector<std::string>& words, const std::string& place) {
   Eigen::Matrix4d matrix;
-  for (int i = 0; i < 4; ++i) {
-    const TextRow& row = rows[first + i];
-    ThrowIf(row.columns.size() != 4, row.place, " has ", row.columns.size(),
-            " columns, must have 4");
-    for (int j = 0; j < 4; ++j) matrix(i, j) = ParseNumber(row.columns[j], row.place);
+  for (int i = 0; i < 16; ++i)
+    matrix(i / 4, i % 4) = WithContext(place, [&] { return AnyNumber(words[i]); });
+  for (int i = 0; i < 16; ++i) {
+    if (!std::isfinite(matrix(i / 4, i % 4)))
+      return {std::nullopt, Concat(place, ": '", words[i], "' is not a finite number")};
   }
-  return RigidFromMatrix(matrix, rows[first].place);
+  try {
+    return {RigidFromMatrix(matrix, place), ""};
+  } catch (const InputError& error) {
+    return {std::nullopt, error.what()};
+  }
+}
+
+ParsedRigid ParseRigid(const std::vector<TextRow>& rows, std::size_t first,
+                       const std::string& path) {
+  ThrowIf(rows.size() < first + 4, path, " ends within a 4 x 4 matrix");
+  std::vector<std::string> words;
+  for (std::size_t i = first; i < first + 4; ++i) {
+    ThrowIf(rows[i].columns.size() != 4, rows[i].place, " has ", rows[i].columns.size(),
+            " columns, must have 4");
+    words.insert(words.end(), rows[i].columns.begin(), rows[i].columns.end());
+  }
+  return ParseRigid(words, rows[first].place);
 }
 
 Words SplitWords(std::string_view line) {
@@ -96,7 +121,7 @@ Words SplitWords(std::string_view line) {
 std::int64_t ParseCount(std::string_view word) {
   std::int64_t count = -1;
   const char* const end = word.data() + word.size();
-  const auto [parsed, error] = std::from_chars(word.data(), end, count);
+  const auto [parsed, error] = std::from_chars(WithoutPlus(word).data(), end, count);
   ThrowIf(error != std::errc() || parsed != end || count < 0, "the count is '", word,
           "', must be an integer of at least 0");
   return count;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,7 +24,10 @@ void ForEachTextRow(const std::string& path, const std::function<void(const Text
 // Returns the rows of ForEachTextRow(). They take many times the memory of the file.
 std::vector<TextRow> ReadTextRows(const std::string& path);
 
-// Parses a finite number. Throws InputError with the word. The whole word must be the number.
+// Removes the plus sign of a number, which std::from_chars() rejects. "+-1" is unchanged.
+std::string_view WithoutPlus(std::string_view word);
+
+// Parses a finite number, with or without a sign. Throws InputError with the word.
 double FiniteNumber(std::string_view word);
 
 // FiniteNumber() with the place in the error message.
@@ -38,10 +42,23 @@ Rigid3d RigidFromNumbers(const double* numbers);
 // the upper left block is a rotation (to 1 %) and all coordinates are within 1e9 m.
 Rigid3d RigidFromMatrix(const Eigen::Matrix4d& matrix, const std::string& place);
 
-// Rigid transform from the rows [first, first + 4) of a text file, a 4 x 4 matrix. Throws
-// InputError with the place unless these are four rows of four finite numbers that
-// RigidFromMatrix() accepts. `path`: name for an error at the end of the file.
-Rigid3d ParseRigid(const std::vector<TextRow>& rows, std::size_t first, const std::string& path);
+// Parses a number that may be nan or inf. Throws InputError with the word.
+double AnyNumber(std::string_view word);
+
+// Rigid transform of a text file, or the reason why its numbers are no rigid transform.
+struct ParsedRigid {
+  std::optional<Rigid3d> transform;
+  std::string error;
+};
+
+// Parses 16 words, a row-major 4 x 4 matrix. Throws InputError with the place for a word that is
+// not a number; nan and inf are numbers.
+ParsedRigid ParseRigid(const std::vector<std::string>& words, const std::string& place);
+
+// ParseRigid() of the rows [first, first + 4). Throws InputError unless these are four rows of four
+// numbers.
+ParsedRigid ParseRigid(const std::vector<TextRow>& rows, std::size_t first,
+                       const std::string& path);
 
 using Words = std::vector<std::string_view>;
 

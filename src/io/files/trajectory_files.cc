@@ -119,6 +119,7 @@ void WriteKittiTrajectory(const Trajectory& trajectory, const std::string& path)
     for (const StampedPose& pose : trajectory) {
       const Eigen::Matrix3d rotation = pose.world_from_camera.rotation.toRotationMatrix();
       const Eigen::Vector3d& translation = pose.world_from_camera.translation;
+      CHECK(rotation.allFinite() && translation.allFinite());
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) out << rotation(i, j) << ' ';
         out << translation[i] << (i < 2 ? ' ' : '\n');

@@ -7,6 +7,8 @@
 
 #include "io/images/image_files.h"
 #include "io/sequences/folder.h"
+#include "io/stamps/image_names.h"
+#include "io/stamps/time_words.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/trajectory.h"
 
@@ -18,9 +20,16 @@ constexpr int kPhoneRange = 2, kByteRange = 255;
 std::string FileName(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 std::string StemOf(const std::string& name) { return name.substr(0, name.rfind('.')); }
 
-// Assigns confidence images by timestamp to frames without a confidence image. Images and frames
-// are in ascending order of time.
-void MatchByTime(const std::vector<StampedFile>& images, std::vector<FrameFiles>* frames) {
+// Indices of the first element of each part, and the number of elements.
+std::vector<std::size_t> PartBounds(const std::vector<double>& stamps_s) {
+  std::vector<std::size_t> bounds = FindClockStarts(stamps_s);
+  bounds.push_back(stamps_s.size());
+  return bounds;
+}
+
+// Sets the images for frames without one. Each part of both is in ascending order of time.
+void MatchByTime(const std::vector<StampedFile>& images, const std::string& source,
+                 std::vector<FrameFiles>* frames) {
   std::vector<double> image_s, frame_s;
   std::vector<FrameFiles*> without;
   for (const StampedFile& image : images) image_s.push_back(image.stamp_s);
@@ -29,8 +38,22 @@ void MatchByTime(const std::vector<StampedFile>& images, std::vector<FrameFiles>
     frame_s.push_back(frame.stamps.depth_s);
     without.push_back(&frame);
   }
-  for (const auto [i, f] : MatchStamps(image_s, frame_s, kMaxBetweenImages_s))
-    without[f]->confidence_path = images[i].path;
+  if (images.empty() || without.empty()) return;
+  const auto image_bounds = PartBounds(image_s), frame_bounds = PartBounds(frame_s);
+  ThrowIf(image_bounds.size() != frame_bounds.size(), source, ": the clock starts ",
+          image_bounds.size() - 1, " times and that of the frames ", frame_bounds.size() - 1,
+          " times, must be equal: make one folder per recording");
+  const auto part = [](const std::vector<double>& stamps_s, std::size_t begin, std::size_t end) {
+    return std::vector<double>(stamps_s.begin() + static_cast<std::ptrdiff_t>(begin),
+                               stamps_s.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  for (std::size_t k = 0; k + 1 < image_bounds.size(); ++k) {
+    const std::size_t image = image_bounds[k], frame = frame_bounds[k];
+    for (const auto [i, f] :
+         MatchStamps(part(image_s, image, image_bounds[k + 1]),
+                     part(frame_s, frame, frame_bounds[k + 1]), kMaxBetweenImages_s))
+      without[frame + f]->confidence_path = images[image + i].path;
+  }
 }
 
 // Confidence images of a folder, indexed by the stem, timestamp or number in their names.
@@ -42,16 +65,19 @@ struct NamedImages {
 
 NamedImages ListNamedImages(const std::string& folder) {
   NamedImages images;
+  std::vector<std::string> numbered;
   for (const std::string& name : NamesIn(folder)) {
     if (!IsImageName(name)) continue;
     const std::string path = Concat(folder, "/", name);
     images.by_stem.emplace(StemOf(name), path);
     if (const auto stamp_s = StampInName(name)) {
       images.by_time.push_back({*stamp_s, path});
-    } else if (const auto number = NumberInName(name)) {
-      images.by_number[*number].push_back(path);
+    } else {
+      numbered.push_back(name);
     }
   }
+  for (const NamedImage& image : NumberImages(numbered))
+    images.by_number[image.number].push_back(Concat(folder, "/", image.name));
   std::stable_sort(
       images.by_time.begin(), images.by_time.end(),
       [](const StampedFile& a, const StampedFile& b) { return a.stamp_s < b.stamp_s; });
@@ -116,13 +142,13 @@ LowConfidence RemoveLow(const Image<std::uint8_t>& confidence, int range, Image<
 
 std::string ConfidenceFolder(const std::string& folder) { return folder + "/confidence"; }
 
-std::optional<std::string> AddConfidence(const std::string& folder, bool has_clock,
-                                         std::vector<FrameFiles>* frames) {
+void AddConfidence(const std::string& folder, bool has_clock, std::vector<FrameFiles>* frames,
+                   std::vector<std::string>* warnings) {
   const std::string images = ConfidenceFolder(folder), list = "confidence.txt";
   const bool has_images = IsFolder(images), has_list = HasFile(Concat(folder, "/", list));
-  if (!has_images && !has_list) return std::nullopt;
+  if (!has_images && !has_list) return;
   if (has_list && (has_clock || !has_images)) {
-    MatchByTime(ReadStampedFiles(folder, list), frames);
+    MatchByTime(ReadStampedFiles(folder, list, warnings), Concat(folder, "/", list), frames);
   } else {
     AddNamedConfidence(
         images, has_clock, [](const std::string& error) { throw InputError(error); }, frames);
@@ -135,9 +161,11 @@ std::optional<std::string> AddConfidence(const std::string& folder, bool has_clo
     if (!frame.confidence_path.empty()) continue;
     if (missing++ == 0) first = frame.depth_path;
   }
-  if (missing == 0) return std::nullopt;
-  return Concat(missing, " of ", frames->size(), " frames have no confidence image: all of their ",
-                "depth is used; the first is ", first);
+  if (missing == 0) return;
+  warnings->push_back(Concat(missing, " of ", frames->size(),
+                             " frames have no confidence image: all of their depth is used; the "
+                             "first is ",
+                             first));
 }
 
 void AddNamedConfidence(const std::string& confidence_folder, bool has_clock,
@@ -147,17 +175,23 @@ void AddNamedConfidence(const std::string& confidence_folder, bool has_clock,
     const auto it = images.by_stem.find(StemOf(FileName(frame.depth_path)));
     if (it != images.by_stem.end()) frame.confidence_path = it->second;
   }
-  if (has_clock) MatchByTime(images.by_time, frames);
-  for (FrameFiles& frame : *frames) {
+  if (has_clock) MatchByTime(images.by_time, confidence_folder, frames);
+  std::map<std::string, long> number_of;
+  std::vector<std::string> depth_names;
+  for (const FrameFiles& frame : *frames) {
     const std::string name = FileName(frame.depth_path);
-    const auto number = StampInName(name) ? std::nullopt : NumberInName(name);
-    if (!frame.confidence_path.empty() || !number) continue;
-    const auto it = images.by_number.find(*number);
+    if (!StampInName(name)) depth_names.push_back(name);
+  }
+  for (const NamedImage& image : NumberImages(depth_names)) number_of[image.name] = image.number;
+  for (FrameFiles& frame : *frames) {
+    const auto number = number_of.find(FileName(frame.depth_path));
+    if (!frame.confidence_path.empty() || number == number_of.end()) continue;
+    const auto it = images.by_number.find(number->second);
     if (it == images.by_number.end()) continue;
     const std::vector<std::string>& paths = it->second;
     if (paths.size() > 1) {
       twice(Concat(confidence_folder, ": ", FileName(paths[0]), " and ", FileName(paths[1]),
-                   " are both number ", *number, ", must be one image a number"));
+                   " are both number ", number->second, ", must be one image per number"));
     }
     frame.confidence_path = paths[0];
   }

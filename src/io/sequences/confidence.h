@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,16 +18,16 @@ std::string ConfidenceFolder(const std::string& folder);
 //   1. by the timestamps in confidence.txt, if this file exists. Numbered frames have no clock, and
 //      their folder confidence/ takes precedence over the file.
 //   2. by the names in confidence/, see AddNamedConfidence().
-// Returns a warning if frames remain without a confidence image, and std::nullopt if the folder has
-// neither. Throws InputError that names the file if the list is malformed, or if two images have
-// the same number. The range is decided by up to eight of the first images.
-std::optional<std::string> AddConfidence(const std::string& folder, bool has_clock,
-                                         std::vector<FrameFiles>* frames);
+// Adds a warning if frames remain without a confidence image, except if the folder has neither.
+// Throws InputError that names the file if the list is malformed, if its clock starts another
+// number of times than that of the frames, or if two images have the same number.
+void AddConfidence(const std::string& folder, bool has_clock, std::vector<FrameFiles>* frames,
+                   std::vector<std::string>* warnings);
 
 // Sets the confidence image of each frame by its name. The first match is used:
 // - name of the depth image, except the ending
 // - if `has_clock`: timestamp of the depth image, within kMaxBetweenImages_s
-// - number of the depth image
+// - number of the depth image, see NumberImages()
 //
 // Calls `twice` with a message if two images have this number. Then the first image by name is
 // used. Frames without a match stay without image. Does not set the range.

@@ -5,9 +5,11 @@
 #include <charconv>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include "core/files.h"
 #include "io/files/text.h"
+#include "io/stamps/image_names.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -61,8 +63,10 @@ int Beyond(const fs::path& path) {
 std::vector<std::string> NamesIn(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code none;
-  for (fs::directory_iterator it(folder, none), end; it != end; it.increment(none))
-    names.push_back(it->path().filename().string());
+  for (fs::directory_iterator it(folder, none), end; it != end; it.increment(none)) {
+    std::string name = it->path().filename().string();
+    if (name.compare(0, 2, "._") != 0) names.push_back(std::move(name));
+  }
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -105,12 +109,8 @@ std::optional<long> NumberInName(const std::string& name) {
 }
 
 std::optional<double> StampInName(const std::string& name) {
-  const std::string stem = name.substr(0, name.rfind('.'));
-  const std::size_t first = stem.find_first_of("0123456789"), point = stem.find('.');
-  if (first == stem.npos || point == stem.npos || point + 1 == stem.size()) return std::nullopt;
-  if (stem.find_first_not_of("0123456789", first) != point) return std::nullopt;
-  if (stem.find_first_not_of("0123456789", point + 1) != stem.npos) return std::nullopt;
-  return FiniteNumber(std::string_view(stem).substr(first));
+  const auto time = TimeInName(name);
+  return time ? std::optional<double>(FiniteNumber(*time)) : std::nullopt;
 }
 
 std::string FollowTextLink(const std::string& folder, const std::string& name) {

@@ -25,8 +25,7 @@ bool IsImageName(const std::string& name);
 // without digits. Also std::nullopt if the number does not fit into `long`.
 std::optional<long> NumberInName(const std::string& name);
 
-// Time in a file name, in seconds: 1763820000.134 for 1763820000.134.png. A prefix without digits
-// and points is ignored. Returns std::nullopt for other names, including integers.
+// TimeInName() in s.
 std::optional<double> StampInName(const std::string& name);
 
 // Returns the path of the file `name` in `folder`, and follows a text link. Data sets share image

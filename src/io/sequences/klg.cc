@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/repeated_warning.h"
 #include "io/cursor.h"
@@ -12,6 +13,7 @@
 #include "io/sequences/frame_bytes.h"
 #include "io/sequences/klg_writer.h"
 #include "io/sequences/recording.h"
+#include "io/stamps/time_words.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -21,8 +23,8 @@ namespace surfit {
 namespace {
 
 struct KlgFrame {
-  std::int64_t stamp_us = 0;
-  std::uint64_t depth_at = 0;  // byte offset in the file; colour follows depth
+  std::int64_t stamp = 0;
+  std::uint64_t depth_at = 0;  // byte in the file; colour follows depth
   std::uint64_t depth_bytes = 0;
   std::uint64_t color_bytes = 0;
 };
@@ -31,14 +33,18 @@ class KlgRecording : public Recording {
  public:
   KlgRecording(const std::string& path, ImageSize size) : file_(path), size_(size) {
     Index();
+    SetUnit();
     if (const auto claimed = SizeOfFirstJpeg()) size_ = *claimed;
     ThrowIf(size_ == ImageSize(), path, " does not store the image size: set camera");
   }
 
   int claimed_count() const { return claimed_count_; }
+  // True if bytes after the last complete frame were not read.
+  bool has_rest() const { return file_.Has(end_, 1); }
+  const std::string& unit_warning() const { return unit_warning_; }  // empty for us
   int frame_count() const override { return static_cast<int>(frames_.size()); }
   FrameStamps stamps(int index) const override {
-    const double stamp_s = 1e-6 * static_cast<double>(frames_[index].stamp_us);
+    const double stamp_s = second_ * static_cast<double>(frames_[index].stamp);
     return {stamp_s, stamp_s};
   }
 
@@ -52,27 +58,41 @@ class KlgRecording : public Recording {
   }
 
  private:
-  // Reads the frame headers. Stops at the first invalid or truncated frame.
+  // Reads the frame headers. Stops at the first invalid or truncated frame. A logger that was
+  // killed leaves a count below the number of frames, usually 0 or -1. The frames after the count
+  // must have depth, because padding of zeros is no frame.
   void Index() {
     constexpr std::uint64_t kHeader = 16;  // bytes before the images of a frame
     const std::string count = file_.Read(0, sizeof(claimed_count_));
     claimed_count_ = Cursor(count, file_.path()).Take<std::int32_t>();
-    std::uint64_t at = count.size();
-    while (frame_count() < claimed_count_ && file_.Has(at, kHeader)) {
-      const std::string bytes = file_.Read(at, kHeader);
+    end_ = count.size();
+    while (file_.Has(end_, kHeader)) {
+      const std::string bytes = file_.Read(end_, kHeader);
       Cursor header(bytes, file_.path());
       KlgFrame frame;
-      frame.stamp_us = header.Take<std::int64_t>();
+      frame.stamp = header.Take<std::int64_t>();
       const auto depth_bytes = header.Take<std::int32_t>(),
                  color_bytes = header.Take<std::int32_t>();
       if (depth_bytes < 0 || color_bytes < 0) return;
-      frame.depth_at = at + kHeader;
+      if (depth_bytes == 0 && frame_count() >= claimed_count_) return;
+      frame.depth_at = end_ + kHeader;
       frame.depth_bytes = depth_bytes;
       frame.color_bytes = color_bytes;
       if (!file_.Has(frame.depth_at, frame.depth_bytes + frame.color_bytes)) return;
       frames_.push_back(frame);
-      at = frame.depth_at + frame.depth_bytes + frame.color_bytes;
+      end_ = frame.depth_at + frame.depth_bytes + frame.color_bytes;
     }
+  }
+
+  // Some loggers write ms or ns instead of us.
+  void SetUnit() {
+    std::vector<double> stamps;
+    for (const KlgFrame& frame : frames_) stamps.push_back(static_cast<double>(frame.stamp));
+    const int decimals = DetectTimeUnit(stamps).value_or(0);
+    if (decimals != 3 && decimals != 9) return;
+    second_ = decimals == 3 ? 1e-3 : 1e-9;
+    unit_warning_ = Concat(file_.path(), ": timestamps are in ", TimeUnitName(decimals),
+                           " instead of us by their intervals, they are converted to s");
   }
 
   std::optional<ImageSize> SizeOfFirstJpeg() const {
@@ -87,6 +107,9 @@ class KlgRecording : public Recording {
   ImageSize size_;
   std::int32_t claimed_count_ = 0;
   std::vector<KlgFrame> frames_;
+  std::uint64_t end_ = 0;  // byte after the last complete frame
+  double second_ = 1e-6;   // unit of the timestamps, s
+  std::string unit_warning_;
 };
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "values are copied from memory");
@@ -163,7 +186,16 @@ OpenedRecording OpenKlg(const std::string& path, ImageSize size) {
   auto frames = std::make_unique<KlgRecording>(path, size);
   OpenedRecording opened;
   opened.has_clock = true;
-  WarnIfShort(path, frames->claimed_count(), frames->frame_count(), &opened);
+  const int claimed = frames->claimed_count(), found = frames->frame_count();
+  if (claimed < found) {
+    opened.warnings.push_back(
+        Concat(path, " declares ", claimed, " frames, but has ", found,
+               ": the recorder did not end normally, all are read",
+               frames->has_rest() ? ", except the last, incomplete one" : ""));
+  } else {
+    WarnIfShort(path, claimed, found, &opened);
+  }
+  if (!frames->unit_warning().empty()) opened.warnings.push_back(frames->unit_warning());
   opened.frames = std::move(frames);
   return opened;
 }

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "io/sequences/confidence.h"
@@ -28,13 +31,43 @@ OpenedRecording OpenRecording(const std::string& format, const std::string& path
   if (format == "klg") return OpenKlg(path, {camera.depth.width, camera.depth.height});
   if (format == "sens") return OpenSens(path, camera.frames_per_second);
   SequenceFiles files = ListSequence(format, path, camera.frames_per_second);
-  std::vector<std::string> warnings;
-  if (confidence) {
-    if (auto warning = AddConfidence(path, files.has_clock, &files.frames))
-      warnings.push_back(std::move(*warning));
-  }
+  if (confidence) AddConfidence(path, files.has_clock, &files.frames, &files.warnings);
   return {MakeFolderRecording(std::move(files.frames)), std::move(files.ground_truth),
-          files.has_clock, std::move(warnings), files.unpaired_images};
+          files.has_clock, std::move(files.warnings), files.unpaired_images};
+}
+
+// Warning if timestamps go back: the clock was set, or the recording has several takes.
+std::optional<std::string> ClockWarning(const Recording& frames, const std::string& path) {
+  int count = 0, first = 0;
+  for (int i = 1; i < frames.frame_count(); ++i) {
+    if (frames.stamps(i).depth_s >= frames.stamps(i - 1).depth_s) continue;
+    if (count++ == 0) first = i;
+  }
+  if (count == 0) return std::nullopt;
+  return Concat(
+      path, ": timestamps go back ", count, " times, first at frame ", first, " from ",
+      std::to_string(frames.stamps(first - 1).depth_s), " to ",
+      std::to_string(frames.stamps(first).depth_s),
+      " s: the clock starts again, or the recording has several takes; frames stay in the "
+      "order of the recording");
+}
+
+// Warning if the ground truth has no pose at the time of a frame.
+std::optional<std::string> TruthWarning(const Recording& frames, const Trajectory& truth,
+                                        const std::string& path) {
+  if (truth.empty() || frames.frame_count() == 0) return std::nullopt;
+  double first_s = HUGE_VAL, last_s = -HUGE_VAL;
+  for (int i = 0; i < frames.frame_count(); ++i) {
+    const double stamp_s = frames.stamps(i).depth_s;
+    if (InterpolatePose(truth, stamp_s)) return std::nullopt;
+    first_s = std::min(first_s, stamp_s);
+    last_s = std::max(last_s, stamp_s);
+  }
+  return Concat(path, ": no frame has ground truth, because the timestamps of the frames are from ",
+                std::to_string(first_s), " to ", std::to_string(last_s),
+                " s and those of the ground truth from ", std::to_string(truth.front().stamp_s),
+                " to ", std::to_string(truth.back().stamp_s),
+                " s: both must be in s of the same clock");
 }
 
 std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
@@ -93,6 +126,7 @@ bool IsLive(const SequenceOptions& options) {
 RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
                         const std::atomic<bool>& stop) {
   Validate(options);
+  ThrowIf(capacity < 1, "capacity is ", capacity, ", must be at least 1");
   if (options.format == "watch") return OpenWatchedFolder(options, stop);
   if (options.format == "openni2") return OpenOpenNiCamera(options, capacity, stop);
   throw InputError("format is '", options.format,
@@ -124,6 +158,9 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
     opened = OpenRecording(info.format, options.path, info.camera, options.confidence);
   if (!opened.has_clock) DropLatency(options, &info.camera);
   info.warnings.insert(info.warnings.end(), opened.warnings.begin(), opened.warnings.end());
+  if (auto warning = ClockWarning(*opened.frames, options.path)) info.warnings.push_back(*warning);
+  if (auto warning = TruthWarning(*opened.frames, opened.ground_truth, options.path))
+    info.warnings.push_back(*warning);
   info.ground_truth = std::move(opened.ground_truth);
   info.has_clock = opened.has_clock;
   if (opened.unpaired_images > 0) {

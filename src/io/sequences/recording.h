@@ -87,22 +87,27 @@ struct StampedFile {
   std::string path;
 };
 
-// Reads a list of timestamps and files, such as depth.txt, in ascending order of time. Throws
-// InputError that names the file and the line. `name`: list in `folder`. Paths are complete.
-std::vector<StampedFile> ReadStampedFiles(const std::string& folder, const std::string& name);
+// Reads a list of timestamps and files, such as depth.txt. Each part of FindClockStarts() is in
+// ascending order of time. Adds a warning for timestamps in another unit than s. Throws InputError
+// that names the file and the line.
+std::vector<StampedFile> ReadStampedFiles(const std::string& folder, const std::string& name,
+                                          std::vector<std::string>* warnings);
 
 // Files of a folder of images. The images are not opened.
 struct SequenceFiles {
   std::vector<FrameFiles> frames;
-  Trajectory ground_truth;  // in the convention of the files
-  bool has_clock = false;   // SequenceInfo::has_clock
-  int unpaired_images = 0;  // OpenedRecording::unpaired_images
+  Trajectory ground_truth;                 // in the convention of the files
+  bool has_clock = false;                  // SequenceInfo::has_clock
+  int unpaired_images = 0;                 // OpenedRecording::unpaired_images
+  std::vector<std::string> warnings = {};  // SequenceInfo::warnings
 };
 
-// The List functions throw InputError naming the file and line that is missing or malformed.
+// The List functions throw InputError naming the file and line that is missing or malformed. A pose
+// that is not finite or not rigid is left out and counted in a warning.
 
 // Lists a TUM folder: associations.txt, otherwise rgb.txt and depth.txt paired by time. Without
-// rgb.txt, frames have no colour. Frames are sorted by the depth timestamp. Ground truth:
+// rgb.txt, frames have no colour. Frames are sorted by the depth timestamp, except if the clock
+// starts again in the lists: then each part of the lists is sorted. Ground truth is in
 // groundtruth.txt or *.gt.freiburg.
 SequenceFiles ListTumSequence(const std::string& folder);
 
@@ -119,12 +124,15 @@ SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_p
 // are in trajectory.log. The first number of a pose is the index of its frame. Timestamps are index
 // / frames_per_second. Timestamps are position / frames_per_second.
 //
-// If all file names in depth/ are times in seconds (1763820000.134.png), these are the timestamps.
-// Colour is then paired by time, and poses are in groundtruth.txt.
+// If all file names in depth/ are times (1763820000.134.png, or integers in ms, us or ns), these
+// are the timestamps. Colour is then paired by time, and poses are in groundtruth.txt or
+// trajectory.log. If names have a number and a time (0000012-000000366699.png), images are paired
+// by number, and by time if images of the same number are from different times.
 SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second);
 
 // Lists a Replica folder as rendered for NICE-SLAM: results/frameN.jpg and results/depthN.png, and
-// the pose of frame N in line N of traj.txt, from 0. Timestamps are N / frames_per_second.
+// the pose of a frame in a line of traj.txt, see FramesOfPoses(). Timestamps are
+// N / frames_per_second.
 SequenceFiles ListReplicaSequence(const std::string& folder, double frames_per_second);
 
 // Pairs the images of two folders by the numbers in their names, in ascending order. Both
@@ -151,8 +159,9 @@ std::string FindColorFolder(const std::string& folder);
 //   depth: raw 16-bit counts if the size matches, otherwise compressed by zlib
 //   colour: raw RGB if the size matches, otherwise JPEG
 // The file does not contain the image size. It is taken from the first JPEG, otherwise from `size`
-// (0 x 0: unknown). A truncated file gives its complete frames and a warning. Throws InputError
-// naming the file if it cannot be read or if the image size is unknown.
+// (0 x 0: unknown). A truncated file, and a file with more frames than its count, give all complete
+// frames and a warning. Throws InputError naming the file if it cannot be read or if the image size
+// is unknown.
 OpenedRecording OpenKlg(const std::string& path, ImageSize size);
 
 // Opens a .sens file of ScanNet (SensorData, version 4). Each frame has:
@@ -161,9 +170,9 @@ OpenedRecording OpenKlg(const std::string& path, ImageSize size);
 //   uint64 sizes of colour and of depth in bytes
 //   colour, depth
 // If the timestamps of colour or of depth are not ascending, for example all 0, those of the other
-// images are used. If neither are ascending, timestamps are index / frames_per_second. Inertial
-// data after the frames is ignored. A truncated file gives its complete frames and a warning.
-// Throws InputError naming the file and the error.
+// images are used, except if the clock starts again. If neither are ascending, timestamps are index
+// / frames_per_second. Inertial data after the frames is ignored. A truncated file gives its
+// complete frames and a warning. Throws InputError naming the file and the error.
 OpenedRecording OpenSens(const std::string& path, double frames_per_second);
 
 // Reads the camera in the header of a .sens file. Throws like OpenSens().

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "io/cursor.h"
@@ -8,6 +9,8 @@
 #include "io/sequences/frame_bytes.h"
 #include "io/sequences/recording.h"
 #include "io/sequences/sequence_camera.h"
+#include "io/stamps/ground_truth.h"
+#include "io/stamps/time_words.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/sensor.h"
 
@@ -145,19 +148,24 @@ class SensRecording : public Recording {
                       {frame.color_at, frame.color_bytes, SizeOf(camera.color), header_.raw_color});
   }
 
-  // All poses with finite values.
-  Trajectory Poses() const {
-    Trajectory poses;
-    for (int i = 0; i < frame_count(); ++i) {
-      const Eigen::Matrix4d& matrix = frames_[i].world_from_camera;
-      if (!matrix.allFinite()) continue;
-      poses.push_back({frames_[i].stamps.depth_s,
-                       RigidFromMatrix(matrix, Concat(file_.path(), ": pose of frame ", i))});
-    }
-    return poses;
+  // Valid poses. Frames without a pose are counted in a warning.
+  Trajectory Poses(std::vector<std::string>* warnings) const {
+    GroundTruthPoses truth(file_.path());
+    for (int i = 0; i < frame_count(); ++i) truth.Add(frames_[i].stamps.depth_s, PoseOf(i));
+    return truth.Take(warnings);
   }
 
  private:
+  ParsedRigid PoseOf(int index) const {
+    const Eigen::Matrix4d& matrix = frames_[index].world_from_camera;
+    if (!matrix.allFinite()) return {std::nullopt, Concat("frame ", index, " is not finite")};
+    try {
+      return {RigidFromMatrix(matrix, Concat("frame ", index)), ""};
+    } catch (const InputError& error) {
+      return {std::nullopt, error.what()};
+    }
+  }
+
   // Reads the frame headers. Stops at the first truncated frame.
   void Index() {
     constexpr std::uint64_t kHeader = 64 + 4 * 8;  // bytes before the images of a frame
@@ -179,23 +187,28 @@ class SensRecording : public Recording {
     }
   }
 
-  bool Ascends(std::uint64_t SensFrame::*stamp_us) const {
-    return std::adjacent_find(frames_.begin(), frames_.end(),
-                              [&](const SensFrame& a, const SensFrame& b) {
-                                return a.*stamp_us >= b.*stamp_us;
-                              }) == frames_.end();
+  // True if timestamps ascend, or ascend again after the clock was set.
+  bool IsClock(std::uint64_t SensFrame::*stamp_us) const {
+    std::vector<double> stamps_s;
+    bool ascends = true;
+    for (const SensFrame& frame : frames_) {
+      const double stamp_s = 1e-6 * static_cast<double>(frame.*stamp_us);
+      ascends = ascends && (stamps_s.empty() || stamp_s > stamps_s.back());
+      stamps_s.push_back(stamp_s);
+    }
+    return ascends || FindClockStarts(stamps_s).size() > 1;
   }
 
   void SetStamps(double frames_per_second) {
-    const bool depth_ascends = Ascends(&SensFrame::depth_stamp_us);
-    const bool color_ascends = Ascends(&SensFrame::color_stamp_us);
+    const bool depth_is_clock = IsClock(&SensFrame::depth_stamp_us);
+    const bool color_is_clock = IsClock(&SensFrame::color_stamp_us);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       SensFrame& frame = frames_[i];
       const double depth_s = 1e-6 * static_cast<double>(frame.depth_stamp_us);
       const double color_s = 1e-6 * static_cast<double>(frame.color_stamp_us);
       const double counted_s = static_cast<double>(i) / frames_per_second;
-      frame.stamps.depth_s = depth_ascends ? depth_s : (color_ascends ? color_s : counted_s);
-      frame.stamps.color_s = color_ascends ? color_s : frame.stamps.depth_s;
+      frame.stamps.depth_s = depth_is_clock ? depth_s : (color_is_clock ? color_s : counted_s);
+      frame.stamps.color_s = color_is_clock ? color_s : frame.stamps.depth_s;
     }
   }
 
@@ -213,7 +226,7 @@ RgbdCamera ReadSensCamera(const std::string& path) {
 OpenedRecording OpenSens(const std::string& path, double frames_per_second) {
   auto frames = std::make_unique<SensRecording>(path, frames_per_second);
   OpenedRecording opened;
-  opened.ground_truth = frames->Poses();
+  opened.ground_truth = frames->Poses(&opened.warnings);
   WarnIfShort(path, frames->claimed_count(), frames->frame_count(), &opened);
   opened.frames = std::move(frames);
   return opened;

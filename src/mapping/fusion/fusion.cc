@@ -94,9 +94,7 @@ struct Fusion::Workspace {
 };
 
 Fusion::Fusion(const FusionOptions& options)
-    : options_(options), workspace_(std::make_unique<Workspace>(options_)) {
-  Validate(options);
-}
+    : options_((Validate(options), options)), workspace_(std::make_unique<Workspace>(options_)) {}
 
 Fusion::~Fusion() = default;
 

@@ -61,9 +61,26 @@ void MeasureSpacings(float radius_m, std::vector<MeshSurfel>* surfels) {
   });
 }
 
-// Converts points to surfels and skips points without a normal. The depth noise grows with the
-// square of the depth, and the radius with the depth. The confidence approximates the number of
-// observations. So the standard deviation is proportional to radius^2 / sqrt(confidence).
+void CheckCloud(const PointCloud& cloud) {
+  const std::size_t points = cloud.points.size();
+  ThrowIf(cloud.normals.empty(), "the map has no points with normals");
+  const auto check_count = [&](const char* attribute, std::size_t count) {
+    ThrowIf(count > 0 && count != points, attribute, " has ", count, " elements, must have ",
+            points, ", one per point");
+  };
+  check_count("normals", cloud.normals.size());
+  check_count("colors", cloud.colors.size());
+  check_count("radii_m", cloud.radii_m.size());
+  check_count("confidences", cloud.confidences.size());
+  const auto bad = std::find_if(cloud.points.begin(), cloud.points.end(),
+                                [](const Eigen::Vector3f& point) { return !point.allFinite(); });
+  ThrowIf(bad != cloud.points.end(), "point ", bad - cloud.points.begin(),
+          " has a coordinate that is not finite: see RemoveNonFinite()");
+}
+
+// Converts points with normals. Depth noise grows with the square of the distance, and the radius
+// grows with the distance. Confidence is about the number of observations. Therefore sigma ~
+// radius^2 / sqrt(confidence).
 std::vector<MeshSurfel> ToSurfels(const PointCloud& cloud, const MeshOptions& options) {
   constexpr float kMinConfidence = 0.1f;
   const auto trim_m = static_cast<float>(options.trim_distance_m);
@@ -119,7 +136,7 @@ void MeasureDistances(const PointCloud& cloud, const TriangleMesh& mesh, double 
 TriangleMesh MeshSurfels(const PointCloud& cloud, const MeshOptions& options, MeshSummary* summary,
                          const MeshProgress& progress) {
   Validate(options);
-  ThrowIf(cloud.normals.empty(), "the map has no points with normals");
+  CheckCloud(cloud);
   StageProgress stages(progress);
   const auto cell_m = static_cast<float>(options.cell_m);
   std::vector<MeshSurfel> surfels = ToSurfels(cloud, options);

@@ -178,9 +178,9 @@ void Summarize(const TextureSources& seen, const TextureLayout& layout, TextureS
 MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
                         const TextureOptions& options, TextureSummary* summary) {
   Validate(options);
+  ThrowIf(options.max_texture_px == 0, "max_texture_px is 0, must be positive to make a texture");
   CHECK_EQ(mesh.colors.size(), mesh.vertices.size());
   CHECK_EQ(mesh.normals.size(), mesh.vertices.size());
-  CHECK_GT(options.max_texture_px, 0);
   const TriangleNeighbors neighbors(mesh.triangles);
   const ColorViews color_views(mesh);
   const TextureSources seen = LookAtFrames(mesh, neighbors, frames, options, color_views);

@@ -117,6 +117,9 @@ void RefineFrom(const JointState& given, const RefinementOptions& options, Joint
                 std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
                 const std::function<void(const RefinementRound&)>& progress) {
   TakePoses(given, keyframes);
+  summary->calibration_covariance.resize(0, 0);
+  summary->pose_covariances.clear();
+  summary->after = {};
   JointState state = given;
   summary->termination = RunRounds(options, keyframes, &prior, &state, &summary->rounds, progress);
   // Noise can make the estimate negative.
@@ -193,7 +196,7 @@ RefinementSummary Refine(const RefinementOptions& all_options, const DepthCalibr
   if (summary.calibration_kept) {
     const Eigen::MatrixXd covariance = summary.calibration_covariance;
     RefinePoses(as_given, options, keyframes, &summary, progress);
-    summary.calibration_covariance = covariance;
+    if (summary.Succeeded()) summary.calibration_covariance = covariance;
   }
   return summary;
 }

@@ -72,7 +72,16 @@ std::string ViolatedCriterion(const GlobalRegistrationResult& verdict, const Fit
   const auto at_most = [](const char* what, double value, double most) {
     return Concat(what, " is ", value, ", must be at most ", most);
   };
+  const auto both_at_most = [](const char* what, double m, double rad, double most_m,
+                               double most_rad) {
+    return Concat(what, " ", m, " m and ", rad, " rad, must be at most ", most_m, " m and ",
+                  most_rad, " rad");
+  };
   switch (verdict.reason) {
+    case GlobalRegistrationReason::kDegenerate:
+      if (verdict.sigma_m <= fit.max_sigma_m && verdict.sigma_rad <= fit.max_sigma_rad) return "";
+      return both_at_most("largest standard deviations are", verdict.sigma_m, verdict.sigma_rad,
+                          fit.max_sigma_m, fit.max_sigma_rad);
     case GlobalRegistrationReason::kLittleOverlap:
       return at_least("overlap share", verdict.overlap_ratio, fit.min_overlap_ratio);
     case GlobalRegistrationReason::kFreeSpaceViolation:
@@ -89,8 +98,9 @@ std::string ViolatedCriterion(const GlobalRegistrationResult& verdict, const Fit
     case GlobalRegistrationReason::kAmbiguous:
       return at_least("score margin over other poses", verdict.score_margin, fit.min_score_margin);
     case GlobalRegistrationReason::kInconsistent:
-      return at_most("forward-backward disagreement in m", verdict.disagreement_m,
-                     fit.max_disagreement_m);
+      return both_at_most("forward-backward disagreement is", verdict.disagreement_m,
+                          verdict.disagreement_rad, fit.max_disagreement_m,
+                          fit.max_disagreement_rad);
     default:
       return "";
   }

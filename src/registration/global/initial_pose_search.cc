@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "registration/global/feature_points.h"
 #include "registration/solvers/decompositions.h"
@@ -183,10 +184,11 @@ std::vector<CandidatePose> InitialPoseSearch::AlongWeakestDirection(const Rigid3
                                               {kCoarseNearness.distance_m * 3, false}, pose);
   std::vector<CandidatePose> along;
   if (system.pair_count == 0) return along;
-  const Vector6d direction = WeakestIncrement(system.hessian, system.RmsDistance());
+  const std::optional<Vector6d> direction = WeakestIncrement(system.hessian, system.RmsDistance());
+  if (!direction) return along;
   for (int i = 1; i * kStepM <= kReachM; ++i) {
     for (const double shift_m : {i * kStepM, -i * kStepM}) {
-      const Rigid3d shifted = LeftIncrement<double>(shift_m * direction, pose);
+      const Rigid3d shifted = LeftIncrement<double>(shift_m * *direction, pose);
       along.push_back({shifted, Score(kCoarse, shifted)});
     }
   }

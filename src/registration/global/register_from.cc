@@ -149,10 +149,11 @@ class FarRegistration {
 
   void MeasureScoreMargin(const Fit& best) {
     const IcpResult icp = verdict_.icp;
-    const Vector6d weakest =
+    const std::optional<Vector6d> weakest =
         WeakestIncrement(icp.information, MeanDepth(target_.finest.levels.front()));
+    if (!weakest) return;
     for (const double shift_m : {-kRivalShiftM, kRivalShiftM}) {
-      RegisterFromStart(LeftIncrement<double>(shift_m * weakest, icp.target_from_source));
+      RegisterFromStart(LeftIncrement<double>(shift_m * *weakest, icp.target_from_source));
     }
     double rival = 0;
     for (const ScoredPose& pose : poses_) {

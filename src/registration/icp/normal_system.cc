@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "registration/solvers/decompositions.h"
 #include "surfit/geometry/rigid3.h"
@@ -94,20 +95,21 @@ Observability Observe(const NormalSystem& system, const ObservabilityOptions& op
   if (!(system.RmsDistance() > 0)) return result;
   const UnitFree unit_free(system);
   const Matrix6d hessian = unit_free(system.hessian);
-  result.eigenvalues = EigenvaluesOf(hessian);
-  // H is `hessian`, B is `needed`. The directions x with H x = mu B x diagonalise both matrices.
-  // Directions with mu > 1 satisfy x^T H x > x^T B x.
+  const std::optional<Vector6d> eigenvalues = EigenvaluesOf(hessian);
+  // Directions x with H x = mu B x diagonalise both matrices. x^T H x > x^T B x for mu > 1.
   constexpr double kRounding = 1e-15;
   const Matrix6d needed = std::max(options.min_eigenvalue, kRounding) * Matrix6d::Identity() +
                           options.min_information_ratio * unit_free(system.SpuriousInformation());
-  const GeneralizedEigen eigen = EigenOf(hessian, needed);
-  const Vector6d norms = eigen.vectors.colwise().norm();
-  result.directions = unit_free.length.cwiseInverse().asDiagonal() * eigen.vectors *
+  const std::optional<GeneralizedEigen> eigen = EigenOf(hessian, needed);
+  if (!eigenvalues || !eigen) return result;
+  result.eigenvalues = *eigenvalues;
+  const Vector6d norms = eigen->vectors.colwise().norm();
+  result.directions = unit_free.length.cwiseInverse().asDiagonal() * eigen->vectors *
                       norms.cwiseInverse().asDiagonal();
   result.coordinates =
-      norms.asDiagonal() * eigen.vectors.transpose() * needed * unit_free.length.asDiagonal();
+      norms.asDiagonal() * eigen->vectors.transpose() * needed * unit_free.length.asDiagonal();
   result.degenerate_count = 0;
-  while (result.degenerate_count < 6 && !(eigen.values[result.degenerate_count] > 1))
+  while (result.degenerate_count < 6 && !(eigen->values[result.degenerate_count] > 1))
     ++result.degenerate_count;
   return result;
 }
@@ -128,12 +130,12 @@ Matrix6d ConservativeInformation(const NormalSystem& system, double photometric_
   const UnitFree unit_free(system);
   const Matrix6d metric =
       kSmallest * Matrix6d::Identity() + unit_free(system.SpuriousInformation());
-  const GeneralizedEigen eigen =
+  const std::optional<GeneralizedEigen> eigen =
       EigenOf(unit_free(system.hessian - system.photometric.hessian), metric);
-  // H is the geometric information, B is `metric`. The eigenvectors are the columns of X. X^T B X =
-  // I and H = (B X) diag(mu) (B X)^T.
-  const Matrix6d columns = unit_free.length.asDiagonal() * metric * eigen.vectors;
-  const Vector6d trusted = (eigen.values.array() - 1).max(0);
+  if (!eigen) return Matrix6d::Zero();
+  // With the columns X of the eigenvectors, X^T B X = I and H = (B X) mu (B X)^T.
+  const Matrix6d columns = unit_free.length.asDiagonal() * metric * eigen->vectors;
+  const Vector6d trusted = (eigen->values.array() - 1).max(0);
   const Matrix6d of_points =
       system.weight_sum * (columns * trusted.asDiagonal() * columns.transpose());
   const Matrix6d sum = of_points + photometric_ratio * system.photometric.hessian;

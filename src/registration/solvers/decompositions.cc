@@ -6,6 +6,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace surfit {
 
@@ -28,26 +29,34 @@ Matrix6d SymmetricInverse(const Matrix6d& matrix) {
   return (inverse + inverse.transpose()) / 2;
 }
 
-Vector6d EigenvaluesOf(const Matrix6d& matrix) {
-  return Eigen::SelfAdjointEigenSolver<Matrix6d>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
+std::optional<Vector6d> EigenvaluesOf(const Matrix6d& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(matrix, Eigen::EigenvaluesOnly);
+  if (solver.info() != Eigen::Success) return std::nullopt;
+  return solver.eigenvalues();
 }
 
-GeneralizedEigen EigenOf(const Matrix6d& matrix, const Matrix6d& metric) {
+std::optional<GeneralizedEigen> EigenOf(const Matrix6d& matrix, const Matrix6d& metric) {
+  // The solver does not report a failure of its Cholesky decomposition.
+  if (metric.llt().info() != Eigen::Success) return std::nullopt;
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> solver(matrix, metric);
-  return {solver.eigenvalues(), solver.eigenvectors()};
+  if (solver.info() != Eigen::Success) return std::nullopt;
+  return GeneralizedEigen{solver.eigenvalues(), solver.eigenvectors()};
 }
 
-Vector6d WeakestIncrement(const Matrix6d& information, double distance_m) {
+std::optional<Vector6d> WeakestIncrement(const Matrix6d& information, double distance_m) {
   Matrix6d scaled = information;
   scaled.topRows<3>() /= distance_m;
   scaled.leftCols<3>() /= distance_m;
-  Vector6d increment = Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled).eigenvectors().col(0);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(scaled);
+  if (solver.info() != Eigen::Success) return std::nullopt;
+  Vector6d increment = solver.eigenvectors().col(0);
   increment.head<3>() /= distance_m;
   return increment;
 }
 
 double LargestSigma(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance, Eigen::EigenvaluesOnly);
+  if (eigen.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
   return std::sqrt(std::max(0., eigen.eigenvalues()[2]));
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "surfit/registration/normal_system.h"
 
 namespace surfit {
@@ -17,22 +19,24 @@ Vector6d SolveLu(const Matrix6d& matrix, const Vector6d& right_side);
 Matrix6d InverseByLdlt(const Matrix6d& matrix);
 Matrix6d SymmetricInverse(const Matrix6d& matrix);
 
-// Eigenvalues of a symmetric matrix in ascending order.
-Vector6d EigenvaluesOf(const Matrix6d& matrix);
+// Eigenvalues of a symmetric matrix in ascending order. std::nullopt for a matrix that is not
+// finite.
+std::optional<Vector6d> EigenvaluesOf(const Matrix6d& matrix);
 
 // Solutions x (columns) of matrix x = mu metric x in ascending order of mu. Both matrices are
-// symmetric, and the metric is positive definite.
+// symmetric.
 struct GeneralizedEigen {
   Vector6d values;
   Matrix6d vectors;
 };
-GeneralizedEigen EigenOf(const Matrix6d& matrix, const Matrix6d& metric);
+// Returns std::nullopt if a matrix is not finite, or if the metric is not positive definite.
+std::optional<GeneralizedEigen> EigenOf(const Matrix6d& matrix, const Matrix6d& metric);
 
-// Left increment (rad, m) along the weakest direction of the information (1/rad^2, 1/m^2). Requires
-// distance_m > 0. It moves points at `distance_m` by about 1 m.
-Vector6d WeakestIncrement(const Matrix6d& information, double distance_m);
+// Left increment (rad, m) along the weakest direction of the information. It moves points at
+// `distance_m` by about 1 m. std::nullopt if the information is not finite.
+std::optional<Vector6d> WeakestIncrement(const Matrix6d& information, double distance_m);
 
-// Largest standard deviation in any direction.
+// Largest standard deviation in any direction. Infinite if the covariance is not finite.
 double LargestSigma(const Eigen::Matrix3d& covariance);
 
 // Rotation nearest to the matrix: U diag(1, 1, det(U V^T)) V^T. The sign prevents a reflection for

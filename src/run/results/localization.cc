@@ -16,10 +16,9 @@ namespace {
 // Largest standard deviation over all directions. The factor shared_points accounts for correlated
 // errors.
 double LargestSigma(const Eigen::Matrix3d& covariance) {
-  const double largest =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly)
-          .eigenvalues()[2];
-  return std::sqrt(std::max(0., largest) * EdgeNoise().shared_points);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance, Eigen::EigenvaluesOnly);
+  if (eigen.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return std::sqrt(std::max(0., eigen.eigenvalues()[2]) * EdgeNoise().shared_points);
 }
 
 std::string RowOf(int index, double stamp_s, const std::string& state) {
