@@ -1,8 +1,11 @@
 // Converts sequences, maps, trajectories and runs to formats of other programs.
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <vector>
 
 #include "apps/export/export_run.h"
 #include "common/console.h"
@@ -98,10 +101,31 @@ void ConvertCloud(const Options& options) {
   std::printf("%s: %zu points\n", OutputOf(options).c_str(), cloud.points.size());
 }
 
+// Number of frames without a pose, by gaps between timestamps of a constant frame rate.
+long CountMissing(const Trajectory& trajectory) {
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < trajectory.size(); ++i)
+    steps_s.push_back(trajectory[i].stamp_s - trajectory[i - 1].stamp_s);
+  if (steps_s.empty()) return 0;
+  std::vector<double> sorted_s = steps_s;
+  const auto middle = sorted_s.begin() + static_cast<std::ptrdiff_t>(sorted_s.size() / 2);
+  std::nth_element(sorted_s.begin(), middle, sorted_s.end());
+  if (!(*middle > 0)) return 0;
+  long missing = 0;
+  for (const double step_s : steps_s) missing += std::max(0L, std::lround(step_s / *middle) - 1);
+  return missing;
+}
+
 void ConvertTrajectory(const Options& options) {
   const Trajectory trajectory = ReadTumTrajectory(options.trajectory);
   WriteKittiTrajectory(trajectory, OutputOf(options));
   std::printf("%s: %zu poses\n", OutputOf(options).c_str(), trajectory.size());
+  const long missing = CountMissing(trajectory);
+  if (missing == 0) return;
+  std::fprintf(stderr,
+               "warning: about %ld frames have no pose: KITTI poses have no timestamps, so that "
+               "line numbers are not frame numbers\n",
+               missing);
 }
 
 int ConvertRun(const ExportOptions& options) {

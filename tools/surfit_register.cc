@@ -1,5 +1,6 @@
 // Registers two point clouds and prints the quality of the result.
 
+#include <algorithm>
 #include <cstdio>
 
 #include "apps/solvers/register_run.h"

@@ -192,6 +192,11 @@ class SlamRun {
   void Keep(const RgbdFrame& frame, const FrameReport& report) {
     statistics_.CountProcessed(frame, report);
     if (localization_) localization_->Add(report);
+    if (report.state == FrameState::kDuplicate) {
+      repeated_.Tell(Concat("frame ", report.index,
+                            " repeats the depth of the frame before: it is ",
+                            "no measurement, and has the pose of that frame"));
+    }
     if (report.is_held_out || report.state == FrameState::kDuplicate)
       left_out_.insert(report.index);
     if (!report.moving.empty()) moving_[report.index] = report.moving;
@@ -400,6 +405,7 @@ class SlamRun {
   KeptViews views_;
   Thumbnails thumbnails_;
   RepeatedWarning skipped_{"frames skipped"}, without_truth_{"frames without a ground-truth pose"};
+  RepeatedWarning repeated_{"frames that repeat the depth of the frame before"};
   Failures failures_;
   std::set<int> left_out_;  // held-out and duplicate frames: not in the final map
   std::map<int, Image<std::uint8_t>> moving_;

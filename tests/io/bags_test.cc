@@ -288,6 +288,87 @@ TEST_F(BagTest, ReadsTheLensOfRawImagesAndTheProjectionOfRectifiedOnes) {
   ExpectError(Names("/camera/depth/camera_info", "equidistant"));
 }
 
+TEST_F(BagTest, UsesIntrinsicsOfOptionsForALensOfAnotherModel) {
+  RosCameraInfo info;
+  info.distortion = {0.1, -0.2, 0.001, 0.002};
+  info.model = "equidistant";
+  AddDepth();
+  AddInfo("/camera/depth/camera_info", kOptical, info);
+  options_.intrinsics = {33, 34, 15, 12};
+  const SequenceInfo opened = Open()->info();
+  EXPECT_EQ(opened.camera.depth.fx, 33);
+  EXPECT_FALSE(opened.camera.depth.HasDistortion());
+  EXPECT_THAT(opened.camera_from, Names("equidistant"));
+}
+
+TEST_F(BagTest, UsesProjectionIfIntrinsicsAreMissing) {
+  RosCameraInfo info;
+  info.k = {0, 0, 0, 0};
+  AddDepth();
+  AddInfo("/camera/depth/camera_info", kOptical, info);
+  EXPECT_EQ(Open()->info().camera.depth.fx, 29);
+  info.p = info.k;
+  bag_ = {};
+  AddDepth();
+  AddInfo("/camera/depth/camera_info", kOptical, info);
+  ExpectError(Names("/camera/depth/image_raw", "intrinsics"));
+  options_.intrinsics = {33, 34, 15, 12};
+  EXPECT_EQ(Open()->info().camera.depth.fx, 33);
+}
+
+// The full image has twice the size, or the image is a part of it.
+TEST_F(BagTest, AppliesBinningAndRegionOfInterest) {
+  RosCameraInfo info;
+  info.width = 64;
+  info.height = 48;
+  info.k = {62, 60, 31.5, 23.5};
+  info.binning = {2, 2};
+  AddDepth();
+  AddInfo("/camera/depth/camera_info", kOptical, info);
+  PinholeCamera camera = Open()->info().camera.depth;
+  EXPECT_EQ(camera.width, 32);
+  EXPECT_EQ(camera.height, 24);
+  EXPECT_EQ(camera.fx, 31);
+  EXPECT_EQ(camera.cx, 15.5);
+  EXPECT_EQ(camera.cy, 11.5);
+  bag_ = {};
+  info.binning = {1, 1};
+  info.roi = {10, 4, 24, 32};
+  AddDepth();
+  AddInfo("/camera/depth/camera_info", kOptical, info);
+  camera = Open()->info().camera.depth;
+  EXPECT_EQ(camera.width, 32);
+  EXPECT_EQ(camera.height, 24);
+  EXPECT_EQ(camera.fx, 62);
+  EXPECT_EQ(camera.cx, 21.5);
+  EXPECT_EQ(camera.cy, 19.5);
+}
+
+// As the recorder of RealSense writes the unit of a D405: 0.1 mm.
+TEST_F(BagTest, ReadsTheDepthUnitOfTheSensor) {
+  const std::string depth = "/device_0/sensor_0/Depth_0/image/data";
+  AddDepth(depth);
+  AddInfo("/device_0/sensor_0/Depth_0/info/camera_info");
+  bag_.Add("/device_0/sensor_1/option/Depth_Units/value", "std_msgs/Float32", 5,
+           LittleEndian(0.002f));
+  EXPECT_EQ(Open()->info().camera.depth_units_per_metre, 1000);
+  bag_.Add("/device_0/sensor_0/option/Depth_Units/value", "std_msgs/Float32", 5,
+           LittleEndian(0.0001f));
+  const SequenceInfo opened = Open()->info();
+  EXPECT_DOUBLE_EQ(opened.camera.depth_units_per_metre, 10000);
+  EXPECT_THAT(opened.warnings, ::testing::Each(::testing::Not(::testing::HasSubstr("likely"))));
+}
+
+TEST_F(BagTest, ReadsBigEndianDepth) {
+  Image<std::uint16_t> swapped = NumberedDepth(0);
+  for (auto& count : swapped) count = static_cast<std::uint16_t>(count << 8 | count >> 8);
+  RosImage image{"16UC1", RawBytes(swapped)};
+  image.is_big_endian = 1;
+  AddOne(kDepth, image);
+  AddInfo("/camera/depth/camera_info");
+  EXPECT_FLOAT_EQ(First().depth_m[0], 0.001f * NumberedDepth(0)[0]);
+}
+
 TEST_F(BagTest, UsesRecordingTimesForMissingStamps) {
   AddInfos();
   for (int i = 0; i < 3; ++i)

@@ -135,7 +135,7 @@ const std::vector<MalformedFile> kMalformedPlyHeader = {
     {"OnlyMagic", "ply\n", {"end_header"}},
     {"NoEnd", "ply\nformat ascii 1.0\nelement vertex 1", {"end_header"}},
     {"NoFormat", "ply\nelement vertex 0\n" + std::string(kXyz) + "end_header\n", {"format"}},
-    {"BigEndian", Vertices("binary_big_endian 1.0", "0"), {"bad.ply:2"}},
+    {"MiddleEndian", Vertices("binary_middle_endian 1.0", "0"), {"bad.ply:2"}},
     {"Version2", Vertices("ascii 2.0", "0"), {"bad.ply:2"}},
     {"NoVertex", Header(kA, ""), {"vertex"}},
     {"NoX", Header(kA, "element vertex 0\nproperty float y\nproperty float z\n"), {"x", "y", "z"}},

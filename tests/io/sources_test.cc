@@ -177,12 +177,15 @@ TEST(OfferFrames, ReturnsNoFrameBeforeItsTime) {
   EXPECT_FALSE(source->Next());
 }
 
-TEST(OfferFrames, ReadsAllFramesBeforeTheFirst) {
-  auto recording = std::make_unique<NumberedSource>();
-  NumberedSource* const read = recording.get();
-  const auto source = OfferFrames(std::move(recording), kFps, kCount);
+// The memory does not depend on the number of frames.
+TEST(OfferFrames, ReadsAtMostThirtyFramesAhead) {
+  ThreadLimit limit(2);
+  std::atomic<int> reads = 0;
+  const auto source = OfferFrames(std::make_unique<CountingSource>(200, -1, &reads), kFps, 1000);
   EXPECT_EQ(source->Next()->index, 0);
-  EXPECT_FALSE(read->Next());
+  WaitUntil(reads, 31);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(reads, 31);  // one frame returned, thirty buffered
 }
 
 TEST(OfferFrames, ReportsEarlyAndLateReaders) {

@@ -47,6 +47,8 @@ struct RosCameraInfo {
   std::vector<double> distortion = {0, 0, 0, 0, 0};
   std::array<double, 4> k = {31, 30, 15.5, 11.5}, p = {29, 28, 15, 11};  // fx fy cx cy
   std::uint32_t width = 32, height = 24;
+  std::array<std::uint32_t, 2> binning = {0, 0};
+  std::array<std::uint32_t, 4> roi = {0, 0, 0, 0};  // x, y, height, width
 
   std::string Bytes(double stamp_s, const std::string& frame) const {
     std::string d = LittleEndian(static_cast<std::uint32_t>(distortion.size()));
@@ -56,7 +58,7 @@ struct RosCameraInfo {
            LittleEndian(k[0], z, k[2], z, k[1], k[3], z, z, i) +
            LittleEndian(i, z, z, z, i, z, z, z, i) +
            LittleEndian(p[0], z, p[2], z, z, p[1], p[3], z, z, z, i, z) +
-           std::string(4 + 4 + 4 * 4 + 1, '\0');
+           LittleEndian(binning[0], binning[1], roi[0], roi[1], roi[2], roi[3], std::uint8_t{0});
   }
 };
 

@@ -91,6 +91,16 @@ TEST(ConvertTool, WritesTrajectoriesAsKittiPoses) {
   EXPECT_THAT(ReadBytes(folder / "poses.txt"), Names("0.000000000 1.000000000 9.000000000"));
 }
 
+TEST(ConvertTool, CountsFramesThatKittiPosesLack) {
+  const TempFolder folder;
+  std::string lines;
+  for (const int i : {0, 1, 2, 5, 6, 8}) lines += std::to_string(0.1 * i) + " 7 8 9 0 0 0 1\n";
+  const ProgramResult result =
+      Succeeded(RunProgram("surfit_convert", {"--trajectory=" + folder.Write("t.txt", lines),
+                                              "--output=" + (folder / "poses.txt")}));
+  EXPECT_THAT(result.err, ::testing::HasSubstr("about 3 frames have no pose"));
+}
+
 TEST(ConvertTool, RejectsBadInput) {
   const auto expect = [](const std::vector<std::string>& flags, const auto&... names) {
     ExpectRefused(RunProgram("surfit_convert", flags), names...);

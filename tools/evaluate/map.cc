@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -38,9 +39,11 @@ struct MapOptions {
 };
 
 // Points of a cloud file, or of all cloud files of a folder in the order of their names.
-std::vector<Eigen::Vector3f> ReadMapPoints(const std::string& path) {
+// Coordinates are relative to the origin, see ReadPointCloud().
+std::vector<Eigen::Vector3f> ReadMapPoints(const std::string& path,
+                                           std::optional<Eigen::Vector3d>* origin) {
   namespace fs = std::filesystem;
-  if (!fs::is_directory(path)) return ReadPointCloud(path).points;
+  if (!fs::is_directory(path)) return ReadPointCloud(path, origin).points;
   std::set<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
     const fs::path extension = entry.path().extension();
@@ -49,7 +52,7 @@ std::vector<Eigen::Vector3f> ReadMapPoints(const std::string& path) {
   if (files.empty()) throw InputError(path + ": contains no .ply or .pcd file");
   std::vector<Eigen::Vector3f> points;
   for (const fs::path& file : files) {
-    const PointCloud part = ReadPointCloud(file);
+    const PointCloud part = ReadPointCloud(file, origin);
     points.insert(points.end(), part.points.begin(), part.points.end());
   }
   return points;
@@ -88,11 +91,20 @@ Json ToJson(const MapError& error, const Rigid3d& reference_from_map, MapOptions
 
 int RunMap(const MapOptions& options) {
   const Rigid3d reference_from_map = ReferenceFromMap(options);
-  std::vector<Eigen::Vector3f> map = ReadMapPoints(options.map);
-  for (Eigen::Vector3f& point : map) {
-    point = (reference_from_map * point.cast<double>()).cast<float>();
+  std::optional<Eigen::Vector3d> origin;  // of all coordinates, set by the reference
+  const PointCloud reference = ReadPointCloud(options.reference, &origin);
+  // A pipe can only be read once.
+  const bool is_file = std::filesystem::is_regular_file(options.reference);
+  if (const std::size_t faces = is_file ? CountFaces(options.reference) : 0; faces > 0) {
+    std::cerr << "warning: " << options.reference << " is a mesh with " << faces
+              << " faces: distances are to its " << reference.points.size()
+              << " vertices, so sample points on a mesh of large faces" << std::endl;
   }
-  const PointCloud reference = ReadPointCloud(options.reference);
+  std::vector<Eigen::Vector3f> map = ReadMapPoints(options.map, &origin);
+  for (Eigen::Vector3f& point : map) {
+    const Eigen::Vector3d in_map = point.cast<double>() + *origin;
+    point = (reference_from_map * in_map - *origin).cast<float>();
+  }
   const MapError error = ComputeMapError(map, reference.points, reference.normals, options.error);
   PrintJson(ToJson(error, reference_from_map, options));
   std::cerr << "mean accuracy " << error.accuracy_m.mean << " m, 90 % quantile "

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,8 @@ struct PointCloud {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
-// Reads the element `vertex` of a PLY file, ascii or binary little endian. x, y and z have any
+// Reads the element `vertex` of a PLY file, ascii or binary. Names are read in upper or lower case.
+// x, y and z have any
 // scalar type. Optional properties: nx ny nz, red green blue (uchar), radius, confidence. Other
 // content is ignored. Coordinates are not checked and may be NaN. Throws InputError that names the
 // file and the error. A vertex count that exceeds the file size is rejected before memory is
@@ -35,10 +37,18 @@ PointCloud ReadPly(const std::string& path);
 // confidences are not read from PCD. Throws InputError that names the file and the error.
 PointCloud ReadPointCloud(const std::string& path);
 
-// Reads a file as ReadPointCloud(). If the first finite point is more than 100 m from (0, 0, 0), it
-// becomes the origin, rounded to 1 m. It is subtracted in double precision, so that coordinates of
-// a survey keep their precision.
+// Reads a file as ReadPointCloud(), with coordinates relative to *origin. The difference is
+// computed in double precision, so that coordinates of a survey keep their precision. If *origin is
+// std::nullopt, it becomes (0, 0, 0), or the first finite point, rounded to 1 m, if this is more
+// than 100 m from (0, 0, 0). PointCloud::origin stays 0.
+PointCloud ReadPointCloud(const std::string& path, std::optional<Eigen::Vector3d>* origin);
+
+// Reads a file relative to an origin of its own, as above, and stores it in PointCloud::origin.
 PointCloud ReadPointCloudAboutOrigin(const std::string& path);
+
+// Number of faces of a PLY file, which ReadPointCloud() does not read. 0 for a PCD file. Throws
+// InputError that names the file and the error.
+std::size_t CountFaces(const std::string& path);
 
 // Removes the points with a coordinate that is not finite. Returns the number of removed points.
 // Aborts if an attribute has another size than `points`.

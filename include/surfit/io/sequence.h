@@ -17,15 +17,16 @@ class OptionVisitor;
 // Options of an RGB-D sequence: its location, its camera and the selection of frames.
 struct SequenceOptions {
   std::string path;  // folder or file of the sequence; for openni2 a device URI or "any"
-  // Format of a recording: auto, tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, bag,
-  // db3, mcap, oni. Format of a live source, for OpenLive(): watch, openni2.
+  // Format of a recording: auto, tum, icl_nuim, seven_scenes, redwood, replica, nerfstudio, klg,
+  // sens, bag, db3, mcap, oni. Format of a live source, for OpenLive(): watch, openni2.
   std::string format = "auto";
 
   // Name of a preset (CameraPreset()), or path of a camera.yaml. If empty, the search order is:
   //   1. camera.yaml in the folder, or F.klg.yaml for a file F.klg
   //   2. the recording. tum: the name freiburg1, 2 or 3 in the head of rgb.txt or depth.txt.
-  //     redwood: camera_intrinsic.json or intrinsic.json. replica: cam_params.json. sens: the file
-  //     header. bag, db3, mcap: CameraInfo and tf. openni2: the field of view.
+  //     redwood: camera_intrinsic.json or intrinsic.json. replica: cam_params.json. nerfstudio:
+  //     transforms.json. seven_scenes: _info.txt. sens: the file header. bag, db3, mcap: CameraInfo
+  //     and tf. openni2: the field of view.
   //   3. the default camera of the format
   std::string camera;
 
@@ -139,10 +140,9 @@ std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
 // read. Throws InputError unless `capacity` is at least 1.
 std::unique_ptr<FrameSource> ReadAhead(std::unique_ptr<FrameSource> source, int capacity);
 
-// Replays a recording at a fixed rate, like a live camera. The first call of Next() reads all
-// frames, so that decoding takes no time later. This takes 7 bytes per pixel and frame. Frame i is
-// due i / frames_per_second after the first frame. Its timestamp has no effect. Next() waits for
-// it.
+// Replays a recording at a fixed rate, like a live camera. A background task decodes up to 30
+// frames before they are due, see ReadAhead(). Frame i is due i / frames_per_second after the first
+// frame. Its timestamp has no effect. Next() waits for it.
 //
 // A queue keeps the newest `capacity` frames that are due. Older frames are dropped, logged, and
 // counted in the next ReadResult: the result depends on the speed of the caller. Throws InputError

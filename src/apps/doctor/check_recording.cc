@@ -120,7 +120,8 @@ class RecordingChecker {
     const RgbdCamera& camera = sequence_.info.camera;
     if (!camera.disparity.IsGiven()) {
       ++sampled_depths_;
-      auto doubt = DepthScaleWarning(images.depth, camera.depth_units_per_metre, images.depth_name);
+      auto doubt = DepthScaleWarning(images.depth, camera.depth_units_per_metre, images.depth_name,
+                                     sequence_.scale_is_given);
       if (doubt) doubted_scales_.push_back(std::move(*doubt));
     }
     samples_.push_back({frame.depth_m, frame.color, images.depth_name, images.color_name});

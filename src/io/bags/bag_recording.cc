@@ -77,31 +77,55 @@ std::array<double, 5> Distortion(const CameraInfo& info, const std::string& name
   std::array<double, 5> distortion{};
   for (std::size_t i = 0; i < info.distortion.size(); ++i) {
     if (info.distortion[i] == 0) continue;
+    const std::string& model = info.distortion_model;
     const bool is_known =
-        info.distortion_model == "plumb_bob" || info.distortion_model == "rational_polynomial";
-    ThrowIf(!is_known || i >= distortion.size(), name, ": the distortion model is '",
-            info.distortion_model, "' with ", info.distortion.size(),
-            " coefficients, must be plumb_bob with 5; rectify the images, or set intrinsics and "
-            "distortion");
+        model == "plumb_bob" || model == "rational_polynomial" || model == "Brown Conrady";
+    ThrowIf(!is_known || i >= distortion.size(), name, ": the distortion model is '", model,
+            "' with ", info.distortion.size(),
+            " coefficients, must be plumb_bob with 5; rectify the images and set intrinsics, or ",
+            "set intrinsics and distortion");
     distortion[i] = info.distortion[i];
   }
   return distortion;
 }
 
-// Uses the matrix P of CameraInfo for rectified images ("rect" in the topic name). All other images
-// use the matrix K and the distortion D.
-PinholeCamera PinholeOf(const CameraInfo& info, const std::string& topic, const std::string& name) {
-  PinholeCamera camera;
-  camera.width = static_cast<int>(info.width);
-  camera.height = static_cast<int>(info.height);
-  const bool is_rectified = topic.find("rect") != topic.npos && info.projection[0] != 0;
+// One axis of the images of a topic, from the full image of its CameraInfo.
+struct ImageAxis {
+  std::uint32_t full = 0, offset = 0, part = 0, binning = 0;  // CameraInfo; part 0: full
+
+  int SizePx() const { return static_cast<int>((part == 0 ? full : part) / std::max(1U, binning)); }
+  // Pixel centres are integers in both images.
+  double Center(double full_px) const {
+    if (binning <= 1) return full_px - offset;
+    return (full_px - offset + 0.5) / binning - 0.5;
+  }
+  double Focal(double full_px) const { return full_px / std::max(1U, binning); }
+};
+
+// Uses P for rectified images ("rect" in the topic name) and without K, otherwise K and D. Applies
+// binning and region of interest, unless the images have the full size. std::nullopt if neither K
+// nor P is set.
+std::optional<PinholeCamera> PinholeOf(const CameraInfo& info, const ImageTopic& image,
+                                       bool read_distortion, const std::string& name) {
+  const bool has_k = info.intrinsics[0] != 0, has_p = info.projection[0] != 0;
+  if (!has_k && !has_p) return std::nullopt;
+  const bool is_rectified =
+      has_p && (!has_k || image.topic->name.find("rect") != std::string::npos);
   const double* const m = is_rectified ? info.projection.data() : info.intrinsics.data();
   const int row = is_rectified ? 4 : 3;
-  camera.fx = m[0];
-  camera.cx = m[2];
-  camera.fy = m[row + 1];
-  camera.cy = m[row + 2];
-  if (!is_rectified) camera.distortion = Distortion(info, name);
+  ImageAxis x{info.width, 0, 0, 1}, y{info.height, 0, 0, 1};
+  if (image.width != info.width || image.height != info.height) {
+    x = {info.width, info.roi_x, info.roi_width, info.binning_x};
+    y = {info.height, info.roi_y, info.roi_height, info.binning_y};
+  }
+  PinholeCamera camera;
+  camera.width = x.SizePx();
+  camera.height = y.SizePx();
+  camera.fx = x.Focal(m[0]);
+  camera.cx = x.Center(m[2]);
+  camera.fy = y.Focal(m[row + 1]);
+  camera.cy = y.Center(m[row + 2]);
+  if (!is_rectified && read_distortion) camera.distortion = Distortion(info, name);
   camera.Validate(name);
   return camera;
 }
@@ -136,24 +160,27 @@ class BagRecording : public Recording {
   }
 
   const std::vector<std::string>& warnings() const { return warnings_; }
-  int unpaired_images() const { return unpaired_images_; }  // see OpenedRecording
+  int unpaired_images() const { return unpaired_images_; }  // OpenedRecording
+  bool has_depth_unit() const { return FindDepthUnit(*log_, topics_.depth) != nullptr; }
 
   // Camera parameters that the options set. The bag can lack these parameters.
   struct Known {
     bool depth = false, color = false, color_from_depth = false;
   };
-  // Camera from CameraInfo and tf, with 1000 depth counts per metre (REP 118) and latency 0.
-  // Throws InputError with the missing parameter and the options that set it.
-  RgbdCamera Camera(const Known& known) const {
+  // Camera from CameraInfo and tf, with latency 0. The depth unit is DepthUnitsPerMetre(). Throws
+  // InputError with the missing parameter and the options that set it. Appends ignored values to
+  // `from`, SourceCamera::from.
+  RgbdCamera Camera(const Known& known, std::string* from) const {
     RgbdCamera camera = CameraPreset("redwood");
-    const auto depth = Pinhole(topics_.depth);
+    camera.depth_units_per_metre = DepthUnitsPerMetre();
+    const auto depth = Pinhole(topics_.depth, known.depth, from);
     if (depth) camera.depth = *depth;
     if (!depth && !known.depth) {
       throw InputError(log_->path(), " has no CameraInfo for ", topics_.depth.topic->name,
                        ": set intrinsics, a camera.yaml, or a preset as camera");
     }
     if (topics_.color.topic == nullptr) return camera;
-    const auto color = Pinhole(topics_.color);
+    const auto color = Pinhole(topics_.color, known.color, from);
     const bool one_frame = topics_.color.frame == topics_.depth.frame;
     if (one_frame && (!depth || !color || HaveEqualIntrinsics(*depth, *color))) return camera;
     if (!color && !known.color) {
@@ -185,8 +212,8 @@ class BagRecording : public Recording {
     UseValidStamps(topic, &messages);
     return SortedByClock(std::move(messages));
   }
-  // Without timestamps, recording times are used. If some messages have timestamps, the others are
-  // left out.
+  // Without timestamps, recording times are used. If only some messages have timestamps, messages
+  // without a timestamp are left out.
   void UseValidStamps(const Topic& topic, std::vector<Stamped>* messages) {
     const auto is_unset = [](const Stamped& message) { return message.stamp_ns == 0; };
     const auto unset = std::count_if(messages->begin(), messages->end(), is_unset);
@@ -258,13 +285,32 @@ class BagRecording : public Recording {
                          const std::string& name) const {
     return ReadImageMessage(log_->Read(place), topic, name);
   }
-  // Intrinsics of an image topic; std::nullopt without CameraInfo.
-  std::optional<PinholeCamera> Pinhole(const ImageTopic& image) const {
+  // Depth counts per metre: the inverse of the unit in the bag, otherwise 1000 (REP 118).
+  double DepthUnitsPerMetre() const {
+    const Topic* const topic = FindDepthUnit(*log_, topics_.depth);
+    if (topic == nullptr) return 1000;
+    const std::string name = Concat(log_->path(), ": ", topic->name);
+    // Six digits: the unit is a decimal number that was rounded to a float.
+    const double unit_m =
+        FiniteNumber(Concat(ReadFloat(log_->Read(topic->messages[0]), *topic, name)));
+    ThrowIf(!(unit_m > 0), name, ": Depth_Units is ", unit_m, ", must be positive");
+    return 1 / unit_m;
+  }
+  // Intrinsics of an image topic; std::nullopt if no CameraInfo has them. `is_known`: the options
+  // replace them, so that a distortion of another model is no error.
+  std::optional<PinholeCamera> Pinhole(const ImageTopic& image, bool is_known,
+                                       std::string* from) const {
     const Topic* const topic = FindCameraInfo(*log_, image);
     if (topic == nullptr) return std::nullopt;
     const std::string name = Concat(log_->path(), ": ", topic->name);
-    return PinholeOf(ReadCameraInfo(log_->Read(topic->messages[0]), *topic, name),
-                     image.topic->name, name);
+    const CameraInfo info = ReadCameraInfo(log_->Read(topic->messages[0]), *topic, name);
+    try {
+      return PinholeOf(info, image, /*read_distortion=*/true, name);
+    } catch (const InputError&) {
+      if (!is_known) throw;
+      *from += Concat(", without the distortion model '", info.distortion_model, "' of ", name);
+      return PinholeOf(info, image, /*read_distortion=*/false, name);
+    }
   }
   Rigid3d ColorFromDepth(bool is_known) const {
     const std::string &target = topics_.color.frame, &source = topics_.depth.frame;
@@ -302,7 +348,10 @@ OpenedRecording OpenBag(const SequenceOptions& options, const std::string& forma
   opened.warnings = bag->warnings();
   opened.unpaired_images = bag->unpaired_images();
   opened.read_camera = [known, recording = bag.get()] {
-    return SourceCamera{recording->Camera(known), "CameraInfo of the bag"};
+    SourceCamera source{{}, "CameraInfo of the bag"};
+    source.camera = recording->Camera(known, &source.from);
+    source.scale_is_given = recording->has_depth_unit();
+    return source;
   };
   opened.frames = std::move(bag);
   return opened;

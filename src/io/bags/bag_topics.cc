@@ -129,6 +129,17 @@ BagTopics FindTopics(const MessageLog& log, const std::string& depth, const std:
   return topics;
 }
 
+const Topic* FindDepthUnit(const MessageLog& log, const ImageTopic& depth) {
+  const std::string ending = "/option/Depth_Units/value";
+  for (const Topic& topic : log.topics()) {
+    if (topic.type != "std_msgs/Float32" || !IsReadable(topic)) continue;
+    if (!EndsWith(topic.name, ending)) continue;
+    const std::string sensor = topic.name.substr(0, topic.name.size() - ending.size()) + "/";
+    if (depth.topic->name.compare(0, sensor.size(), sensor) == 0) return &topic;
+  }
+  return nullptr;
+}
+
 const Topic* FindCameraInfo(const MessageLog& log, const ImageTopic& image) {
   const std::string base = BaseOf(image.topic->name), parent = ParentOf(base);
   const std::vector<std::string> names = {parent + "/camera_info", base + "/camera_info",

@@ -31,4 +31,9 @@ BagTopics FindTopics(const MessageLog& log, const std::string& depth, const std:
 // Refers to `log`. `image.topic` must not be null. Throws InputError for an unreadable message.
 const Topic* FindCameraInfo(const MessageLog& log, const ImageTopic& image);
 
+// Topic with the depth unit of a depth topic, in m per count, as the recorder of RealSense writes
+// it: /device_0/sensor_0/option/Depth_Units/value for /device_0/sensor_0/Depth_0/image/data. Null
+// if there is none. Refers to `log`.
+const Topic* FindDepthUnit(const MessageLog& log, const ImageTopic& depth);
+
 }  // namespace surfit

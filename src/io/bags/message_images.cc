@@ -47,8 +47,6 @@ void RequireRows(const ImageMessage& message, int bytes, const std::string& name
   ThrowIf(message.step < row || std::uint64_t{message.step} * message.height > message.data.size(),
           name, " has ", message.data.size(), " bytes in rows of ", message.step, ", must have ",
           row, " for each of ", message.height, " rows");
-  ThrowIf(message.is_big_endian && bytes != 1 && LayoutOf(message.encoding) == std::nullopt, name,
-          " is big endian, must be little endian");
 }
 
 template <typename T>
@@ -58,6 +56,12 @@ Image<T> CopyRows(const ImageMessage& message, const std::string& name) {
   for (int v = 0; v < image.height(); ++v) {
     std::memcpy(&image(0, v), &message.data[std::size_t{message.step} * v],
                 sizeof(T) * image.width());
+  }
+  if (message.is_big_endian) {
+    for (T& pixel : image) {
+      auto* const bytes = reinterpret_cast<char*>(&pixel);
+      std::reverse(bytes, bytes + sizeof(T));
+    }
   }
   return image;
 }

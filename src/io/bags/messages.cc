@@ -104,7 +104,17 @@ CameraInfo ReadCameraInfo(const std::string& bytes, const Topic& topic, const st
   std::array<double, 9> rectification;
   fields.Numbers(&rectification);
   fields.Numbers(&info.projection);
+  info.binning_x = fields.Number<std::uint32_t>();
+  info.binning_y = fields.Number<std::uint32_t>();
+  info.roi_x = fields.Number<std::uint32_t>();
+  info.roi_y = fields.Number<std::uint32_t>();
+  info.roi_height = fields.Number<std::uint32_t>();
+  info.roi_width = fields.Number<std::uint32_t>();
   return info;
+}
+
+float ReadFloat(const std::string& bytes, const Topic& topic, const std::string& name) {
+  return MessageFields(bytes, topic.serialization, name).Number<float>();
 }
 
 std::vector<FrameTransform> ReadTransforms(const std::string& bytes, const Topic& topic,

@@ -46,9 +46,15 @@ struct CameraInfo {
   std::vector<double> distortion;       // coefficients of distortion_model; may be empty
   std::array<double, 9> intrinsics{};   // K of the raw image, row-major
   std::array<double, 12> projection{};  // P of the rectified image, row-major
+  // Part of the full image that was read out, px of the full image; size 0: all.
+  std::uint32_t binning_x = 0, binning_y = 0;  // full pixels per image pixel; 0: 1
+  std::uint32_t roi_x = 0, roi_y = 0, roi_width = 0, roi_height = 0;
 };
 // Reads a whole message.
 CameraInfo ReadCameraInfo(const std::string& bytes, const Topic& topic, const std::string& name);
+
+// std_msgs/Float32.
+float ReadFloat(const std::string& bytes, const Topic& topic, const std::string& name);
 
 // geometry_msgs/TransformStamped.
 struct FrameTransform {

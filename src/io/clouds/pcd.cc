@@ -46,12 +46,13 @@ const Words& Find(const Entries& entries, std::string_view key, std::size_t coun
 PlyType ParseType(std::string_view type, std::string_view size) {
   const std::string name = Concat(type, size);
   const std::map<std::string, PlyType> types = {
-      {"I1", PlyType::kInt8},    {"I2", PlyType::kInt16},  {"I4", PlyType::kInt32},
-      {"U1", PlyType::kUint8},   {"U2", PlyType::kUint16}, {"U4", PlyType::kUint32},
-      {"F4", PlyType::kFloat32}, {"F8", PlyType::kFloat64}};
+      {"I1", PlyType::kInt8},    {"I2", PlyType::kInt16},   {"I4", PlyType::kInt32},
+      {"U1", PlyType::kUint8},   {"U2", PlyType::kUint16},  {"U4", PlyType::kUint32},
+      {"F4", PlyType::kFloat32}, {"F8", PlyType::kFloat64}, {"I8", PlyType::kInt64},
+      {"U8", PlyType::kUint64}};
   const auto known = types.find(name);
   ThrowIf(known == types.end(), "a field has type ", type, " and size ", size,
-          ", must be I or U of 1, 2 or 4 bytes or F of 4 or 8");
+          ", must be I or U of 1, 2, 4 or 8 bytes or F of 4 or 8");
   return known->second;
 }
 
@@ -220,7 +221,8 @@ std::string FormatHeader(const PointCloud& cloud) {
 
 }  // namespace
 
-PointCloud ParsePcd(std::string_view file, const std::string& path, CloudOrigin origin) {
+PointCloud ParsePcd(std::string_view file, const std::string& path,
+                    std::optional<Eigen::Vector3d>* origin) {
   const PcdHeader header = ParsePcdHeader(file, path);
   const auto points = FindPlyColumns(header.points, {"x", "y", "z"});
   if (!points) throw InputError(path, ": FIELDS must have x, y and z");
@@ -235,14 +237,14 @@ PointCloud ParsePcd(std::string_view file, const std::string& path, CloudOrigin 
     table.size = 0;
   }
   PointCloud cloud;
-  OriginReader reader(origin, &cloud);
+  PointReader read_point(origin, *points);
   const auto begin = [&] {
     cloud.points.reserve(header.points.count);
     if (normals) cloud.normals.reserve(header.points.count);
     if (color) cloud.colors.reserve(header.points.count);
   };
   ReadPlyElement(file, table, header.points.name, path, begin, [&](const double* row) {
-    reader.Add(row, *points);
+    cloud.points.push_back(read_point(row));
     if (normals) cloud.normals.push_back(VectorAt(row, *normals));
     if (color) {
       cloud.colors.push_back(UnpackColor(row[*color], header.points.properties[*color].type));

@@ -17,8 +17,18 @@ namespace surfit {
 // PLY files (G. Turk, 1994). The header lists elements. An element is a table with named
 // properties.
 
-// Types of values.
-enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+enum class PlyType {
+  kInt8,
+  kUint8,
+  kInt16,
+  kUint16,
+  kInt32,
+  kUint32,
+  kFloat32,
+  kFloat64,
+  kInt64,
+  kUint64
+};
 
 // Bytes of one binary value.
 std::size_t PlySize(PlyType type);
@@ -41,21 +51,23 @@ struct PlyElement {
 
 // Header of a PLY file. Big-endian files are not supported.
 struct PlyHeader {
-  bool ascii = false;  // false: binary little endian
+  bool ascii = false;  // false: binary
   std::vector<PlyElement> elements;
   std::size_t size = 0;  // bytes of the header, including the line end_header
   int line_count = 0;
+  bool big_endian = false;  // byte order of a binary file
 };
 
 // Throws InputError with `path`, line and reason. `file`: whole file; only the header is read.
 PlyHeader ParsePlyHeader(std::string_view file, const std::string& path);
 
-// First element with this name, valid as long as `header`. Throws InputError with `path` and `name`
-// if there is none.
+// First element with this name in upper or lower case, valid as long as `header`. Throws InputError
+// with `path` and `name` if there is none.
 const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
                                  const std::string& path);
 
-// Column of a scalar property; std::nullopt if there is no such property.
+// Column of the scalar property with this name, otherwise with this name in upper or mixed case.
+// std::nullopt if there is no such property.
 std::optional<std::size_t> FindPlyColumn(const PlyElement& element, std::string_view name);
 
 using PlyNames = std::array<const char*, 3>;
@@ -67,32 +79,17 @@ inline Eigen::Vector3f VectorAt(const double* row, const PlyColumns& c) {
   return Eigen::Vector3d(row[c[0]], row[c[1]], row[c[2]]).cast<float>();
 }
 
-// Origin of the points that are read.
-enum class CloudOrigin { kZero, kFirstPoint };
-
-// Adds a point to the cloud. The first finite point sets the origin, see
-// ReadPointCloudAboutOrigin().
-class OriginReader {
+// Converts coordinates to single precision, relative to an origin, see ReadPointCloud().
+class PointReader {
  public:
-  OriginReader(CloudOrigin origin, PointCloud* cloud)
-      : is_set_(origin == CloudOrigin::kZero), cloud_(*cloud) {}
-
-  void Add(const double* row, const PlyColumns& c) {
-    const Eigen::Vector3d point(row[c[0]], row[c[1]], row[c[2]]);
-    if (!is_set_ && point.allFinite()) SetOrigin(point);
-    cloud_.points.push_back((point - cloud_.origin).cast<float>());
-  }
+  // `origin` must outlive the object. Null: coordinates as in the file.
+  PointReader(std::optional<Eigen::Vector3d>* origin, const PlyColumns& columns)
+      : origin_(origin), columns_(columns) {}
+  Eigen::Vector3f operator()(const double* row);
 
  private:
-  // Points before the first finite point are not finite.
-  void SetOrigin(const Eigen::Vector3d& point) {
-    constexpr double kFarM = 100;
-    is_set_ = true;
-    if (point.norm() > kFarM) cloud_.origin = point.array().round();
-  }
-
-  bool is_set_;
-  PointCloud& cloud_;
+  std::optional<Eigen::Vector3d>* origin_;
+  PlyColumns columns_;
 };
 
 std::string FormatPlyHeader(const std::vector<PlyElement>& elements);
@@ -131,6 +128,7 @@ void WritePlyVertices(const std::string& path, std::size_t count,
 
 // Parses a PCD file. Reads x y z of any type, normal_x normal_y normal_z if all exist, and rgb or
 // rgba of four bytes. VIEWPOINT is not applied. Throws InputError with `path` and reason.
-PointCloud ParsePcd(std::string_view file, const std::string& path, CloudOrigin origin);
+PointCloud ParsePcd(std::string_view file, const std::string& path,
+                    std::optional<Eigen::Vector3d>* origin);
 
 }  // namespace surfit

@@ -1,6 +1,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -40,13 +41,18 @@ double Load(PlyType type, const char* bytes) {
       return LoadAs<float>(bytes);
     case PlyType::kFloat64:
       return LoadAs<double>(bytes);
+    case PlyType::kInt64:
+      return LoadAs<std::int64_t>(bytes);
+    case PlyType::kUint64:
+      return LoadAs<std::uint64_t>(bytes);
   }
   return 0;
 }
 
 class BinaryCursor {
  public:
-  explicit BinaryCursor(std::string_view body) : rest_(body) {}
+  BinaryCursor(std::string_view body, bool is_big_endian)
+      : rest_(body), is_big_endian_(is_big_endian) {}
 
   std::size_t BytesLeft() const { return rest_.size(); }
   // Minimum size of a value in bytes. An empty list consists of its length only.
@@ -56,9 +62,11 @@ class BinaryCursor {
   double Next(PlyType type) {
     const std::size_t size = PlySize(type);
     if (rest_.size() < size) throw InputError("the file ends too early");
-    const double value = Load(type, rest_.data());
+    std::array<char, 8> bytes;
+    std::copy_n(rest_.data(), size, bytes.data());
+    if (is_big_endian_) std::reverse(bytes.begin(), bytes.begin() + size);
     rest_.remove_prefix(size);
-    return value;
+    return Load(type, bytes.data());
   }
   void Skip(PlyType type, std::uint64_t count) {
     if (rest_.size() / PlySize(type) < count) throw InputError("the file ends too early");
@@ -68,6 +76,7 @@ class BinaryCursor {
 
  private:
   std::string_view rest_;
+  bool is_big_endian_;
 };
 
 // Reads the values of an ascii body, one row per line.
@@ -167,7 +176,7 @@ void ReadPlyElement(std::string_view file, const PlyHeader& header, const std::s
   if (header.ascii) {
     ReadElement(AsciiCursor(body), header, name, path, begin, row);
   } else {
-    ReadElement(BinaryCursor(body), header, name, path, begin, row);
+    ReadElement(BinaryCursor(body, header.big_endian), header, name, path, begin, row);
   }
 }
 

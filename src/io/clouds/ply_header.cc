@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cctype>
 
 #include "io/clouds/ply.h"
 #include "io/files/text.h"
@@ -14,14 +15,16 @@ struct TypeNames {
   std::string_view name, sized_name;
 };
 
-constexpr std::array<TypeNames, 8> kTypes = {{{PlyType::kInt8, 1, "char", "int8"},
-                                              {PlyType::kUint8, 1, "uchar", "uint8"},
-                                              {PlyType::kInt16, 2, "short", "int16"},
-                                              {PlyType::kUint16, 2, "ushort", "uint16"},
-                                              {PlyType::kInt32, 4, "int", "int32"},
-                                              {PlyType::kUint32, 4, "uint", "uint32"},
-                                              {PlyType::kFloat32, 4, "float", "float32"},
-                                              {PlyType::kFloat64, 8, "double", "float64"}}};
+constexpr std::array<TypeNames, 10> kTypes = {{{PlyType::kInt8, 1, "char", "int8"},
+                                               {PlyType::kUint8, 1, "uchar", "uint8"},
+                                               {PlyType::kInt16, 2, "short", "int16"},
+                                               {PlyType::kUint16, 2, "ushort", "uint16"},
+                                               {PlyType::kInt32, 4, "int", "int32"},
+                                               {PlyType::kUint32, 4, "uint", "uint32"},
+                                               {PlyType::kFloat32, 4, "float", "float32"},
+                                               {PlyType::kFloat64, 8, "double", "float64"},
+                                               {PlyType::kInt64, 8, "int64", "int64"},
+                                               {PlyType::kUint64, 8, "uint64", "uint64"}}};
 
 PlyType ParseType(std::string_view word) {
   for (const TypeNames& t : kTypes) {
@@ -30,12 +33,22 @@ PlyType ParseType(std::string_view word) {
   throw InputError("unknown type '", word, "'");
 }
 
-bool ParseFormat(const Words& words) {
-  if (words.size() == 3 && words[2] == "1.0") {
-    if (words[1] == "ascii") return true;
-    if (words[1] == "binary_little_endian") return false;
-  }
-  throw InputError("the format must be 'ascii 1.0' or 'binary_little_endian 1.0'");
+void ParseFormat(const Words& words, PlyHeader* header) {
+  const bool has_version = words.size() == 3 && words[2] == "1.0";
+  header->ascii = has_version && words[1] == "ascii";
+  header->big_endian = has_version && words[1] == "binary_big_endian";
+  if (header->ascii || header->big_endian) return;
+  ThrowIf(!has_version || words[1] != "binary_little_endian",
+          "the format must be 'ascii 1.0', 'binary_little_endian 1.0' or 'binary_big_endian 1.0'");
+}
+
+bool IsSameLetter(char a, char b) {
+  return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+}
+
+// Compares names without regard to upper and lower case.
+bool IsSameName(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), IsSameLetter);
 }
 
 PlyProperty ParseProperty(const Words& words) {
@@ -85,7 +98,7 @@ PlyHeader ParsePlyHeader(std::string_view file, const std::string& path) {
       if (header.line_count == 1) continue;
       if (!words.empty() && words[0] == "end_header") break;
       if (!words.empty() && words[0] == "format") {
-        header.ascii = ParseFormat(words);
+        ParseFormat(words, &header);
         has_format = true;
       } else {
         ParseLine(words, &header);
@@ -101,16 +114,20 @@ PlyHeader ParsePlyHeader(std::string_view file, const std::string& path) {
 const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
                                  const std::string& path) {
   for (const PlyElement& element : header.elements) {
-    if (element.name == name) return element;
+    if (IsSameName(element.name, name)) return element;
   }
   throw InputError(path, ": the header has no element '", name, "'");
 }
 
 std::optional<std::size_t> FindPlyColumn(const PlyElement& element, std::string_view name) {
   const auto& properties = element.properties;
-  const auto at = std::find_if(properties.begin(), properties.end(), [&](const PlyProperty& p) {
-    return p.name == name && !p.count_type;
-  });
+  auto at = std::find_if(properties.begin(), properties.end(),
+                         [&](const PlyProperty& p) { return p.name == name && !p.count_type; });
+  if (at == properties.end()) {
+    at = std::find_if(properties.begin(), properties.end(), [&](const PlyProperty& p) {
+      return IsSameName(p.name, name) && !p.count_type;
+    });
+  }
   if (at == properties.end()) return std::nullopt;
   return at - properties.begin();
 }

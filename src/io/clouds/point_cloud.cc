@@ -45,7 +45,12 @@ bool IsWhole(const PointCloud& cloud) {
   return is_whole;
 }
 
-PointCloud ParsePly(std::string_view file, const std::string& path, CloudOrigin origin) {
+bool IsPly(std::string_view file) {
+  return SplitWords(file.substr(0, file.find('\n'))) == Words{"ply"};
+}
+
+PointCloud ParsePly(std::string_view file, const std::string& path,
+                    std::optional<Eigen::Vector3d>* origin) {
   const PlyHeader header = ParsePlyHeader(file, path);
   const PlyElement& vertices = FindPlyElement(header, "vertex", path);
   const auto points = FindPlyColumns(vertices, {"x", "y", "z"});
@@ -55,7 +60,7 @@ PointCloud ParsePly(std::string_view file, const std::string& path, CloudOrigin 
   const auto radius = FindPlyColumn(vertices, "radius");
   const auto confidence = FindPlyColumn(vertices, "confidence");
   PointCloud cloud;
-  OriginReader reader(origin, &cloud);
+  PointReader read_point(origin, *points);
   const auto begin = [&] {
     cloud.points.reserve(vertices.count);
     if (normals) cloud.normals.reserve(vertices.count);
@@ -63,8 +68,8 @@ PointCloud ParsePly(std::string_view file, const std::string& path, CloudOrigin 
     if (radius) cloud.radii_m.reserve(vertices.count);
     if (confidence) cloud.confidences.reserve(vertices.count);
   };
-  ReadPlyElement(file, header, "vertex", path, begin, [&](const double* row) {
-    reader.Add(row, *points);
+  ReadPlyElement(file, header, vertices.name, path, begin, [&](const double* row) {
+    cloud.points.push_back(read_point(row));
     if (normals) cloud.normals.push_back(VectorAt(row, *normals));
     if (colors) cloud.colors.push_back(Color(row, *colors));
     if (radius) cloud.radii_m.push_back(static_cast<float>(row[*radius]));
@@ -73,22 +78,49 @@ PointCloud ParsePly(std::string_view file, const std::string& path, CloudOrigin 
   return cloud;
 }
 
-PointCloud ReadCloud(const std::string& path, CloudOrigin origin) {
-  const std::string file = ReadFileOrPipe(path);
-  const bool is_ply = SplitWords(std::string_view(file).substr(0, file.find('\n'))) == Words{"ply"};
-  return is_ply ? ParsePly(file, path, origin) : ParsePcd(file, path, origin);
-}
-
 }  // namespace
 
-PointCloud ReadPly(const std::string& path) {
-  return ParsePly(ReadFileOrPipe(path), path, CloudOrigin::kZero);
+Eigen::Vector3f PointReader::operator()(const double* row) {
+  constexpr double kFar_m = 100;
+  const Eigen::Vector3d point(row[columns_[0]], row[columns_[1]], row[columns_[2]]);
+  if (origin_ == nullptr) return point.cast<float>();
+  if (!*origin_ && point.allFinite()) {
+    *origin_ = Eigen::Vector3d::Zero();
+    if (point.norm() > kFar_m) *origin_ = point.array().round().matrix();
+  }
+  const Eigen::Vector3d offset = origin_->value_or(Eigen::Vector3d::Zero());
+  return (point - offset).cast<float>();
 }
 
-PointCloud ReadPointCloud(const std::string& path) { return ReadCloud(path, CloudOrigin::kZero); }
+PointCloud ReadPly(const std::string& path) {
+  const std::string file = ReadFileOrPipe(path);
+  return ParsePly(WithoutByteOrderMark(file), path, nullptr);
+}
+
+PointCloud ReadPointCloud(const std::string& path) { return ReadPointCloud(path, nullptr); }
+
+PointCloud ReadPointCloud(const std::string& path, std::optional<Eigen::Vector3d>* origin) {
+  const std::string bytes = ReadFileOrPipe(path);
+  const std::string_view file = WithoutByteOrderMark(bytes);
+  PointCloud cloud = IsPly(file) ? ParsePly(file, path, origin) : ParsePcd(file, path, origin);
+  if (origin != nullptr && !*origin) *origin = Eigen::Vector3d::Zero();  // no finite point
+  return cloud;
+}
 
 PointCloud ReadPointCloudAboutOrigin(const std::string& path) {
-  return ReadCloud(path, CloudOrigin::kFirstPoint);
+  std::optional<Eigen::Vector3d> origin;
+  PointCloud cloud = ReadPointCloud(path, &origin);
+  cloud.origin = *origin;
+  return cloud;
+}
+
+std::size_t CountFaces(const std::string& path) {
+  const std::string bytes = ReadFileOrPipe(path);
+  const std::string_view file = WithoutByteOrderMark(bytes);
+  if (!IsPly(file)) return 0;
+  for (const PlyElement& element : ParsePlyHeader(file, path).elements)
+    if (element.name == "face") return static_cast<std::size_t>(element.count);
+  return 0;
 }
 
 std::size_t RemoveNonFinite(PointCloud* cloud) {

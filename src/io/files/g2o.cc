@@ -5,6 +5,7 @@
 #include <iomanip>
 #include <limits>
 #include <locale>
+#include <set>
 #include <string_view>
 #include <unordered_map>
 
@@ -65,6 +66,8 @@ class G2oReader {
         fixed_.emplace_back(ParseCount(words[i]), number);
     } else {
       ++file_.ignored_lines[std::string(words[0])];
+      if (words[0].substr(0, 6) == "VERTEX" && words.size() > 1)
+        ignored_vertices_.emplace(words[1]);
     }
   }
 
@@ -73,7 +76,11 @@ class G2oReader {
   G2oFile Finish(const At& at) {
     for (const auto& [id, line] : fixed_) {
       at(line);
-      file_.graph.poses[Find(id)].fixed = true;
+      if (index_of_.count(id) == 0 && ignored_vertices_.count(std::to_string(id)) > 0) {
+        ++file_.ignored_lines["FIX"];
+      } else {
+        file_.graph.poses[Find(id)].fixed = true;
+      }
     }
     for (std::size_t i = 0; i < ends_.size(); ++i) {
       at(ends_[i].line);
@@ -117,6 +124,7 @@ class G2oReader {
 
   G2oFile file_;
   std::unordered_map<std::int64_t, std::size_t> index_of_;
+  std::set<std::string, std::less<>> ignored_vertices_;  // ids of vertices of other types
   std::vector<Ends> ends_;
   std::vector<std::pair<std::int64_t, int>> fixed_;
 };
@@ -143,7 +151,7 @@ G2oFile ReadG2o(const std::string& path) {
   int line_number = 0;
   G2oFile file;
   try {
-    for (std::string_view rest = text; !rest.empty();) {
+    for (std::string_view rest = WithoutByteOrderMark(text); !rest.empty();) {
       const std::string_view line = rest.substr(0, rest.find('\n'));
       rest.remove_prefix(std::min(line.size() + 1, rest.size()));
       reader.ReadLine(line, ++line_number);
@@ -152,7 +160,11 @@ G2oFile ReadG2o(const std::string& path) {
   } catch (const InputError& error) {
     throw InputError(path, ":", line_number, ": ", error.what());
   }
-  ThrowIf(file.graph.poses.empty(), path, " has no VERTEX_SE3:QUAT line, must have at least one");
+  std::string ignored;
+  for (const auto& [word, count] : file.ignored_lines)
+    ignored += Concat(ignored.empty() ? "; ignored: " : ", ", count, " ", word);
+  ThrowIf(file.graph.poses.empty(), path, " has no VERTEX_SE3:QUAT line, must have at least one",
+          ignored);
   return file;
 }
 

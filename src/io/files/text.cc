@@ -11,11 +11,12 @@
 namespace surfit {
 
 void ForEachTextRow(const std::string& path, const std::function<void(const TextRow&)>& call) {
-  const std::string text = ReadFile(path);
+  const std::string file = ReadFile(path);
+  const std::string_view text = WithoutByteOrderMark(file);
   std::size_t begin = 0;
   for (int number = 1; begin < text.size(); ++number) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    std::string line = text.substr(begin, end - begin);
+    std::string line(text.substr(begin, end - begin));
     begin = end + 1;
     std::replace(line.begin(), line.end(), ',', ' ');
     TextRow row{Concat(path, ":", number), {}};
@@ -29,6 +30,11 @@ std::vector<TextRow> ReadTextRows(const std::string& path) {
   std::vector<TextRow> rows;
   ForEachTextRow(path, [&](const TextRow& row) { rows.push_back(row); });
   return rows;
+}
+
+std::string_view WithoutByteOrderMark(std::string_view file) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return file.substr(0, kMark.size()) == kMark ? file.substr(kMark.size()) : file;
 }
 
 std::string_view WithoutPlus(std::string_view word) {

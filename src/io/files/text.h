@@ -24,6 +24,9 @@ void ForEachTextRow(const std::string& path, const std::function<void(const Text
 // Returns the rows of ForEachTextRow(). They take many times the memory of the file.
 std::vector<TextRow> ReadTextRows(const std::string& path);
 
+// Removes the byte order mark of UTF-8, which Windows editors write at the start of a file.
+std::string_view WithoutByteOrderMark(std::string_view file);
+
 // Removes the plus sign of a number, which std::from_chars() rejects. "+-1" is unchanged.
 std::string_view WithoutPlus(std::string_view word);
 

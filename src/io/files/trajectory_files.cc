@@ -46,7 +46,7 @@ template <typename Parse>
 void ForEachLine(const std::string& path, const Parse& parse) {
   const std::string text = ReadFileOrPipe(path);
   int line_number = 0;
-  for (std::string_view rest = text; !rest.empty();) {
+  for (std::string_view rest = WithoutByteOrderMark(text); !rest.empty();) {
     ++line_number;
     const std::string_view line = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(line.size() + 1, rest.size()));

@@ -2,6 +2,7 @@
 
 #include <turbojpeg.h>
 
+#include <cstdio>
 #include <memory>
 
 #include "core/files.h"
@@ -21,6 +22,24 @@ using Handle = std::unique_ptr<void, Closer>;
 void Require(bool holds, const Handle& decoder, const std::string& path) {
   if (holds) return;
   throw InputError(path, " is truncated or damaged: ", tjGetErrorStr2(decoder.get()));
+}
+
+// Throws InputError for formats that only have depth.
+void RequireColorKind(const std::string& bytes, const std::string& path, const char* must) {
+  ThrowIf(IsNpy(bytes) || IsExr(bytes), path, " is ", IsNpy(bytes) ? "an NPY" : "an EXR", " file, ",
+          must);
+}
+
+// True for stray bytes between the last pixel and the end marker, as some cameras pad files. A
+// damaged image usually has more of them.
+bool IsOnlyPadded(const Handle& decoder) {
+  constexpr int kMaxStray = 64;
+  constexpr char kFormat[] = "Corrupt JPEG data: %d extraneous bytes before marker 0xd%c";
+  int stray = 0;
+  char marker = 0;
+  return tjGetErrorCode(decoder.get()) == TJERR_WARNING &&
+         std::sscanf(tjGetErrorStr2(decoder.get()), kFormat, &stray, &marker) == 2 &&
+         marker == '9' && stray <= kMaxStray;
 }
 
 const unsigned char* Data(const std::string& bytes) {
@@ -53,7 +72,9 @@ RawDepth DecodeDepthImage(const std::string& bytes, const std::string& path) {
   if (IsPng(bytes)) return DecodeDepthPng(bytes, path);
   if (IsTiff(bytes)) return DecodeDepthTiff(bytes, path);
   if (IsPnm(bytes)) return DecodeDepthPnm(bytes, path);
-  throw InputError(path, " is a JPEG file, a depth image must be PNG, TIFF or PGM");
+  if (IsNpy(bytes)) return DecodeDepthNpy(bytes, path);
+  if (IsExr(bytes)) return DecodeDepthExr(bytes, path);
+  throw InputError(path, " is a JPEG file, a depth image must be PNG, TIFF, PGM, EXR or NPY");
 }
 
 Image<std::uint8_t> ReadConfidenceImage(const std::string& path) {
@@ -65,6 +86,7 @@ Image<std::uint8_t> DecodeConfidenceImage(const std::string& bytes, const std::s
   if (IsPng(bytes)) return DecodeConfidencePng(bytes, path);
   if (IsTiff(bytes)) return DecodeConfidenceTiff(bytes, path);
   if (IsPnm(bytes)) return DecodeConfidencePnm(bytes, path);
+  RequireColorKind(bytes, path, "a confidence image must be PNG, TIFF or PGM");
   throw InputError(path, " is a JPEG, a confidence image must be PNG, TIFF or PGM");
 }
 
@@ -77,6 +99,7 @@ Image<Rgb8> DecodeColorImage(const std::string& bytes, const std::string& path) 
   if (IsPng(bytes)) return DecodeColorPng(bytes, path);
   if (IsTiff(bytes)) return DecodeColorTiff(bytes, path);
   if (IsPnm(bytes)) return DecodeColorPnm(bytes, path);
+  RequireColorKind(bytes, path, "a colour image must be PNG, JPEG, TIFF or PPM");
   return DecodeJpeg(bytes, path);
 }
 
@@ -85,9 +108,12 @@ Image<Rgb8> DecodeJpeg(const std::string& bytes, const std::string& path) {
   const Handle decoder(tjInitDecompress());
   const ImageSize size = SizeInHeader(bytes, path);
   Image<Rgb8> image(size.width, size.height);
-  Require(tjDecompress2(decoder.get(), Data(bytes), bytes.size(), &image.data()->r, size.width, 0,
-                        size.height, TJPF_RGB, TJFLAG_STOPONWARNING) == 0,
-          decoder, path);
+  const auto decode = [&](int flags) {
+    return tjDecompress2(decoder.get(), Data(bytes), bytes.size(), &image.data()->r, size.width, 0,
+                         size.height, TJPF_RGB, flags) == 0;
+  };
+  if (decode(TJFLAG_STOPONWARNING)) return image;
+  Require(IsOnlyPadded(decoder) && (decode(0) || IsOnlyPadded(decoder)), decoder, path);
   return image;
 }
 

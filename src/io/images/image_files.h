@@ -24,8 +24,9 @@ struct ImageSize {
 // allocations for damaged headers.
 void RequireValidSize(ImageSize size, const std::string& path);
 
-// Readers of image files: PNG, JPEG, TIFF, PGM and PPM of up to 1 GiB. All functions throw
-// InputError with the path if the file is missing, truncated, visibly damaged or of another format.
+// Readers of image files: PNG, JPEG, TIFF, PGM and PPM of up to 1 GiB; depth also as OpenEXR and as
+// an array of NumPy. All functions throw InputError with the path if the file is missing,
+// truncated, visibly damaged or of another format.
 
 // One channel of 16-bit raw counts, or of 32-bit floats in metres. JPEG is refused. Missing depth
 // is kept as stored.
@@ -52,8 +53,9 @@ ImageSize SizeInHeader(const std::string& bytes, const std::string& path);
 // SizeInHeader() of a JPEG file that may be truncated after its header.
 ImageSize JpegSize(const std::string& bytes, const std::string& path);
 
-// Throws InputError with `path` if the image is truncated or damaged. The decoder would fill in
-// missing pixels with a warning; here a warning is an error.
+// Throws InputError with `path` if the image is truncated or damaged, or if its colours are CMYK.
+// The decoder would fill in missing pixels with a warning; here a warning is an error. Up to 64
+// stray bytes after the last pixel are ignored.
 Image<Rgb8> DecodeJpeg(const std::string& bytes, const std::string& path);
 
 // `quality`: 1 to 100. Chroma is not subsampled. Throws InputError if encoding fails, including out

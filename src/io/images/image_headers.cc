@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 
 #include "io/images/image_kinds.h"
@@ -73,13 +74,34 @@ int PixelsOfByte(const std::string& bytes) {
   return bits > 0 && bits < 8 ? 8 / bits : 1;
 }
 
+// Name of a known format that is not supported; "" for unknown bytes.
+std::string OtherFormat(const std::string& bytes) {
+  const auto has = [&](std::size_t at, const char* text) {
+    return bytes.size() > at && bytes.compare(at, std::strlen(text), text) == 0;
+  };
+  if (has(0, "RIFF") && has(8, "WEBP")) return "WebP";
+  if (has(4, "ftypavif")) return "AVIF";
+  if (has(4, "ftyp")) return "HEIC";
+  if (has(0, "BM")) return "BMP";
+  if (has(0, "GIF8")) return "GIF";
+  if (has(0, "\xFF\x0A") || has(4, "JXL ")) return "JPEG XL";
+  if (has(4, "jP  ")) return "JPEG 2000";
+  return "";
+}
+
 ImageSize SizeByKind(const std::string& bytes, const std::string& path) {
   if (IsPng(bytes)) return PngSize(bytes, path);
   if (IsJpeg(bytes)) return JpegSize(bytes, path);
   if (IsTiff(bytes)) return TiffSize(bytes, path);
   if (IsPnm(bytes)) return PnmSize(bytes, path);
+  if (IsNpy(bytes)) return NpySize(bytes, path);
+  if (IsExr(bytes)) return ExrSize(bytes, path);
+  const std::string other = OtherFormat(bytes);
+  ThrowIf(!other.empty(), path, " is a ", other,
+          " file, which is not supported: convert it to PNG");
   throw InputError(path,
-                   " is truncated, damaged or not an image: neither PNG, JPEG, TIFF, PGM nor PPM");
+                   " is truncated, damaged or not an image: neither PNG, JPEG, TIFF, PGM, "
+                   "PPM, EXR nor NPY");
 }
 
 }  // namespace
@@ -123,6 +145,8 @@ ImageSize JpegSize(const std::string& bytes, const std::string& path) {
                           &subsampling, &color_space) != 0) {
     throw InputError(path, " is truncated or damaged: ", tjGetErrorStr2(decoder.get()));
   }
+  ThrowIf(color_space == TJCS_CMYK || color_space == TJCS_YCCK, path,
+          " is a CMYK JPEG file, its colours must be RGB, YCbCr or grey");
   RequireValidSize(size, path);
   return size;
 }

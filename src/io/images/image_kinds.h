@@ -38,7 +38,18 @@ std::vector<PngChunk> PngChunks(const std::string& png, const std::string& path)
 std::optional<Image<std::uint16_t>> ReadPlainCounts(const std::vector<PngChunk>& png);
 std::optional<Image<Rgb8>> ReadPlainColor(const std::vector<PngChunk>& png);
 
-// Test the first bytes only. IsPnm() includes PGM and PPM.
+// Array of NumPy (.npy) with one number per pixel: 16-bit unsigned counts, 32-bit or 64-bit floats.
+RawDepth DecodeDepthNpy(const std::string& bytes, const std::string& path);
+// OpenEXR image of one part in scan lines, see exr_images.cc.
+RawDepth DecodeDepthExr(const std::string& bytes, const std::string& path);
+
+bool IsNpy(const std::string& bytes);
+bool IsExr(const std::string& bytes);
+// Image size from the header of a .npy file: the shape (height, width) or (height, width, 1).
+ImageSize NpySize(const std::string& bytes, const std::string& path);
+// Image size from the data window of an OpenEXR file.
+ImageSize ExrSize(const std::string& bytes, const std::string& path);
+
 bool IsTiff(const std::string& bytes);
 bool IsPnm(const std::string& bytes);
 

@@ -230,14 +230,15 @@ RawSequence OpenOpenNiCamera(const SequenceOptions& options, int capacity,
   SequenceInfo info;
   info.format = "openni2";
   info.frame_count = -1;
-  ResolveCamera(
+  const bool scale_is_given = ResolveCamera(
       options,
       [&]() -> SourceCamera {
         return {queue->link().device().Camera(options), queue->link().name() + " (field of view)"};
       },
       &info);
   return MakeRawSequence(std::move(info),
-                         std::make_unique<OpenNiCamera>(options, std::move(queue), stop), options);
+                         std::make_unique<OpenNiCamera>(options, std::move(queue), stop), options,
+                         scale_is_given);
 }
 
 }  // namespace surfit

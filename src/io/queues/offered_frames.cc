@@ -1,7 +1,6 @@
 #include <chrono>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "core/repeated_warning.h"
 #include "surfit/core/error.h"
@@ -16,60 +15,55 @@ double MillisecondsSince(Clock::time_point then) {
   return std::chrono::duration<double, std::milli>(Clock::now() - then).count();
 }
 
+// Number of frames that are decoded before they are due. Bounds the memory of long recordings.
+constexpr int kAhead = 30;
+
 class OfferedFrames final : public FrameSource {
  public:
   OfferedFrames(std::unique_ptr<FrameSource> source, double frames_per_second, int capacity)
-      : source_(std::move(source)),
+      : source_(ReadAhead(std::move(source), kAhead)),
         period_s_(1 / frames_per_second),
-        capacity_(static_cast<std::size_t>(capacity)) {}
+        capacity_(capacity) {}
 
   const SequenceInfo& info() const override { return source_->info(); }
 
   std::optional<ReadResult> Next() override {
     const Clock::time_point asked = Clock::now();
-    if (!is_read_) ReadAll();
-    const int dropped = DropOldFrames();
-    if (next_ == frames_.size()) return std::nullopt;
-    const Clock::time_point offered = TimeOf(next_);
+    std::optional<ReadResult> result = source_->Next();
+    if (next_ == 0) start_ = Clock::now();
+    int dropped = 0;
+    while (result && IsLate(next_)) {
+      late_.Tell(Concat("frame ", result->index, " was dropped: processing is too slow"));
+      result = source_->Next();
+      ++next_;
+      ++dropped;
+    }
+    if (!result) return std::nullopt;
+    const Clock::time_point offered = TimeOf(next_++);
     std::this_thread::sleep_until(offered);
-    ReadResult result = std::move(frames_[next_++]);
-    result.dropped_before = dropped;
-    result.waited_ms = offered > asked ? MillisecondsSince(asked) : 0;
-    result.queued_ms = MillisecondsSince(offered);
+    result->dropped_before = dropped;
+    result->waited_ms = offered > asked ? MillisecondsSince(asked) : 0;
+    result->queued_ms = MillisecondsSince(offered);
     return result;
   }
 
  private:
-  void ReadAll() {
-    while (auto result = source_->Next()) frames_.push_back(std::move(*result));
-    is_read_ = true;
-    start_ = Clock::now();
-  }
-
-  Clock::time_point TimeOf(std::size_t frame) const {
-    const std::chrono::duration<double> since_start(static_cast<double>(frame) * period_s_);
+  Clock::time_point TimeOf(int frame) const {
+    const std::chrono::duration<double> since_start(frame * period_s_);
     return start_ + std::chrono::duration_cast<Clock::duration>(since_start);
   }
 
-  // Drops a waiting frame if at least `capacity` later frames have already been offered. Returns
-  // the number of dropped frames.
-  int DropOldFrames() {
-    int dropped = 0;
-    while (next_ + capacity_ < frames_.size() && TimeOf(next_ + capacity_) < Clock::now()) {
-      late_.Tell(Concat("frame ", frames_[next_].index, " was dropped: processing is too slow"));
-      frames_[next_++].frame.reset();
-      ++dropped;
-    }
-    return dropped;
+  // True for a frame with at least `capacity` later frames that are due.
+  bool IsLate(int frame) const {
+    const int count = info().frame_count, later = frame + capacity_;
+    return (count < 0 || later < count) && TimeOf(later) < Clock::now();
   }
 
   const std::unique_ptr<FrameSource> source_;
   const double period_s_;
-  const std::size_t capacity_;
-  std::vector<ReadResult> frames_;
-  bool is_read_ = false;
+  const int capacity_;
   Clock::time_point start_;  // time of the first frame
-  std::size_t next_ = 0;     // index of frames_
+  int next_ = 0;             // number of frames that were taken from the source
   RepeatedWarning late_{"frames dropped"};
 };
 

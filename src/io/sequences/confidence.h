@@ -19,8 +19,8 @@ std::string ConfidenceFolder(const std::string& folder);
 //      their folder confidence/ takes precedence over the file.
 //   2. by the names in confidence/, see AddNamedConfidence().
 // Adds a warning if frames remain without a confidence image, except if the folder has neither.
-// Throws InputError that names the file if the list is malformed, if its clock starts another
-// number of times than that of the frames, or if two images have the same number.
+// Throws InputError that names the file if the list is malformed, or if two images have the same
+// number. The clock of the list must start as often as the clock of the frames.
 void AddConfidence(const std::string& folder, bool has_clock, std::vector<FrameFiles>* frames,
                    std::vector<std::string>* warnings);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <filesystem>
 #include <limits>
@@ -37,6 +38,7 @@ std::string DetectFolderFormat(const std::string& folder) {
     if (IsFile(folder + list)) return "tum";
   }
   if (IsFile(folder + "/traj.txt") && IsFolder(folder + "/results")) return "replica";
+  if (IsFile(folder + "/transforms.json")) return "nerfstudio";
   if (IsFolder(folder + "/depth")) return "redwood";
   if (IsFile(folder + "/metadata.yaml")) {
     for (const char* format : {"db3", "mcap"}) {
@@ -46,8 +48,8 @@ std::string DetectFolderFormat(const std::string& folder) {
   throw InputError(
       folder, " has no sequence of a known format: looked for depth.txt or associations.txt (",
       "tum), *.gt.freiburg or rgb/ with depth/0.png or depth/1.png (icl_nuim), frame-*.depth.png ",
-      "(seven_scenes), depth/ (redwood), results/ with traj.txt (replica), metadata.yaml with ",
-      "*.db3 or *.mcap");
+      "(seven_scenes), depth/ (redwood), results/ with traj.txt (replica), transforms.json ",
+      "(nerfstudio), metadata.yaml with *.db3 or *.mcap");
 }
 
 // Number of ".." in the normalised path. Maximum of int for an absolute path.
@@ -94,9 +96,14 @@ bool EndsWith(const std::string& name, const std::string& ending) {
 }
 
 bool IsImageName(const std::string& name) {
-  constexpr std::array kEndings = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff"};
+  constexpr std::array kEndings = {".png",  ".jpg",  ".jpeg", ".pgm",  ".ppm",  ".tif",
+                                   ".tiff", ".exr",  ".npy",  ".webp", ".heic", ".heif",
+                                   ".bmp",  ".avif", ".jxl",  ".jp2"};
+  std::string lower = name;
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return std::any_of(kEndings.begin(), kEndings.end(),
-                     [&](const char* ending) { return EndsWith(name, ending); });
+                     [&](const char* ending) { return EndsWith(lower, ending); });
 }
 
 std::optional<long> NumberInName(const std::string& name) {
@@ -130,8 +137,8 @@ std::string FollowTextLink(const std::string& folder, const std::string& name) {
 
 const std::vector<std::string>& SequenceFormats() {
   static const auto* const formats = new std::vector<std::string>{
-      "tum", "icl_nuim", "seven_scenes", "redwood", "replica", "klg",    "sens",
-      "bag", "db3",      "mcap",         "oni",     "watch",   "openni2"};
+      "tum",  "icl_nuim", "seven_scenes", "redwood", "replica", "nerfstudio", "klg",
+      "sens", "bag",      "db3",          "mcap",    "oni",     "watch",      "openni2"};
   return *formats;
 }
 

@@ -153,8 +153,8 @@ double LongestBetween(const NumberedImages& depth, const StampedImages& depth_ti
   return longest_s;
 }
 
-// Frames of names with number and time, if images of the same number have different times:
-// recorders number the images of each stream, and can lose images of one stream. std::nullopt if
+// Frames of names with number and time, if images of the same number have different times.
+// Recorders number the images of each stream, and can lose images of one stream. std::nullopt if
 // the numbers fit, or if the names have no times.
 std::optional<SequenceFiles> PairByTimesBesideNumbers(const std::string& depth_folder,
                                                       const std::string& color_folder) {
@@ -261,7 +261,7 @@ std::vector<long> DepthNumbers(const std::vector<FrameFiles>& frames) {
 }  // namespace
 
 std::string FindColorFolder(const std::string& folder) {
-  for (const char* name : {"/color", "/rgb", "/image"}) {
+  for (const char* name : {"/color", "/rgb", "/image", "/images"}) {
     if (IsFolder(folder + name)) return folder + name;
   }
   return "";

@@ -21,6 +21,7 @@ SequenceFiles ListSequence(const std::string& format, const std::string& folder,
                            double frames_per_second) {
   if (format == "seven_scenes") return ListSevenScenesSequence(folder, frames_per_second);
   if (format == "redwood") return ListRedwoodSequence(folder, frames_per_second);
+  if (format == "nerfstudio") return ListNerfstudioSequence(folder, frames_per_second);
   if (format == "replica") return ListReplicaSequence(folder, frames_per_second);
   if (format == "icl_nuim") return ListIclNuimSequence(folder);
   return ListTumSequence(folder);
@@ -73,7 +74,8 @@ std::optional<std::string> TruthWarning(const Recording& frames, const Trajector
 std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
   ThrowIf(count == 0, options.path, " lists no frames");
   ThrowIf(options.first >= count, "first is ", options.first, ", must be below ", count,
-          ", the number of frames of ", options.path);
+          ", the number of frames of ", options.path,
+          options.first == count ? ": a session that is continued has all frames already" : "");
   const int last = options.last == -1 ? count - 1 : std::min(options.last, count - 1);
   std::vector<int> indices;
   for (int i = options.first; i <= last; i += options.stride) indices.push_back(i);
@@ -152,7 +154,7 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
   OpenedRecording opened;
   if (IsBag(info.format)) opened = OpenBag(options, info.format, /*is_folder=*/!is_file);
   if (info.format == "oni") opened = OpenOni(options);
-  ResolveCamera(options, opened.read_camera, &info);
+  const bool scale_is_given = ResolveCamera(options, opened.read_camera, &info);
 
   if (!opened.frames)
     opened = OpenRecording(info.format, options.path, info.camera, options.confidence);
@@ -171,7 +173,8 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
   info.frame_count = static_cast<int>(indices.size());
   return MakeRawSequence(
       std::move(info),
-      std::make_unique<RecordedFrames>(std::move(opened.frames), std::move(indices)), options);
+      std::make_unique<RecordedFrames>(std::move(opened.frames), std::move(indices)), options,
+      scale_is_given);
 }
 
 std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {

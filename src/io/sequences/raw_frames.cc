@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/trace.h"
+#include "io/depth/depth_encoding.h"
 #include "io/sequences/sequence_info.h"
 #include "surfit/core/error.h"
 
@@ -16,6 +17,29 @@ void RequireSize(const Image<T>& image, const PinholeCamera& camera, const char*
   throw InputError(name, " is ", image.width(), " x ", image.height(), " pixels, must be ",
                    camera.width, " x ", camera.height, ", the size of ", whose);
 }
+
+// Frames whose depth has an encoding that the files do not name.
+class DecodedFrames : public RawFrames {
+ public:
+  DecodedFrames(std::unique_ptr<RawFrames> frames, const DepthEncoding& encoding)
+      : frames_(std::move(frames)), encoding_(encoding) {}
+
+  std::vector<FrameImages> FirstImages() override {
+    std::vector<FrameImages> images = frames_->FirstImages();
+    for (FrameImages& image : images) DecodeDepth(encoding_, &image.depth);
+    return images;
+  }
+  std::optional<RawFrame> Next() override { return frames_->Next(); }
+  FrameImages Read() override {
+    FrameImages images = frames_->Read();
+    DecodeDepth(encoding_, &images.depth);
+    return images;
+  }
+
+ private:
+  std::unique_ptr<RawFrames> frames_;
+  DepthEncoding encoding_;
+};
 
 class SequenceSource : public FrameSource {
  public:
@@ -85,10 +109,16 @@ RgbdFrame RectifyFrame(const RgbdCamera& camera, const FrameRectifier& rectifier
 }
 
 RawSequence MakeRawSequence(SequenceInfo info, std::unique_ptr<RawFrames> frames,
-                            const SequenceOptions& options) {
-  FrameRectifier rectifier = CompleteInfo(frames->FirstImages(), options.rectify, &info);
+                            const SequenceOptions& options, bool scale_is_given) {
+  std::vector<FrameImages> images = frames->FirstImages();
+  const DepthEncoding encoding = DetectDepthEncoding(images, info.camera, &info.warnings);
+  if (!encoding.IsPlain()) {
+    for (FrameImages& image : images) DecodeDepth(encoding, &image.depth);
+    frames = std::make_unique<DecodedFrames>(std::move(frames), encoding);
+  }
+  FrameRectifier rectifier = CompleteInfo(images, options.rectify, scale_is_given, &info);
   InverseDepthField field = ReadDepthField(options, info.format);
-  return {std::move(info), std::move(frames), std::move(rectifier), field};
+  return {std::move(info), std::move(frames), std::move(rectifier), field, scale_is_given};
 }
 
 std::unique_ptr<FrameSource> MakeFrameSource(RawSequence sequence) {

@@ -40,7 +40,8 @@ struct RawSequence {
   SequenceInfo info;
   std::unique_ptr<RawFrames> frames;
   FrameRectifier rectifier;
-  InverseDepthField field;  // ReadDepthField()
+  InverseDepthField field;      // ReadDepthField()
+  bool scale_is_given = false;  // ResolveCamera()
 
   // Rectifies the images and applies the depth correction. Throws InputError like RectifyFrame().
   // `images`: result of RawFrames::Read() for this frame. Thread-safe.
@@ -77,7 +78,7 @@ RawSequence OpenOpenNiCamera(const SequenceOptions& options, int capacity,
 // Completes `info` with CompleteInfo() and the first images of `frames`. Throws InputError if no
 // frame can be read, if the image size is wrong, or for a bad depth field. `frames` must be new.
 RawSequence MakeRawSequence(SequenceInfo info, std::unique_ptr<RawFrames> frames,
-                            const SequenceOptions& options);
+                            const SequenceOptions& options, bool scale_is_given);
 
 // Source of rectified frames. Read errors of single frames are in ReadResult::error.
 std::unique_ptr<FrameSource> MakeFrameSource(RawSequence sequence);

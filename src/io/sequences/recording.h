@@ -56,7 +56,8 @@ class Recording {
 struct SourceCamera {
   RgbdCamera camera;
   std::string from;
-  bool is_guessed = false;  // default of the format
+  bool is_guessed = false;      // default of the format
+  bool scale_is_given = false;  // a file has the depth scale
 };
 
 // Returns the camera that a recording or device contains. Empty function: it contains none.
@@ -127,8 +128,17 @@ SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_p
 // If all file names in depth/ are times (1763820000.134.png, or integers in ms, us or ns), these
 // are the timestamps. Colour is then paired by time, and poses are in groundtruth.txt or
 // trajectory.log. If names have a number and a time (0000012-000000366699.png), images are paired
-// by number, and by time if images of the same number are from different times.
+// by number. They are paired by time if images of one number are from different times.
 SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second);
+
+// Lists the frames of transforms.json of nerfstudio that have a depth image, in the order of the
+// numbers in their names. Timestamps are (number - first number) / frames_per_second. If no frame
+// names a depth image, the folder is listed as a Redwood folder. Throws InputError with the path.
+SequenceFiles ListNerfstudioSequence(const std::string& folder, double frames_per_second);
+
+// Camera of transforms.json. If depth images are smaller than colour images, the depth camera has
+// their size, and colour is not registered. Throws InputError with the path.
+SourceCamera ReadNerfstudioCamera(const std::string& folder);
 
 // Lists a Replica folder as rendered for NICE-SLAM: results/frameN.jpg and results/depthN.png, and
 // the pose of a frame in a line of traj.txt, see FramesOfPoses(). Timestamps are
@@ -149,7 +159,7 @@ std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
                                            const std::string& color_folder,
                                            const DuplicateCallback& twice);
 
-// Returns the path of color/, rgb/ or image/ in `folder`, or "" without such a folder.
+// Returns the path of color/, rgb/, image/ or images/ in `folder`, or "" without such a folder.
 std::string FindColorFolder(const std::string& folder);
 
 // Opens a .klg file of ElasticFusion or its Logger. Format, little endian:
@@ -169,10 +179,10 @@ OpenedRecording OpenKlg(const std::string& path, ImageSize size);
 //   uint64 timestamps of colour and of depth, us
 //   uint64 sizes of colour and of depth in bytes
 //   colour, depth
-// If the timestamps of colour or of depth are not ascending, for example all 0, those of the other
-// images are used, except if the clock starts again. If neither are ascending, timestamps are index
-// / frames_per_second. Inertial data after the frames is ignored. A truncated file gives its
-// complete frames and a warning. Throws InputError naming the file and the error.
+// If the timestamps of one stream are not ascending, for example all 0, the timestamps of the other
+// stream are used. A clock that starts again is an exception. If neither are ascending, timestamps
+// are index / frames_per_second. Inertial data after the frames is ignored. A truncated file gives
+// its complete frames and a warning. Throws InputError naming the file and the error.
 OpenedRecording OpenSens(const std::string& path, double frames_per_second);
 
 // Reads the camera in the header of a .sens file. Throws like OpenSens().

@@ -58,7 +58,7 @@ double LikelyScale(double median_count) {
 }  // namespace
 
 std::optional<std::string> DepthScaleWarning(const RawDepth& depth, double depth_units_per_metre,
-                                             const std::string& path) {
+                                             const std::string& path, bool is_given) {
   const auto* const counts = std::get_if<Image<std::uint16_t>>(&depth);
   if (counts == nullptr) return std::nullopt;
   const std::vector<std::uint16_t> valid = ValidCounts(*counts);
@@ -70,8 +70,14 @@ std::optional<std::string> DepthScaleWarning(const RawDepth& depth, double depth
   const bool plausible = median_m >= kNearest_m && median_m <= kFarthest_m && !all_near;
   const bool absurd = median_m < kAbsurdlyNear_m || median_m > kAbsurdlyFar_m;
   if (plausible || (likely == depth_units_per_metre && !absurd)) return std::nullopt;
-  return Concat("the median depth of ", path, " is ", median_m, " m at ", depth_units_per_metre,
-                " units per metre: depth_scale is more likely ", likely, ", with a median of ",
+  const std::string observed = Concat("the median depth of ", path, " is ", median_m, " m at ",
+                                      depth_units_per_metre, " units per metre: ");
+  if (is_given && likely == depth_units_per_metre) return observed + "check depth_scale";
+  if (is_given) {
+    return Concat(observed, "check depth_scale, the median is ", median_count / likely, " m at ",
+                  likely);
+  }
+  return Concat(observed, "depth_scale is more likely ", likely, ", with a median of ",
                 median_count / likely, " m");
 }
 

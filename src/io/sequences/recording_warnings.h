@@ -15,7 +15,7 @@ namespace surfit {
 // 5 m, or almost all depth is too close. Returns std::nullopt for depth in metres (float images)
 // and for images without valid depth. `path`: name of the image in the warning.
 std::optional<std::string> DepthScaleWarning(const RawDepth& depth, double depth_units_per_metre,
-                                             const std::string& path);
+                                             const std::string& path, bool is_given = false);
 
 // Best alignment of colour edges to depth edges: a depth pixel is scaled about the image centre and
 // shifted to its colour pixel.

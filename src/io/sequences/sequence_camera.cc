@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/files.h"
+#include "io/files/text.h"
 #include "io/sequences/folder.h"
 #include "io/sequences/recording.h"
 #include "surfit/core/error.h"
@@ -56,6 +58,7 @@ SourceCamera RedwoodCamera(const std::string& folder) {
     camera.depth = ReadOpen3dCamera(folder + name);
     return {camera, folder + name + " (with the depth scale of Redwood)"};
   }
+  if (HasFile(folder + "/transforms.json")) return ReadNerfstudioCamera(folder);
   return Guessed(camera);
 }
 
@@ -82,13 +85,59 @@ RgbdCamera ReadCamParams(const std::string& path) {
 // malformed.
 SourceCamera ReplicaCamera(const std::string& folder) {
   for (const char* name : {"/cam_params.json", "/../cam_params.json"}) {
-    if (HasFile(folder + name)) return {ReadCamParams(folder + name), folder + name};
+    if (HasFile(folder + name)) return {ReadCamParams(folder + name), folder + name, false, true};
   }
   return Preset("replica");
 }
 
-// Recordings of any camera can have numbered frames. Only a ground-truth file *.gt.freiburg proves
-// ICL-NUIM.
+// Reads the camera of _info.txt, which is beside the frames of recordings in the layout of
+// 7-Scenes: lines "m_depthWidth = 640", and 4 x 4 matrices as "m_calibrationDepthIntrinsic = 525 0
+// ...". Throws InputError with the path and the key.
+RgbdCamera ReadInfoText(const std::string& path) {
+  std::map<std::string, std::vector<std::string>> values;
+  for (const TextRow& row : ReadTextRows(path)) {
+    if (row.columns.size() > 2 && row.columns[1] == "=")
+      values[row.columns[0]].assign(row.columns.begin() + 2, row.columns.end());
+  }
+  const auto numbers = [&](const std::string& key, std::size_t count) {
+    const std::vector<std::string>& words = values[key];
+    ThrowIf(words.size() < count, path, ": ", key, " has ", words.size(), " numbers, must have ",
+            count);
+    std::vector<double> parsed;
+    for (const std::string& word : words) parsed.push_back(ParseNumber(word, path + ": " + key));
+    return parsed;
+  };
+  const auto pinhole = [&](const std::string& name) {
+    const std::vector<double> matrix = numbers("m_calibration" + name + "Intrinsic", 16);
+    const std::string stem = name == "Depth" ? "m_depth" : "m_color";
+    PinholeCamera camera;
+    camera.width = static_cast<int>(numbers(stem + "Width", 1)[0]);
+    camera.height = static_cast<int>(numbers(stem + "Height", 1)[0]);
+    camera.fx = matrix[0];
+    camera.cx = matrix[2];
+    camera.fy = matrix[5];
+    camera.cy = matrix[6];
+    return camera;
+  };
+  RgbdCamera camera;
+  camera.depth = pinhole("Depth");
+  if (values.count("m_calibrationColorIntrinsic") > 0) camera.color = pinhole("Color");
+  camera.color_is_registered =
+      camera.color.width == 0 || HaveEqualIntrinsics(camera.color, camera.depth);
+  camera.depth_units_per_metre = numbers("m_depthShift", 1)[0];
+  camera.Validate(path);
+  return camera;
+}
+
+// The layout of 7-Scenes is common, so its preset is a guess unless the format is set.
+SourceCamera SevenScenesCamera(const SequenceOptions& options) {
+  const std::string info = options.path + "/_info.txt";
+  if (HasFile(info)) return {ReadInfoText(info), info, false, true};
+  if (options.format != "auto") return Preset("seven_scenes");
+  return Guessed(CameraPreset("seven_scenes"));
+}
+
+// Any camera may have numbered frames. Only a ground-truth file *.gt.freiburg proves ICL-NUIM.
 SourceCamera IclNuimCamera(const SequenceOptions& options) {
   const auto names = NamesIn(options.path);
   const bool is_named = std::any_of(names.begin(), names.end(), [](const std::string& name) {
@@ -137,12 +186,14 @@ std::string GuessWarning(const std::string& path, const RgbdCamera& camera) {
 SourceCamera BaseCamera(const SequenceOptions& options, const std::string& format,
                         const CameraReader& tell) {
   const std::string yaml = CameraFile(options, format);
-  if (!yaml.empty()) return {ReadCameraYaml(yaml), yaml};
+  if (!yaml.empty()) return {ReadCameraYaml(yaml), yaml, false, true};
   if (!options.camera.empty()) return Preset(options.camera);
   if (tell) return tell();
-  if (format == "sens") return {ReadSensCamera(options.path), "the file header"};
+  if (format == "sens") return {ReadSensCamera(options.path), "the file header", false, true};
   if (format == "redwood" || format == "watch") return RedwoodCamera(options.path);
   if (format == "replica") return ReplicaCamera(options.path);
+  if (format == "nerfstudio") return ReadNerfstudioCamera(options.path);
+  if (format == "seven_scenes") return SevenScenesCamera(options);
   if (format == "icl_nuim") return IclNuimCamera(options);
   if (format == "klg") return Guessed(CameraPreset("klg"));
   if (format != "tum") return Preset(format);
@@ -249,7 +300,7 @@ std::string PresetsOfSize(int width, int height) {
   return text;
 }
 
-void ResolveCamera(const SequenceOptions& options, const CameraReader& tell, SequenceInfo* info) {
+bool ResolveCamera(const SequenceOptions& options, const CameraReader& tell, SequenceInfo* info) {
   const SourceCamera base = BaseCamera(options, info->format, tell);
   RgbdCamera camera = base.camera;
   if (options.intrinsics) SetIntrinsics(*options.intrinsics, &camera.depth);
@@ -270,6 +321,7 @@ void ResolveCamera(const SequenceOptions& options, const CameraReader& tell, Seq
   info->camera_is_guessed = base.is_guessed && !options.intrinsics;
   if (info->camera_is_guessed) info->warnings.push_back(GuessWarning(options.path, camera));
   AddOverrideWarning(options, OwnCameraFile(options, info->format), camera, &info->warnings);
+  return base.scale_is_given || options.depth_units_per_metre.has_value();
 }
 
 void DropLatency(const SequenceOptions& options, RgbdCamera* camera) {

@@ -10,9 +10,10 @@ namespace surfit {
 
 // Sets the camera of `info`, its origin and warnings. info->format must be set. Precedence: values
 // in the options, options.camera, camera.yaml of the sequence, `tell`, the format. Keeps fy < 0. If
-// width and height are 0, they are set later from the images. Throws InputError with the option or
-// file at fault. fy < 0: mirrored images. `tell` may be empty.
-void ResolveCamera(const SequenceOptions& options, const CameraReader& tell, SequenceInfo* info);
+// width and height are 0, they are set later from the images. Returns true if the options, a
+// camera file or the recording set the depth scale, and false for the default of a format or
+// preset. Throws InputError with the option or file at fault.
+bool ResolveCamera(const SequenceOptions& options, const CameraReader& tell, SequenceInfo* info);
 
 // "525 525 319.5 239.5 px, 1000 depth units per metre", with distortion coefficients if not 0.
 std::string FormatDepthCamera(const RgbdCamera& camera);

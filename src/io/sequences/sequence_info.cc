@@ -7,6 +7,7 @@
 #include <mutex>
 #include <sstream>
 
+#include "io/depth/depth_encoding.h"
 #include "io/sequences/raw_frames.h"
 #include "io/sequences/recording_warnings.h"
 #include "io/sequences/sequence_camera.h"
@@ -52,8 +53,20 @@ void CompleteCamera(const FrameImages& first, SequenceInfo* info) {
   RequireSizeOf(*camera, first);
 }
 
-// Value for SequenceInfo::low_confidence_ratio. *range: confidence range of the recording; 0: no
-// confidence images.
+// Throws InputError for intrinsics that are ratios of the image size, as some programs write them.
+void RequirePixelUnits(const PinholeCamera& camera, const char* whose, const std::string& from) {
+  constexpr double kMaxRatio = 4;   // focal length of a telephoto lens, relative to the width
+  constexpr int kMinWidth_px = 32;  // smaller images can have focal lengths of a few px
+  const double largest = std::max(
+      {std::abs(camera.fx), std::abs(camera.fy), std::abs(camera.cx), std::abs(camera.cy)});
+  if (largest > kMaxRatio || camera.width < kMinWidth_px) return;
+  throw InputError("the intrinsics of ", whose, " (", from, ") are fx ", camera.fx, ", fy ",
+                   camera.fy, ", cx ", camera.cx, ", cy ", camera.cy, ", must be in px of the ",
+                   camera.width, " x ", camera.height,
+                   " images: multiply fx and cx by the width, fy and cy by the height");
+}
+
+// SequenceInfo::low_confidence_ratio. The range is that of the recording, or 0 without confidence.
 std::optional<double> LowConfidenceRatio(const std::vector<FrameImages>& images, int* range) {
   LowConfidence sum;
   for (const FrameImages& image : images) {
@@ -107,17 +120,22 @@ void Tell(const std::string& assumed) {
 }  // namespace
 
 FrameRectifier CompleteInfo(const std::vector<FrameImages>& images, const RectifyOptions& options,
-                            SequenceInfo* info) {
+                            bool scale_is_given, SequenceInfo* info) {
   const FrameImages& first = images[0];
   CompleteCamera(first, info);
+  RequirePixelUnits(info->camera.depth, "the depth camera", info->camera_from);
+  if (!info->camera.color_is_registered)
+    RequirePixelUnits(info->camera.color, "the colour camera", info->camera_from);
   int confidence_range = 0;
   info->low_confidence_ratio = LowConfidenceRatio(images, &confidence_range);
   info->assumed = Assumed(first, *info, confidence_range);
   if (!info->camera.disparity.IsGiven()) {
-    if (auto warning =
-            DepthScaleWarning(first.depth, info->camera.depth_units_per_metre, first.depth_name))
+    if (auto warning = DepthScaleWarning(first.depth, info->camera.depth_units_per_metre,
+                                         first.depth_name, scale_is_given))
       info->warnings.push_back(*warning);
   }
+  if (auto warning = FarDepthWarning(images, info->camera, options.max_depth_m))
+    info->warnings.push_back(*warning);
   if (info->camera.color_is_registered) {
     if (auto doubt = RegistrationWarning(images, info->camera.depth))
       info->warnings.push_back(*doubt);

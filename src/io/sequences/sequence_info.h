@@ -14,6 +14,6 @@ namespace surfit {
 // empty. Throws InputError naming the image if its size differs from the size of the camera. Call
 // after ResolveCamera(), once per sequence.
 FrameRectifier CompleteInfo(const std::vector<FrameImages>& first, const RectifyOptions& options,
-                            SequenceInfo* info);
+                            bool scale_is_given, SequenceInfo* info);
 
 }  // namespace surfit

@@ -196,11 +196,12 @@ RawSequence OpenWatchedFolder(const SequenceOptions& options, const std::atomic<
   SequenceInfo info;
   info.format = "watch";
   info.frame_count = -1;
-  ResolveCamera(options, /*tell=*/{}, &info);
+  const bool scale_is_given = ResolveCamera(options, /*tell=*/{}, &info);
   DropLatency(options, &info.camera);
   WatchedFolder folder(options.path, info.camera.frames_per_second, options.confidence, stop);
   return MakeRawSequence(std::move(info),
-                         std::make_unique<WatchedFrames>(options, std::move(folder)), options);
+                         std::make_unique<WatchedFrames>(options, std::move(folder)), options,
+                         scale_is_given);
 }
 
 std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,

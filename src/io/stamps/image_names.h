@@ -16,8 +16,9 @@ struct NamedImage {
 // Numbers the images of a folder by their names. Images without a digit in the name are left out.
 //
 // A name can have several integers, for example d435i_000012.png or 0000012-000000366699.png. The
-// number is the integer that differs most often between the names, and the first of several. For a
-// single name, it is the first integer that is not part of a word: 12 for d435i_000012.png.
+// number is the integer that differs most often between the names. Among equals it is the first
+// integer. For a single name, it is the first integer that is not part of a word: 12 for
+// d435i_000012.png.
 //
 // The time is the next integer that ascends with the number, and that has the intervals of a camera
 // in ms, us or ns.
@@ -29,8 +30,8 @@ std::optional<std::string> TimeInName(const std::string& name);
 
 // Numbers of poses and frames can have different conventions: the numbers of the image names, or
 // positions in the folder. Returns the index of the frame for each pose, -1 for a pose without a
-// frame. Both lists of numbers are ascending. The convention is that with most poses on frames, and
-// the first of several:
+// frame. Both lists of numbers are ascending. The convention is the first in this list with the
+// largest number of poses on frames:
 //   1. the same numbers
 //   2. poses from 0, images from 1
 //   3. poses from 1, images from 0

@@ -58,8 +58,8 @@ std::string_view Fraction(std::string_view word) {
   return word.substr(point + 1);
 }
 
-// The words with leading zeros of their fractions, if these can be integers: of different lengths
-// and none with a leading zero. Otherwise empty.
+// Adds leading zeros to the fractions, if all fractions can be integers. Integers have different
+// lengths and no leading zero. Empty for other words.
 std::vector<std::string> Padded(const std::vector<std::string>& words) {
   std::size_t shortest = std::string::npos, longest = 0;
   for (const std::string& word : words) {

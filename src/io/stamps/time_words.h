@@ -31,15 +31,15 @@ struct Times {
 Times ParseTimes(const std::vector<std::string>& words, const std::string& source,
                  std::vector<std::string>* warnings);
 
-// Parses the timestamps of ground truth. Detects missing zeros like ParseTimes(). The unit is s. If
-// no timestamp is then in the time of the images, but is in the unit of the images, this unit is
-// used and added to `warnings`.
+// Parses the timestamps of ground truth. Detects missing zeros like ParseTimes(). The unit is s.
+// The unit of the images is used if only then timestamps are in the time of the images. It is added
+// to `warnings`.
 std::vector<double> ParseTruthTimes(const std::vector<std::string>& words, const Times& images,
                                     const std::string& source, std::vector<std::string>* warnings);
 
 // Splits the timestamps of a list, in its order, where the clock starts again. Returns the first
-// index of each part, {0} for one part. A list is one part if it is only unsorted: its parts do not
-// overlap in time, or it goes back by a few intervals only.
+// index of each part, {0} for one part. An unsorted list is one part. Its parts do not overlap in
+// time, or it goes back by a few intervals only.
 std::vector<std::size_t> FindClockStarts(const std::vector<double>& stamps_s);
 
 }  // namespace surfit
