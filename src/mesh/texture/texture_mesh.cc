@@ -11,6 +11,7 @@
 #include "mesh/texture/texture_charts.h"
 #include "mesh/texture/texture_painter.h"
 #include "mesh/texture/texture_view.h"
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 
