@@ -32,6 +32,7 @@ constexpr std::array kRenamedOptions = {
     RenamedOption{"free_space_share", "free_space_violation_ratio"},
     RenamedOption{"given_center_error", "camera_yaml_center_error"},
     RenamedOption{"given_focal_error", "camera_yaml_focal_error"},
+    RenamedOption{"initialization", "start"},
     RenamedOption{"inlier_share", "inlier_ratio"},
     RenamedOption{"kept_angle_share", "kept_angle_ratio"},
     RenamedOption{"kept_kernel_share", "kept_kernel_ratio"},

@@ -34,10 +34,14 @@ struct EdgeNoise {
   void Visit(OptionVisitor& visitor);
 };
 
-// Options of the pose graph with outlier rejection of loop closures by GNC.
+// Options of the pose graph with outlier rejection of loop closures by GNC. Starts from odometry and
+// ends rounds early, because the graph is solved again after each loop closure.
 inline PoseGraphOptions RobustPoseGraphOptions() {
   PoseGraphOptions options;
   options.loop_robustness = "gnc";
+  options.start = "odometry";
+  options.max_round_iterations = 10;
+  options.min_round_cost_change = 1e-3;
   return options;
 }
 
