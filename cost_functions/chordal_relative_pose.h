@@ -14,8 +14,8 @@ class ChordalRelativePose {
 
   template <typename T>
   bool operator()(const T* world_from_a, const T* world_from_b, T* residuals) const {
-    const Rigid3<T> error = PoseFromBlock(world_from_a).Inverse() * PoseFromBlock(world_from_b) *
-                            b_from_a_.cast<T>();
+    const Rigid3<T> error =
+        PoseFromBlock(world_from_a).Inverse() * PoseFromBlock(world_from_b) * b_from_a_.cast<T>();
     Eigen::Matrix<T, 6, 1> e;
     e << T(2) * error.rotation.vec(), error.translation;
     Eigen::Map<Eigen::Matrix<T, 6, 1>> r(residuals);

@@ -15,8 +15,8 @@ class SensorPosition {
                  const Eigen::Matrix3d& information)
       : sensor_in_pose_(sensor_in_pose), sensor_in_world_(sensor_in_world) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
-    root_ = eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
-            eigen.eigenvectors().transpose();
+    root_ =
+        eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
   }
 
   template <typename T>

@@ -184,19 +184,16 @@ void WriteEdgeErrors(const PoseGraph& graph, const PoseGraphSummary& s, const st
       out << "prior," << graph.poses[prior.pose].id << ",,1," << SquaredError(graph, prior) << '\n';
     }
     for (const PoseGraphPosition& position : graph.positions) {
-      out << "position," << graph.poses[position.pose].id << ",,1,"
-          << SquaredError(graph, position) << '\n';
+      out << "position," << graph.poses[position.pose].id << ",,1," << SquaredError(graph, position)
+          << '\n';
     }
   });
 }
 
 Json FitToJson(const PoseGraphFit& fit) {
-  return {{"chi_square", fit.chi_square},
-          {"degrees_of_freedom", fit.degrees_of_freedom},
-          {"p_value", fit.p_value},
-          {"odometry_ratio", fit.odometry_ratio},
-          {"loop_ratio", fit.loop_ratio},
-          {"doubtful", fit.doubtful},
+  return {{"chi_square", fit.chi_square}, {"degrees_of_freedom", fit.degrees_of_freedom},
+          {"p_value", fit.p_value},       {"odometry_ratio", fit.odometry_ratio},
+          {"loop_ratio", fit.loop_ratio}, {"doubtful", fit.doubtful},
           {"reason", fit.reason}};
 }
 
@@ -270,7 +267,8 @@ int main(int argc, char** argv) {
   return surfit::tools::ToolMain(
       argc, argv,
       "optimises the pose graph of a .g2o file, and prints the cost at each iteration. --output is "
-      "the .g2o file of the optimised graph; empty: none. The exit code is 2 if the solver does not "
+      "the .g2o file of the optimised graph; empty: none. The exit code is 2 if the solver does "
+      "not "
       "converge, or if the residuals contradict the information matrices (doubtful).",
       surfit::tools::Run);
 }

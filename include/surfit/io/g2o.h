@@ -14,7 +14,8 @@ class OptionVisitor;
 // Treatment of indefinite information matrices:
 // - "refuse": InputError
 // - "project": negative eigenvalues are set to 0
-// - "blocks": the covariance of rotation and translation is dropped. Negative eigenvalues of the two
+// - "blocks": the covariance of rotation and translation is dropped. Negative eigenvalues of the
+// two
 //   blocks are set to 0.
 std::vector<std::string> IndefiniteInformationNames();
 

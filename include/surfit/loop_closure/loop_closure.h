@@ -34,8 +34,8 @@ struct EdgeNoise {
   void Visit(OptionVisitor& visitor);
 };
 
-// Options of the pose graph with outlier rejection of loop closures by GNC. Starts from odometry and
-// ends rounds early, because the graph is solved again after each loop closure.
+// Options of the pose graph with outlier rejection of loop closures by GNC. Starts from odometry
+// and ends rounds early, because the graph is solved again after each loop closure.
 inline PoseGraphOptions RobustPoseGraphOptions() {
   PoseGraphOptions options;
   options.loop_robustness = "gnc";

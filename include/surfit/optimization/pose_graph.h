@@ -33,8 +33,8 @@ struct PoseGraphEdge {
   bool loop = false;  // loop closure, possibly an outlier; false: odometry, trusted
 };
 
-// Measured pose of a sensor on a pose, for example of a total station. Its error (w [rad], v [m]) is
-// the rotation vector and the translation of
+// Measured pose of a sensor on a pose, for example of a total station. Its error (w [rad], v [m])
+// is the rotation vector and the translation of
 //   E = world_from_sensor^-1 world_from_pose pose_from_sensor.
 struct PoseGraphPrior {
   std::size_t pose = 0;  // index of a pose
@@ -77,7 +77,7 @@ struct PoseGraph {
 };
 
 // Selection of odometry edges. All other edges are loop closures.
-// - "consecutive": edges between neighbours in the order of ids, whatever the gaps of ids
+// - "consecutive": edges between neighbours in the order of ids. Ids may have gaps.
 // - "spanning_tree": edges of a spanning forest, the first ones in the order of the edges
 // - "none": no edge
 std::vector<std::string> OdometryNames();
@@ -116,7 +116,8 @@ std::vector<std::string> PoseGraphStartNames();
 // Treatment of outlier loop closures, with the squared error s of a loop closure and c^2 =
 // max_loop_squared_error. Odometry, priors and positions always have the kernel s.
 // - "none": all loop closures have the kernel s
-// - "gnc": rejects outliers by graduated non-convexity with the kernel min(s, c^2) (Yang, Antonante,
+// - "gnc": rejects outliers by graduated non-convexity with the kernel min(s, c^2) (Yang,
+// Antonante,
 //   Tzoumas, Carlone, RA-L 2020)
 // - "dcs": s for s <= c^2, else 3 c^2 - 4 c^4 / (c^2 + s) (Agarwal et al., ICRA 2013)
 // - "huber": s for s <= c^2, else 2 c sqrt(s) - c^2
@@ -138,8 +139,8 @@ struct PoseGraphOptions {
   int max_iterations = 200;
   double min_relative_cost_change = 1e-11;
   // Both limits for the rounds of "gnc" except the final round.
-  int max_round_iterations = 200;
-  double min_round_cost_change = 1e-6;
+  int max_round_iterations = 100;
+  double min_round_cost_change = 1e-5;
 
   void Visit(OptionVisitor& visitor);
 };
@@ -176,8 +177,8 @@ struct PoseGraphSummary {
   double truncated_cost = 0;
   std::vector<PoseGraphIteration> iterations;
   int round_count = 0;  // number of Levenberg-Marquardt runs
-  // Number of held poses, which do not move: fixed poses, and the first pose of each component of
-  // the graph without a fixed pose and without a prior.
+  // Number of held poses. Held poses do not move. They are all fixed poses, and the first pose of
+  // each component without a fixed pose and without a prior.
   std::size_t held_count = 0;
   // Number of poses of each component, in the order of its first pose.
   std::vector<std::size_t> component_sizes;

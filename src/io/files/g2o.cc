@@ -32,7 +32,8 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 // angle) and (x, y).
 constexpr int kPoseOrder[] = {3, 4, 5, 0, 1, 2}, kPositionOrder[] = {0, 1, 2};
 constexpr int kPlanarOrder[] = {3, 4, 2};
-constexpr std::size_t kPoseWords = 7, kPositionWords = 3, kPlanarWords = 3, kPlanarPositionWords = 2;
+constexpr std::size_t kPoseWords = 7, kPositionWords = 3, kPlanarWords = 3,
+                      kPlanarPositionWords = 2;
 
 constexpr std::size_t UpperTriangle(std::size_t size) { return size * (size + 1) / 2; }
 
@@ -45,8 +46,8 @@ Rigid3d ParsePose(const std::string_view* words) {
 // Pose of SE(2) from x, y and angle in rad.
 Rigid3d ParsePlanarPose(const std::string_view* words) {
   const double half = FiniteNumber(words[2]) / 2;
-  const double v[] = {FiniteNumber(words[0]), FiniteNumber(words[1]), 0, 0, 0, std::sin(half),
-                      std::cos(half)};
+  const double v[] = {FiniteNumber(words[0]), FiniteNumber(words[1]), 0, 0, 0,
+                      std::sin(half),         std::cos(half)};
   return RigidFromNumbers(v);
 }
 
@@ -80,8 +81,8 @@ Matrix ParseTriangle(const std::string_view* words, const int (&order)[kSize], s
 template <typename Matrix>
 Matrix Projected(const Matrix& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(symmetric);
-  const Matrix root = eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
-                      eigen.eigenvectors().transpose();
+  const Matrix root =
+      eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
   const Matrix product = root.transpose() * root;
   return (product + product.transpose()) / 2;
 }
@@ -402,10 +403,11 @@ void RequireWritable(const PoseGraph& graph, const std::string& path) {
 std::vector<std::string> IndefiniteInformationNames() { return NamesOf(kIndefiniteInformation); }
 
 void G2oOptions::Visit(OptionVisitor& v) {
-  v.Add(odometry, "odometry",
-        "trusted edges; consecutive: between neighbours in the order of ids; spanning_tree: the "
-        "first edges of the file that form a spanning tree; none: all edges are loop closures",
-        OneOf(OdometryNames()), AsFlag());
+  v.Add(
+      odometry, "odometry",
+      "trusted edges; consecutive: neighbours in the order of ids; spanning_tree: the first edges "
+      "of the file that form a tree; none: no edge",
+      OneOf(OdometryNames()), AsFlag());
   v.Add(indefinite_information, "indefinite_information",
         "indefinite information matrices; refuse: error; project: set negative eigenvalues to 0; "
         "blocks: drop the covariance of rotation and translation",

@@ -152,7 +152,8 @@ bool SolveTranslations(const PoseGraph& graph, const std::vector<bool>& held,
 
 std::optional<StartPoses> ChordalPoses(const PoseGraph& graph, const std::vector<bool>& fixed) {
   StartPoses start;
-  for (const PoseGraphPose& pose : graph.poses) start.world_from_pose.push_back(pose.world_from_pose);
+  for (const PoseGraphPose& pose : graph.poses)
+    start.world_from_pose.push_back(pose.world_from_pose);
   const std::vector<bool> rotations = Anchors(graph, fixed, true, &start.undetermined_rotations);
   const std::vector<bool> positions = Anchors(graph, fixed, false, &start.undetermined_positions);
   if (!SolveRotations(graph, rotations, &start.world_from_pose)) return std::nullopt;

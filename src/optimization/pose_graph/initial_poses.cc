@@ -72,8 +72,8 @@ class Chain {
   ChainedPoses result_;
 };
 
-// Rotation and translation that move points p_i to q_i with the smallest sum of k |R p_i + t - q_i|^2
-// (Kabsch). In SE(2), the rotation is about z.
+// Rotation and translation that move points p_i to q_i with the smallest sum of k |R p_i + t -
+// q_i|^2 (Kabsch). In SE(2), the rotation is about z.
 Rigid3d FitPoints(const std::vector<Eigen::Vector3d>& p, const std::vector<Eigen::Vector3d>& q,
                   bool planar) {
   Eigen::Vector3d mean_p = Eigen::Vector3d::Zero(), mean_q = mean_p;
@@ -84,8 +84,7 @@ Rigid3d FitPoints(const std::vector<Eigen::Vector3d>& p, const std::vector<Eigen
   }
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   if (planar) {
-    const double angle =
-        std::atan2(moments(1, 0) - moments(0, 1), moments(0, 0) + moments(1, 1));
+    const double angle = std::atan2(moments(1, 0) - moments(0, 1), moments(0, 0) + moments(1, 1));
     rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   } else if (p.size() > 1) {
     rotation = NearestRotation(moments).toRotationMatrix();
@@ -140,8 +139,8 @@ void AlignWithPriors(const PoseGraph& graph, const ChainedPoses& chained,
     const std::size_t component = chained.component[prior.pose];
     if (is_done[component] || prior.information.diagonal().head<3>().isZero(0)) continue;
     is_done[component] = true;
-    move[component] = prior.world_from_sensor *
-                      (poses[prior.pose] * prior.pose_from_sensor).Inverse();
+    move[component] =
+        prior.world_from_sensor * (poses[prior.pose] * prior.pose_from_sensor).Inverse();
   }
   std::map<std::size_t, std::array<std::vector<Eigen::Vector3d>, 2>> points;
   for (const PoseGraphPosition& position : graph.positions) {

@@ -18,7 +18,8 @@ constexpr double kLargeRotation = 1;
 
 StartPoses GivenPoses(const PoseGraph& graph) {
   StartPoses start;
-  for (const PoseGraphPose& pose : graph.poses) start.world_from_pose.push_back(pose.world_from_pose);
+  for (const PoseGraphPose& pose : graph.poses)
+    start.world_from_pose.push_back(pose.world_from_pose);
   return start;
 }
 
@@ -49,8 +50,8 @@ PoseGraphTermination Solve(const PoseGraph& graph, const PoseGraphOptions& optio
                            PoseGraphProblem* problem, PoseGraphSummary* summary) {
   const StageTimer timer("solve", TraceSlice::kNoFrame, &summary->solve_ms);
   const auto way = ValueOf("start", options.start, kPoseGraphStarts);
-  const bool is_plain = ValueOf("loop_robustness", options.loop_robustness, kLoopRobustness) ==
-                        LoopRobustness::kNone;
+  const bool is_plain =
+      ValueOf("loop_robustness", options.loop_robustness, kLoopRobustness) == LoopRobustness::kNone;
   if (is_plain && way != PoseGraphStart::kChordal && !graph.planar &&
       LargestRotation(graph, start.world_from_pose) > kLargeRotation) {
     PoseGraphProblem smooth(graph, start.world_from_pose, chained.held, RotationError::kQuaternion);
@@ -89,8 +90,7 @@ Attempt Optimize(const PoseGraph& graph, const PoseGraphOptions& options,
   summary.loop_robustness = options.loop_robustness;
   std::optional<StageTimer> timer(std::in_place, "initialize", TraceSlice::kNoFrame,
                                   &summary.initialize_ms);
-  const auto start =
-      Start(ValueOf("start", options.start, kPoseGraphStarts), graph, chained);
+  const auto start = Start(ValueOf("start", options.start, kPoseGraphStarts), graph, chained);
   if (!start) return attempt;
   summary.undetermined_rotations = start->undetermined_rotations;
   summary.undetermined_positions = start->undetermined_positions;
@@ -105,13 +105,12 @@ Attempt Optimize(const PoseGraph& graph, const PoseGraphOptions& options,
 // Method and start of one attempt of "auto".
 struct Candidate {
   const char *loop_robustness, *start;
-  bool quick;  // few iterations per round of "gnc"
 };
-constexpr Candidate kCandidates[] = {{"gnc", "odometry", true},
-                                     {"gnc", "chordal", false},
-                                     {"dcs", "odometry", false},
-                                     {"geman_mcclure", "odometry", false},
-                                     {"cauchy", "odometry", false}};
+constexpr Candidate kCandidates[] = {
+    {"gnc", "odometry"}, {"dcs", "odometry"}, {"geman_mcclure", "odometry"}, {"gnc", "chordal"}};
+// Limits of the rounds of "gnc" of an attempt. Polish() ends each attempt in a minimum.
+constexpr int kAttemptIterations = 10;
+constexpr double kAttemptCostChange = 1e-3;
 
 // Lets the attempt end in a minimum of the truncated cost.
 void Polish(const PoseGraph& graph, const PoseGraphOptions& options, const ChainedPoses& chained,
@@ -135,10 +134,10 @@ Attempt OptimizeFromSeveralStarts(const PoseGraph& graph, const PoseGraphOptions
     PoseGraphOptions one = options;
     one.loop_robustness = candidate.loop_robustness;
     one.start = candidate.start;
-    if (candidate.quick) one.max_round_iterations = 10, one.min_round_cost_change = 1e-3;
+    one.max_round_iterations = std::min(options.max_round_iterations, kAttemptIterations);
+    one.min_round_cost_change = std::max(options.min_round_cost_change, kAttemptCostChange);
     Attempt attempt = Optimize(graph, one, chained);
     if (attempt.summary.Succeeded()) Polish(graph, options, chained, &attempt);
-    if (getenv("PGDEBUG")) fprintf(stderr, "%s %s %g %zu\n", candidate.loop_robustness, candidate.start, attempt.summary.truncated_cost, attempt.summary.outlier_edges.size());
     for (PoseGraphIteration iteration : attempt.summary.iterations) {
       iteration.round += rounds;
       iterations.push_back(iteration);
@@ -147,8 +146,7 @@ Attempt OptimizeFromSeveralStarts(const PoseGraph& graph, const PoseGraphOptions
     initialize_ms += attempt.summary.initialize_ms;
     solve_ms += attempt.summary.solve_ms;
     if (!attempt.summary.Succeeded()) continue;
-    if (!best.summary.Succeeded() ||
-        attempt.summary.truncated_cost < best.summary.truncated_cost) {
+    if (!best.summary.Succeeded() || attempt.summary.truncated_cost < best.summary.truncated_cost) {
       best = std::move(attempt);
     }
   }

@@ -39,14 +39,14 @@ void PoseGraphOptions::Visit(OptionVisitor& v) {
   v.Group("graph");
   v.Add(sparse_backend, "sparse_backend", "sparse linear solver of Ceres",
         OneOf(SparseBackendNames()), AsFlag());
-  v.Add(start, "start",
-        "initial poses; given: from the file; odometry: chained along odometry edges; chordal: from "
-        "all edges, by two linear systems",
-        OneOf(PoseGraphStartNames()), AsFlag());
+  v.Add(
+      start, "start",
+      "initial poses; given: from the file; odometry: chained along odometry edges; chordal: from "
+      "all edges, by two linear systems",
+      OneOf(PoseGraphStartNames()), AsFlag());
   v.Add(loop_robustness, "loop_robustness",
-        "kernel of loop closures; none: squared error; gnc: truncated squared error by graduated "
-        "non-convexity; dcs, huber, cauchy, geman_mcclure: M-estimators; auto: smallest truncated "
-        "cost of several methods and starts",
+        "kernel of loop closures; gnc: truncated squared error; dcs, huber, cauchy, geman_mcclure: "
+        "M-estimators; auto: best of several methods and starts",
         OneOf(LoopRobustnessNames()), AsFlag());
   v.Add(max_loop_squared_error, "max_loop_squared_error",
         "maximum error e^T information e of an inlier loop closure", Positive(), AsFlag());

@@ -97,9 +97,8 @@ void ValidatePosition(const PoseGraph& graph, const PoseGraphPosition& position)
 void SelectConsecutive(PoseGraph* graph) {
   std::vector<std::size_t> order(graph->poses.size()), rank(graph->poses.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) {
-    return graph->poses[x].id < graph->poses[y].id;
-  });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t x, std::size_t y) { return graph->poses[x].id < graph->poses[y].id; });
   for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
   for (PoseGraphEdge& edge : graph->edges) {
     edge.loop = std::max(rank[edge.a], rank[edge.b]) - std::min(rank[edge.a], rank[edge.b]) != 1;

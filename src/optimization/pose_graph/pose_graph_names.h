@@ -21,12 +21,9 @@ inline constexpr NamedValue<PoseGraphStart> kPoseGraphStarts[] = {
     {"chordal", PoseGraphStart::kChordal}};
 
 inline constexpr NamedValue<LoopRobustness> kLoopRobustness[] = {
-    {"none", LoopRobustness::kNone},
-    {"gnc", LoopRobustness::kGnc},
-    {"dcs", LoopRobustness::kDcs},
-    {"huber", LoopRobustness::kHuber},
-    {"cauchy", LoopRobustness::kCauchy},
-    {"geman_mcclure", LoopRobustness::kGemanMcClure},
+    {"none", LoopRobustness::kNone},     {"gnc", LoopRobustness::kGnc},
+    {"dcs", LoopRobustness::kDcs},       {"huber", LoopRobustness::kHuber},
+    {"cauchy", LoopRobustness::kCauchy}, {"geman_mcclure", LoopRobustness::kGemanMcClure},
     {"auto", LoopRobustness::kAuto}};
 
 inline constexpr NamedValue<OdometryRule> kOdometryRules[] = {

@@ -97,9 +97,9 @@ void PoseGraphProblem::AddEdges(RotationError rotation_error) {
   for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
     const PoseGraphEdge& edge = graph_.edges[i];
     costs_.push_back(EdgeCost(edge, graph_.planar, rotation_error));
-    edge_blocks_.push_back(problem_.AddResidualBlock(
-        costs_.back(), edge.loop ? &losses_[i] : nullptr, blocks_[edge.a].data(),
-        blocks_[edge.b].data()));
+    edge_blocks_.push_back(
+        problem_.AddResidualBlock(costs_.back(), edge.loop ? &losses_[i] : nullptr,
+                                  blocks_[edge.a].data(), blocks_[edge.b].data()));
   }
 }
 
