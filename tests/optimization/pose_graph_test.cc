@@ -204,19 +204,19 @@ TEST(OptimizePoseGraph, SolvesPoseWithoutRotationInformation) {
   PoseGraph graph = MakeSphere(3, 5).graph;
   const double cost = OptimizePoseGraph({}, &graph).final_cost;
   PoseGraphEdge edge;
-  edge.a = 2;
-  edge.b = graph.poses.size();
-  edge.a_from_b.translation = {1, 2, 3};
+  edge.a = graph.poses.size();
+  edge.b = 2;
+  edge.a_from_b.translation = {-1, -2, -3};
   edge.information.topLeftCorner<3, 3>().setZero();
   graph.poses.push_back({99, Rigid3d(), false});
   graph.edges.push_back(edge);
   const PoseGraphSummary summary = OptimizePoseGraph({}, &graph);
   EXPECT_EQ(summary.termination, PoseGraphTermination::kConverged);
   EXPECT_NEAR(summary.final_cost, cost, 1e-8 * cost);
-  EXPECT_THAT(summary.undetermined_rotations, ElementsAre(edge.b));
+  EXPECT_THAT(summary.undetermined_rotations, ElementsAre(edge.a));
   EXPECT_TRUE(summary.undetermined_positions.empty());
   const Rigid3d to_new =
-      graph.poses[2].world_from_pose.Inverse() * graph.poses[edge.b].world_from_pose;
+      graph.poses[2].world_from_pose.Inverse() * graph.poses[edge.a].world_from_pose;
   EXPECT_LT((to_new.translation - Eigen::Vector3d(1, 2, 3)).norm(), 1e-6);
 }
 

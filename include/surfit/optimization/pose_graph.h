@@ -110,7 +110,7 @@ std::vector<std::string> SparseBackendNames();
 // - "chordal": rotations by linear least squares over the matrices of all edges, then translations
 //   (Carlone et al.: Initialization techniques for 3D SLAM, ICRA 2015, IV.B). Poses without
 //   rotation or translation information keep the given values.
-// Components with priors are aligned with their priors, except from "given" poses.
+// Components with priors are aligned with their priors, if this lowers the cost of the priors.
 std::vector<std::string> PoseGraphStartNames();
 
 // Treatment of outlier loop closures, with the squared error s of a loop closure and c^2 =

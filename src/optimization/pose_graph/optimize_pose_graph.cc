@@ -23,14 +23,25 @@ StartPoses GivenPoses(const PoseGraph& graph) {
   return start;
 }
 
+double PriorCost(const PoseGraph& graph, const std::vector<Rigid3d>& poses) {
+  PoseGraph priors;
+  priors.priors = graph.priors;
+  priors.positions = graph.positions;
+  for (const Rigid3d& pose : poses) priors.poses.push_back({0, pose});
+  return Cost(priors);
+}
+
 // Returns the initial poses, or std::nullopt if the chordal initialisation has no solution.
 std::optional<StartPoses> Start(PoseGraphStart way, const PoseGraph& graph,
                                 const ChainedPoses& chained) {
-  if (way == PoseGraphStart::kGiven) return GivenPoses(graph);
   std::optional<StartPoses> start = StartPoses{chained.world_from_pose, {}, {}};
+  if (way == PoseGraphStart::kGiven) start = GivenPoses(graph);
   if (way == PoseGraphStart::kChordal) start = ChordalPoses(graph, chained.roots);
-  if (start && !(graph.priors.empty() && graph.positions.empty())) {
-    AlignWithPriors(graph, chained, &start->world_from_pose);
+  if (!start || (graph.priors.empty() && graph.positions.empty())) return start;
+  std::vector<Rigid3d> aligned = start->world_from_pose;
+  AlignWithPriors(graph, chained, &aligned);
+  if (PriorCost(graph, aligned) < PriorCost(graph, start->world_from_pose)) {
+    start->world_from_pose = aligned;
   }
   return start;
 }

@@ -73,8 +73,8 @@ std::optional<StartPoses> ChordalPoses(const PoseGraph& graph, const std::vector
 // Rotation with the least squared difference from the elements of a matrix.
 Eigen::Quaterniond NearestRotation(const Eigen::Matrix3d& matrix);
 
-// Moves each component with priors and without a fixed pose as a rigid body: to its first prior
-// with rotation information, or to all positions (Kabsch).
+// Moves each component with priors and without a fixed pose as a rigid body. The target is its first
+// prior with rotation information. Without such a prior, the targets are all positions (Kabsch).
 void AlignWithPriors(const PoseGraph& graph, const ChainedPoses& chained,
                      std::vector<Rigid3d>* world_from_pose);
 
