@@ -32,6 +32,30 @@ void AddEdge(PoseGraph* graph, std::int64_t a, std::int64_t b, const Rigid3d& a_
   graph->edges.push_back(edge);
 }
 
+PoseGraph ReadGraph(const std::filesystem::path& path, const std::string& odometry,
+                    const std::string& indefinite_information) {
+  G2oOptions options;
+  options.odometry = odometry;
+  options.indefinite_information = indefinite_information;
+  return ReadG2o(path.string(), options).graph;
+}
+
+// Returns N x 6 x 6, or None.
+py::object CovariancesOf(const PoseGraph& graph, const PoseGraphSummary& summary,
+                         const std::vector<std::int64_t>& ids) {
+  std::vector<std::size_t> poses;
+  for (const std::int64_t id : ids) poses.push_back(IndexOf(graph, id));
+  const auto covariances = MarginalCovariances(graph, summary, poses);
+  if (!covariances) return py::none();
+  py::array_t<double> result(
+      {static_cast<py::ssize_t>(ids.size()), py::ssize_t{6}, py::ssize_t{6}});
+  double* next = result.mutable_data();
+  for (const auto& covariance : *covariances) {
+    for (int i = 0; i < 36; ++i) *next++ = covariance(i / 6, i % 6);
+  }
+  return result;
+}
+
 py::array_t<double> PosesOf(const PoseGraph& graph) {
   py::array_t<double> poses(
       {static_cast<py::ssize_t>(graph.poses.size()), py::ssize_t{4}, py::ssize_t{4}});
@@ -57,6 +81,15 @@ void BindGraphSummary(py::module_& module) {
       .def_readonly(FIELD(Summary, given_cost), "cost of the input, all edges")
       .def_readonly(FIELD(Summary, initial_cost), "cost after initialisation, all edges")
       .def_readonly(FIELD(Summary, final_cost), "final cost, without outlier edges")
+      .def_readonly(FIELD(Summary, truncated_cost),
+                    "final cost with squared errors of loops of at most max_loop_squared_error")
+      .def_readonly(FIELD(Summary, start), "initial poses of the result")
+      .def_readonly(FIELD(Summary, loop_robustness), "kernel of the result")
+      .def_readonly(FIELD(Summary, component_sizes), "number of poses of each component")
+      .def_readonly(FIELD(Summary, undetermined_rotations),
+                    "indices of poses without a chordal rotation")
+      .def_readonly(FIELD(Summary, undetermined_positions),
+                    "indices of poses without a chordal position")
       .def_readonly(FIELD(Summary, round_count), "number of solves")
       .def_readonly(FIELD(Summary, held_count), "number of fixed poses")
       .def_readonly(FIELD(Summary, loop_count), "number of loop edges")
@@ -65,16 +98,30 @@ void BindGraphSummary(py::module_& module) {
       .def_readonly(FIELD(Summary, solve_ms), "wall time of the solver, ms");
 }
 
+void BindGraphFit(py::module_& module) {
+  using Fit = PoseGraphFit;
+  BindReport<Fit>(module, "PoseGraphFit", "Residuals compared with their information matrices.")
+      .def_readonly(FIELD(Fit, chi_square), "sum of the squared errors without outliers")
+      .def_readonly(FIELD(Fit, degrees_of_freedom), "rank of the measurements minus unknowns")
+      .def_readonly(FIELD(Fit, p_value), "probability of a larger chi_square")
+      .def_readonly(FIELD(Fit, odometry_ratio), "chi-square per degree of freedom of odometry")
+      .def_readonly(FIELD(Fit, loop_ratio), "chi-square per degree of freedom of accepted loops")
+      .def_readonly(FIELD(Fit, doubtful), "True if the result is implausible")
+      .def_readonly(FIELD(Fit, reason), "reason for the doubt");
+}
+
 }  // namespace
 
 void BindPoseGraph(py::module_& module) {
   BindGraphSummary(module);
+  BindGraphFit(module);
   py::class_<PoseGraph>(module, "PoseGraph", "Poses and relative pose measurements.")
       .def(py::init<>(), "Empty pose graph.")
       .def_static(
-          "read", [](const std::filesystem::path& path) { return ReadG2o(path.string()).graph; },
-          py::arg("path"),
-          "Reads a .g2o file. Edges between ids that are not consecutive are loops.")
+          "read", &ReadGraph, py::arg("path"), py::arg("odometry") = G2oOptions().odometry,
+          py::arg("indefinite_information") = G2oOptions().indefinite_information,
+          "Reads a .g2o file of SE(3) or SE(2). odometry: consecutive, spanning_tree or none; all "
+          "other edges are loops. indefinite_information: refuse, project or blocks.")
       .def(
           "write",
           [](const PoseGraph& graph, const std::filesystem::path& path) {
@@ -111,6 +158,11 @@ void BindPoseGraph(py::module_& module) {
             return OptimizePoseGraph(options, &graph);
           },
           py::arg("options") = PoseGraphOptions(), "Optimises the poses.")
+      .def("fit", &TestFit, py::arg("summary"),
+           "Compares the residuals of the optimised graph with their information matrices.")
+      .def("covariances", &CovariancesOf, py::arg("summary"), py::arg("ids"),
+           "Marginal covariances of the optimised poses of these ids, N x 6 x 6, for (rotation, "
+           "translation) in the world frame. None if the edges do not determine all poses.")
       .def("__repr__", [](const PoseGraph& graph) {
         return Concat("<surfit.PoseGraph of ", graph.poses.size(), " poses and ",
                       graph.edges.size(), " edges>");

@@ -92,7 +92,7 @@ def test_a_pose_graph_is_optimised(tmp_path):
     assert graph.cost > 0.01 and graph.ids == [10, 11, 12, 13, 14] and graph.edge_count == 5
     graph.write(tmp_path / "a.g2o")
     assert surfit.PoseGraph.read(tmp_path / "a.g2o").cost == pytest.approx(graph.cost)
-    summary = graph.optimize(surfit.PoseGraphOptions(initialization="given"))
+    summary = graph.optimize(surfit.PoseGraphOptions(start="given"))
     assert summary.succeeded and summary.final_cost < 1e-12
     assert np.allclose(graph.poses, truth, atol=1e-6)
     with pytest.raises(ValueError, match="no pose has id 3"):

@@ -33,6 +33,7 @@ constexpr std::array kRenamedOptions = {
     RenamedOption{"given_center_error", "camera_yaml_center_error"},
     RenamedOption{"given_focal_error", "camera_yaml_focal_error"},
     RenamedOption{"held", "observability"},
+    RenamedOption{"initialization", "start"},
     RenamedOption{"inlier_share", "inlier_ratio"},
     RenamedOption{"kept_angle_share", "kept_angle_ratio"},
     RenamedOption{"kept_kernel_share", "kept_kernel_ratio"},

@@ -115,7 +115,7 @@ int Run(const PoseGraph& given, const Bounds& bounds) {
   std::cout << graph.poses.size() << " poses, " << graph.edges.size() << " edges, cost "
             << Cost(given) << " as given" << std::endl;
   std::cout.precision(12);
-  options.initialization = "given";
+  options.start = "given";
   options.max_iterations = bounds.iterations;
   Outcome plain = SolvePlainly(graph, options), ours = SolveByUs(graph, options);
   for (int repeat = 1; repeat < bounds.repeats;

@@ -105,9 +105,89 @@ TEST(G2o, RejectsBadFilesByLineAndValue) {
   refuse("EDGE_SE3:QUAT 7 8 1e160 0 0 0 0 0 1" + kIdentity, "1e+160");
   refuse("EDGE_SE3:QUAT 7 8 0 0 0 0 0 0 1 1e160" + kIdentity.substr(2), "1e160");
   refuse("FIX 9", 9);
-  const std::string flat = folder.Write("flat.g2o", "VERTEX_SE2 0 0 0 0\n");
-  ExpectInputError([&] { ReadG2o(flat); }, Names("flat.g2o", "VERTEX_SE3:QUAT"));
+  refuse("VERTEX_SE2 9 0 0 0", "VERTEX_SE2", "SE(2)", "SE(3)");
+  refuse("EDGE_SE3_PRIOR 7 5 0 0 0 0 0 0 1" + kIdentity, "PARAMS_SE3OFFSET", 5);
+  refuse("EDGE_POINTXYZ_PRIOR 9 0 0 0 1 0 0 1 0 1", 9);
+  refuse("EDGE_POINTXYZ_PRIOR 7 0 0 0 1 0 0 -1 0 1", -1, "positive semidefinite");
+  const std::string empty = folder.Write("empty.g2o", "SOMETHING 0 0 0 0\n");
+  ExpectInputError([&] { ReadG2o(empty); }, Names("empty.g2o", "VERTEX_SE3:QUAT"));
   ExpectInputError([&] { ReadG2o(folder / "none.g2o"); }, Names("none.g2o"));
+}
+
+TEST(G2o, ReadsAndWritesPlanarGraphs) {
+  const TempFolder folder;
+  const std::string text =
+      "VERTEX_SE2 3 1 2 0.5\nVERTEX_SE2 9 2 3 1\nFIX 3\n"
+      "EDGE_SE2 3 9 1.5 0.25 0.5 1 0.5 0.25 2 0.125 3\n"
+      "EDGE_PRIOR_SE2 9 2 3 0.75 1 0 0 2 0 3\nEDGE_PRIOR_SE2_XY 9 2.5 3 4 1 5\n";
+  const PoseGraph graph = ReadG2o(folder.Write("a.g2o", text)).graph;
+  EXPECT_TRUE(graph.planar);
+  graph.Validate();
+  ASSERT_EQ(graph.edges.size(), 1u);
+  EXPECT_FALSE(graph.edges[0].loop);
+  Eigen::Matrix3d information;
+  information << 3, 0.25, 0.125, 0.25, 1, 0.5, 0.125, 0.5, 2;  // (angle, x, y)
+  EXPECT_EQ((graph.edges[0].information.block<3, 3>(2, 2)), information);
+  ASSERT_EQ(graph.priors.size(), 1u);
+  ASSERT_EQ(graph.positions.size(), 1u);
+  EXPECT_NEAR(SquaredError(graph, graph.priors[0]), 3 * 0.25 * 0.25, 1e-12);
+  EXPECT_NEAR(SquaredError(graph, graph.positions[0]), 4 * 0.25, 1e-12);
+  WriteG2o(graph, folder / "b.g2o");
+  const PoseGraph read = ReadG2o(folder / "b.g2o").graph;
+  EXPECT_TRUE(read.planar);
+  EXPECT_TRUE(read.poses[0].fixed);
+  EXPECT_NEAR(Cost(read), Cost(graph), 1e-12 * Cost(graph));
+}
+
+TEST(G2o, ReadsPriorsWithTheirOffset) {
+  const TempFolder folder;
+  const std::string text = kVertices +
+                           "PARAMS_SE3OFFSET 4 0 0 1 0 0 0 1\n"
+                           "EDGE_SE3_PRIOR 7 4 0 0 3 0 0 0 1" +
+                           kIdentity +
+                           "\nEDGE_POINTXYZ_PRIOR 8 1 2 4 1 0 0 1 0 9\n"
+                           "EDGE_SE3_XYZPRIOR 8 4 1 2 6 1 0 0 1 0 1\n";
+  const PoseGraph graph = ReadG2o(folder.Write("a.g2o", text)).graph;
+  ASSERT_EQ(graph.priors.size(), 1u);
+  ASSERT_EQ(graph.positions.size(), 2u);
+  EXPECT_NEAR(SquaredError(graph, graph.priors[0]), 4, 1e-12);     // 3 m - 1 m
+  EXPECT_NEAR(SquaredError(graph, graph.positions[0]), 9, 1e-12);  // 4 m - 3 m
+  EXPECT_NEAR(SquaredError(graph, graph.positions[1]), 4, 1e-12);  // 6 m - 4 m
+  WriteG2o(graph, folder / "b.g2o");
+  EXPECT_NEAR(Cost(ReadG2o(folder / "b.g2o").graph), Cost(graph), 1e-12);
+}
+
+TEST(G2o, ChainsPosesOfAFileWithoutVertices) {
+  const TempFolder folder;
+  const std::string tail = " 0 0 0 0 0 1" + kIdentity + "\n";
+  const G2oFile file =
+      ReadG2o(folder.Write("a.g2o", "EDGE_SE3:QUAT 5 2 2" + tail + "EDGE_SE3:QUAT 9 5 3" + tail));
+  EXPECT_EQ(file.chained_count, 3u);
+  ASSERT_EQ(file.graph.poses.size(), 3u);
+  EXPECT_EQ(file.graph.poses[0].id, 2);
+  EXPECT_NEAR(file.graph.poses[1].world_from_pose.translation.x(), -2, 1e-12);
+  EXPECT_NEAR(file.graph.poses[2].world_from_pose.translation.x(), -5, 1e-12);
+}
+
+TEST(G2o, ChangesIndefiniteInformationOnRequestOnly) {
+  const TempFolder folder;
+  // (x, qx) has the block [1 2; 2 1] with the eigenvalues 3 and -1.
+  const std::string path = folder.Write(
+      "a.g2o",
+      kVertices + "EDGE_SE3:QUAT 7 8 0 0 0 0 0 0 1 1 0 0 2 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n");
+  ExpectInputError([&] { ReadG2o(path); }, Names(path + ":3", -1, "--indefinite_information"));
+  G2oOptions options;
+  options.indefinite_information = "project";
+  G2oFile file = ReadG2o(path, options);
+  EXPECT_EQ(file.indefinite_count, 1u);
+  EXPECT_NEAR(file.graph.edges[0].information(0, 3), 1.5, 1e-12);
+  EXPECT_NEAR(file.graph.edges[0].information(0, 0), 1.5, 1e-12);
+  options.indefinite_information = "blocks";
+  file = ReadG2o(path, options);
+  EXPECT_EQ(file.indefinite_count, 1u);
+  EXPECT_EQ(file.graph.edges[0].information, (Eigen::Matrix<double, 6, 6>::Identity()));
+  options.indefinite_information = "some";
+  ExpectInputError([&] { ReadG2o(path, options); }, Names("indefinite_information", "some"));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "optimization/pose_graph/optimize_pose_graph.h"
+#include "optimization/pose_graph/robust_loops.h"
 #include "surfit/core/options.h"
 #include "testing/matchers.h"
 #include "testing/pose_graphs.h"
@@ -101,9 +102,9 @@ TEST(OptimizePoseGraph, RecoversTruthFromExactMeasurements) {
   for (PoseGraphEdge& edge : exact.graph.edges) {
     edge.a_from_b = exact.truth[edge.a].Inverse() * exact.truth[edge.b];
   }
-  for (const std::string& way : PoseGraphInitializationNames()) {
+  for (const std::string& way : PoseGraphStartNames()) {
     PoseGraphOptions options;
-    options.initialization = way;
+    options.start = way;
     PoseGraph graph = exact.graph;
     const PoseGraphSummary summary = OptimizePoseGraph(options, &graph);
     EXPECT_EQ(summary.termination, PoseGraphTermination::kConverged) << way;
@@ -133,7 +134,7 @@ TEST(ChordalPoses, AreRotationsIfLinearSolutionIsReflection) {
   }
   const auto poses = ChordalPoses(graph, {true, false});
   ASSERT_TRUE(poses);
-  EXPECT_THAT(poses->at(1), RigidNear(graph.edges[2].a_from_b, 1e-9, 1e-9));
+  EXPECT_THAT(poses->world_from_pose.at(1), RigidNear(graph.edges[2].a_from_b, 1e-9, 1e-9));
 }
 
 TEST(ChordalPoses, AreExactForAnyFixedPose) {
@@ -150,7 +151,8 @@ TEST(ChordalPoses, AreExactForAnyFixedPose) {
     const auto poses = ChordalPoses(graph, has_pose);
     ASSERT_TRUE(poses);
     for (std::size_t i = 0; i < count; ++i) {
-      EXPECT_THAT(poses->at(i), RigidNear(exact.truth[i], 1e-6, 1e-8)) << held << " " << i;
+      EXPECT_THAT(poses->world_from_pose.at(i), RigidNear(exact.truth[i], 1e-6, 1e-8))
+          << held << " " << i;
     }
   }
 }
@@ -174,9 +176,9 @@ PoseGraph SplitByDirection(const PoseGraph& graph) {
 
 TEST(OptimizePoseGraph, SupportsRankDeficientInformation) {
   const PoseGraph whole = MakeSphere(20, 20).graph;
-  for (const std::string& way : PoseGraphInitializationNames()) {
+  for (const std::string& way : PoseGraphStartNames()) {
     PoseGraphOptions options;
-    options.initialization = way;
+    options.start = way;
     PoseGraph graph = whole, split = SplitByDirection(whole);
     const PoseGraphSummary expected = OptimizePoseGraph(options, &graph);
     const PoseGraphSummary summary = OptimizePoseGraph(options, &split);
@@ -195,6 +197,27 @@ TEST(OptimizePoseGraph, FinalCostIsChiSquareOfNoise) {
   EXPECT_NEAR(2 * summary.final_cost, freedom, 5 * std::sqrt(2 * freedom));
   EXPECT_NEAR(summary.final_cost, Cost(sphere.graph), 1e-10 * summary.final_cost);
   EXPECT_GT(summary.given_cost, summary.final_cost);
+}
+
+// A pose that one edge ties by its position only has no rotation in the chordal system.
+TEST(OptimizePoseGraph, SolvesPoseWithoutRotationInformation) {
+  PoseGraph graph = MakeSphere(3, 5).graph;
+  const double cost = OptimizePoseGraph({}, &graph).final_cost;
+  PoseGraphEdge edge;
+  edge.a = graph.poses.size();
+  edge.b = 2;
+  edge.a_from_b.translation = {-1, -2, -3};
+  edge.information.topLeftCorner<3, 3>().setZero();
+  graph.poses.push_back({99, Rigid3d(), false});
+  graph.edges.push_back(edge);
+  const PoseGraphSummary summary = OptimizePoseGraph({}, &graph);
+  EXPECT_EQ(summary.termination, PoseGraphTermination::kConverged);
+  EXPECT_NEAR(summary.final_cost, cost, 1e-8 * cost);
+  EXPECT_THAT(summary.undetermined_rotations, ElementsAre(edge.a));
+  EXPECT_TRUE(summary.undetermined_positions.empty());
+  const Rigid3d to_new =
+      graph.poses[2].world_from_pose.Inverse() * graph.poses[edge.a].world_from_pose;
+  EXPECT_LT((to_new.translation - Eigen::Vector3d(1, 2, 3)).norm(), 1e-6);
 }
 
 TEST(OptimizePoseGraph, FixesOnePosePerComponentWithoutFixedPose) {
@@ -216,6 +239,7 @@ TEST(OptimizePoseGraph, FixesOnePosePerComponentWithoutFixedPose) {
   const PoseGraph before = graph;
   const PoseGraphSummary summary = OptimizePoseGraph({}, &graph);
   EXPECT_EQ(summary.held_count, 3u);
+  EXPECT_THAT(summary.component_sizes, ElementsAre(count, count));
   EXPECT_EQ(summary.termination, PoseGraphTermination::kConverged);
   for (std::size_t i = 0; i < graph.poses.size(); ++i) {
     const bool held = i == 5 || i == 20 || i == count;
@@ -250,7 +274,7 @@ TEST(OptimizePoseGraph, ReportsMaxIterations) {
   PoseGraph graph = MakeTorus(10, 10).graph;
   PoseGraphOptions options;
   options.max_iterations = 1;
-  options.initialization = "odometry";
+  options.start = "odometry";
   const PoseGraphSummary summary = OptimizePoseGraph(options, &graph);
   EXPECT_EQ(summary.termination, PoseGraphTermination::kMaxIterations);
   EXPECT_LT(summary.final_cost, summary.initial_cost);
@@ -259,7 +283,7 @@ TEST(OptimizePoseGraph, ReportsMaxIterations) {
 TEST(OptimizePoseGraph, RejectsInvalidOptions) {
   const auto refuse = ExpectOptionsRefused<PoseGraphOptions>;
   refuse([](auto& o) { o.sparse_backend = "dense"; }, "sparse_backend", "dense");
-  refuse([](auto& o) { o.initialization = "x"; }, "initialization", "x");
+  refuse([](auto& o) { o.start = "x"; }, "start", "x");
   refuse([](auto& o) { o.loop_robustness = "x"; }, "loop_robustness", "x");
   refuse([](auto& o) { o.max_iterations = 0; }, "max_iterations", "0");
   refuse([](auto& o) { o.max_loop_squared_error = 0; }, "max_loop_squared_error", "0");
@@ -281,7 +305,7 @@ TEST_P(PoseGraphShapes, ConvergeToSameCostFromAnyInitializationWithAnyBackend) {
   for (const char* way : {"odometry", "chordal"}) {
     for (const std::string& backend : SparseBackendNames()) {
       PoseGraphOptions options;
-      options.initialization = way;
+      options.start = way;
       options.sparse_backend = backend;
       PoseGraph graph = given.graph;
       const PoseGraphSummary summary = OptimizePoseGraph(options, &graph);

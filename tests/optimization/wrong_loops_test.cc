@@ -50,6 +50,33 @@ TEST(WrongLoops, AreRejectedOnTorus) { ExpectWrongLoopsAreFound(MakeTorus(20, 25
 
 TEST(WrongLoops, AreRejectedInGrid) { ExpectWrongLoopsAreFound(MakeGrid(7)); }
 
+TEST(WrongLoops, AreRejectedByEachKernelFromOdometry) {
+  TrueGraph wrong = MakeGrid(5);
+  const std::vector<std::size_t> planted = PlantWrongLoops(0.1, &wrong);
+  for (const char* kernel : {"gnc", "dcs", "geman_mcclure", "cauchy", "auto"}) {
+    PoseGraphOptions options;
+    options.loop_robustness = kernel;
+    options.start = "odometry";
+    TrueGraph graph = wrong;
+    const PoseGraphSummary summary = OptimizePoseGraph(options, &graph.graph);
+    EXPECT_EQ(summary.termination, PoseGraphTermination::kConverged) << kernel;
+    EXPECT_THAT(summary.outlier_edges, ::testing::IsSupersetOf(planted)) << kernel;
+    EXPECT_LE(summary.outlier_edges.size(), planted.size() + 0.02 * summary.loop_count) << kernel;
+    EXPECT_FALSE(TestFit(graph.graph, summary).doubtful) << kernel;
+  }
+}
+
+// Accepted wrong loops bend the odometry.
+TEST(WrongLoops, MakePlainLeastSquaresDoubtful) {
+  TrueGraph wrong = MakeGrid(5);
+  PlantWrongLoops(0.1, &wrong);
+  const PoseGraphSummary summary = OptimizePoseGraph({}, &wrong.graph);
+  const PoseGraphFit fit = TestFit(wrong.graph, summary);
+  EXPECT_TRUE(fit.doubtful);
+  EXPECT_LT(fit.p_value, 1e-9);
+  EXPECT_FALSE(fit.reason.empty());
+}
+
 TEST(WrongLoops, AreRejectedAlikeByEachBackend) {
   TrueGraph wrong = MakeTorus(12, 12);
   PlantWrongLoops(0.1, &wrong);

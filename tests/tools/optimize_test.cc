@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
@@ -60,6 +61,52 @@ TEST(OptimizeTool, ResultDoesNotDependOnThreadsOrBackend) {
   }
   unsetenv("OMP_NUM_THREADS");
   unsetenv("OPENBLAS_NUM_THREADS");
+}
+
+TEST(OptimizeTool, ReportsMaxIterationsByTheExitCode) {
+  const TempFolder folder;
+  WriteG2o(MakeTorus(10, 15).graph, folder / "in.g2o");
+  const ProgramResult result =
+      RunProgram("surfit_optimize", {"--graph=" + folder / "in.g2o", "--start=odometry",
+                                     "--max_graph_iterations=1", "--output=" + folder / "out.g2o"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.out, Names("max_iterations"));
+  EXPECT_THAT(result.err, Names("--max_graph_iterations"));
+  EXPECT_EQ(ReadG2o(folder / "out.g2o").graph.poses.size(), 150u);
+}
+
+TEST(OptimizeTool, ReportsDoubtByTheExitCode) {
+  const TempFolder folder;
+  TrueGraph grid = MakeGrid(5);
+  PlantWrongLoops(0.1, &grid);
+  WriteG2o(grid.graph, folder / "in.g2o");
+  const ProgramResult result = RunProgram(
+      "surfit_optimize", {"--graph=" + folder / "in.g2o", "--summary=" + folder / "summary.json"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, Names("doubtful"));
+  EXPECT_EQ(nlohmann::json::parse(ReadBytes(folder / "summary.json"))["status"], "doubtful");
+}
+
+TEST(OptimizeTool, ReportsComponentsErrorsAndCovariances) {
+  const TempFolder folder;
+  PoseGraph graph = MakeGrid(3).graph;
+  graph.poses.push_back({99, Rigid3d(), false});
+  WriteG2o(graph, folder / "in.g2o");
+  const ProgramResult result = Succeeded(RunProgram(
+      "surfit_optimize",
+      {"--graph=" + folder / "in.g2o", "--covariances=0,5", "--summary=" + folder / "summary.json",
+       "--edge_errors=" + folder / "edges.csv", "--initialization=odometry"}));
+  EXPECT_THAT(result.err, Names("2 disconnected components", 27));
+  const auto json = nlohmann::json::parse(ReadBytes(folder / "summary.json"));
+  EXPECT_EQ(json["options"]["start"], "odometry");
+  EXPECT_EQ(json["covariances"].size(), 2u);
+  EXPECT_EQ(json["covariances"]["0"][0], 0);
+  EXPECT_GT(json["covariances"]["5"][0], 0);
+  const std::string csv = ReadBytes(folder / "edges.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + static_cast<int>(graph.edges.size()));
+  ExpectRefused(
+      RunProgram("surfit_optimize", {"--graph=" + folder / "in.g2o", "--covariances=0,77"}),
+      "--covariances", "77");
 }
 
 TEST(OptimizeTool, DoesNotOverwriteItsInput) {

@@ -3,38 +3,72 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "surfit/optimization/pose_graph.h"
 
 namespace surfit {
 
+class OptionVisitor;
+
+// Treatment of indefinite information matrices:
+// - "refuse": InputError
+// - "project": negative eigenvalues are set to 0
+// - "blocks": the covariance of rotation and translation is dropped. Negative eigenvalues of the
+// two
+//   blocks are set to 0.
+std::vector<std::string> IndefiniteInformationNames();
+
+// Options of ReadG2o().
+struct G2oOptions {
+  std::string odometry = "consecutive";           // one of OdometryNames()
+  std::string indefinite_information = "refuse";  // one of IndefiniteInformationNames()
+
+  void Visit(OptionVisitor& visitor);
+};
+
 // Pose graph of a g2o file.
 struct G2oFile {
   PoseGraph graph;
   std::map<std::string, std::size_t> ignored_lines;  // number of lines per unknown tag
+  std::size_t indefinite_count = 0;  // number of changed indefinite information matrices
+  // Number of poses without a vertex. Their ids are those of edges, priors and FIX.
+  std::size_t chained_count = 0;
 };
 
-// Reads a 3D pose graph in the text format of g2o (Kummerle et al.: g2o: A general framework for
-// graph optimization, ICRA 2011), with lines in any order:
+// Reads a pose graph in the text format of g2o (Kummerle et al.: g2o: A general framework for graph
+// optimization, ICRA 2011), with lines in any order. In SE(3):
 //   VERTEX_SE3:QUAT id x y z qx qy qz qw          world_from_pose, metres
 //   EDGE_SE3:QUAT i j x y z qx qy qz qw I11 ...   i_from_j, and the upper triangle of the
 //                                                 information of (translation, rotation), by rows
+//   PARAMS_SE3OFFSET p x y z qx qy qz qw          pose_from_sensor
+//   EDGE_SE3_PRIOR i p x y z qx qy qz qw I11 ...  world_from_sensor of parameter p
+//   EDGE_SE3_XYZPRIOR i p x y z I11 ...           position of sensor p, 3 x 3 information
+//   EDGE_POINTXYZ_PRIOR i x y z I11 ...           position of pose i, 3 x 3 information
+// In SE(2), with angles in rad and the information of (x, y, angle):
+//   VERTEX_SE2 id x y angle
+//   EDGE_SE2 i j x y angle I11 I12 I13 I22 I23 I33
+//   EDGE_PRIOR_SE2 i x y angle I11 ...
+//   EDGE_PRIOR_SE2_XY i x y I11 I12 I22
+// In both:
 //   FIX id ...
 //   # comment
-// The rotation part of the information refers to a rotation vector in rad, as in GTSAM and in the
-// examples of Ceres. In g2o itself, it refers to (qx, qy, qz) of the quaternion, which is half of
-// this vector.
+// The rotation part of the information in SE(3) refers to a rotation vector in rad, as in GTSAM and
+// in the examples of Ceres. In g2o itself, it refers to (qx, qy, qz) of the quaternion, which is
+// half of this vector.
 //
 // The error of the edge is that of i_from_j^-1 (estimated i_from_j), in the frame of j. Therefore
-// the edge in the graph has a = j and b = i. An edge between ids that are not consecutive is a loop
-// closure.
+// the edge in the graph has a = j and b = i.
 //
-// Throws InputError that names the file, the line and the constraint. A file without vertices is an
-// error.
-G2oFile ReadG2o(const std::string& path);
+// The poses of a file without vertices are chained along a spanning tree. A file with vertices must
+// have a vertex for each id.
+//
+// Throws InputError that names the file, the line and the constraint. A file without poses and a
+// file with lines of SE(2) and SE(3) are errors.
+G2oFile ReadG2o(const std::string& path, const G2oOptions& options = {});
 
-// Writes poses, fixed poses and edges atomically in the same format, with enough digits for an
-// exact round trip. Throws InputError that names the file if it cannot be written.
+// Writes poses, fixed poses, edges and priors atomically in the same format, with enough digits for
+// an exact round trip. Throws InputError that names the file if it cannot be written.
 void WriteG2o(const PoseGraph& graph, const std::string& path);
 
 }  // namespace surfit

@@ -35,6 +35,9 @@ struct EdgeNoise {
 inline PoseGraphOptions RobustPoseGraphOptions() {
   PoseGraphOptions options;
   options.loop_robustness = "gnc";
+  options.start = "odometry";
+  options.max_round_iterations = 10;
+  options.min_round_cost_change = 1e-3;
   return options;
 }
 

@@ -1,6 +1,8 @@
 #include <Eigen/SVD>
-#include <Eigen/SparseCholesky>
+#include <array>
+#include <cmath>
 #include <deque>
+#include <map>
 
 #include "optimization/pose_graph/optimize_pose_graph.h"
 
@@ -27,12 +29,12 @@ class Chain {
   explicit Chain(const PoseGraph& graph)
       : graph_(graph), neighbours_(NeighboursOf(graph)), reached_(graph.poses.size(), false) {
     result_.world_from_pose.resize(graph.poses.size());
-    result_.held.assign(graph.poses.size(), false);
+    result_.roots.assign(graph.poses.size(), false);
   }
 
   void Hold(std::size_t pose) {
     if (reached_[pose]) return;
-    result_.held[pose] = true;
+    result_.roots[pose] = true;
     Place(pose, graph_.poses[pose].world_from_pose);
   }
 
@@ -69,118 +71,24 @@ class Chain {
   ChainedPoses result_;
 };
 
-using RowsOf3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;
-constexpr int kHeld = -1;
-
-// Indices of the poses that are not held; kHeld for held poses.
-std::vector<int> NumberUnknowns(const std::vector<bool>& held, int* count) {
-  std::vector<int> numbers(held.size(), kHeld);
-  *count = 0;
-  for (std::size_t i = 0; i < held.size(); ++i) {
-    if (!held[i]) numbers[i] = (*count)++;
+// Rotation and translation that move points p_i to q_i with the smallest sum of k |R p_i + t -
+// q_i|^2 (Kabsch). In SE(2), the rotation is about z.
+Rigid3d FitPoints(const std::vector<Eigen::Vector3d>& p, const std::vector<Eigen::Vector3d>& q,
+                  bool planar) {
+  Eigen::Vector3d mean_p = Eigen::Vector3d::Zero(), mean_q = mean_p;
+  for (std::size_t i = 0; i < p.size(); ++i) mean_p += p[i] / p.size(), mean_q += q[i] / p.size();
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    moments += (q[i] - mean_q) * (p[i] - mean_p).transpose();
   }
-  return numbers;
-}
-
-// Linear least squares over kSize x 3 blocks X_i. Terms: k |X_b - F X_a - c|^2 with orthogonal
-// F.
-template <int kSize>
-class BlockSystem {
- public:
-  using Factor = Eigen::Matrix<double, kSize, kSize>;
-  using Block = Eigen::Matrix<double, kSize, 3>;
-
-  explicit BlockSystem(int count) : right_side_(RowsOf3::Zero(kSize * count, 3)) {}
-
-  // `a`, `b`: block indices. If one is kHeld, its block is the constant known_a or known_b.
-  void Add(double k, int a, int b, const Factor& factor, const Block& constant,
-           const Block& known_a, const Block& known_b) {
-    if (a != kHeld) AddDiagonal(k, a);
-    if (b != kHeld) AddDiagonal(k, b);
-    if (a != kHeld && b != kHeld) {
-      for (int i = 0; i < kSize; ++i) {
-        for (int j = 0; j < kSize; ++j)
-          AddSymmetric(kSize * b + i, kSize * a + j, -k * factor(i, j));
-      }
-    }
-    const Block b_part = b == kHeld ? known_b : Block::Zero();
-    const Block a_part = a == kHeld ? known_a : Block::Zero();
-    if (b != kHeld) right_side_.middleRows(kSize * b, kSize) += k * (factor * a_part + constant);
-    if (a != kHeld) {
-      right_side_.middleRows(kSize * a, kSize) += k * factor.transpose() * (b_part - constant);
-    }
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  if (planar) {
+    const double angle = std::atan2(moments(1, 0) - moments(0, 1), moments(0, 0) + moments(1, 1));
+    rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  } else if (p.size() > 1) {
+    rotation = NearestRotation(moments).toRotationMatrix();
   }
-
-  std::optional<RowsOf3> Solve() const {
-    const Eigen::Index size = right_side_.rows();
-    Eigen::SparseMatrix<double> matrix(size, size);
-    matrix.setFromTriplets(entries_.begin(), entries_.end());
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt(matrix);
-    if (ldlt.info() != Eigen::Success) return std::nullopt;
-    const RowsOf3 solution = ldlt.solve(right_side_);
-    if (!solution.allFinite()) return std::nullopt;
-    return solution;
-  }
-
- private:
-  void AddDiagonal(double k, int block) {
-    for (int i = 0; i < kSize; ++i) {
-      entries_.emplace_back(kSize * block + i, kSize * block + i, k);
-    }
-  }
-  void AddSymmetric(int row, int column, double value) {
-    entries_.emplace_back(std::max(row, column), std::min(row, column), value);
-  }
-
-  std::vector<Eigen::Triplet<double>> entries_;
-  RowsOf3 right_side_;
-};
-
-// Rotation with the smallest Frobenius distance to a matrix.
-Eigen::Quaterniond NearestRotation(const Eigen::Matrix3d& matrix) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d u = svd.matrixU();
-  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
-  return Eigen::Quaterniond(u * svd.matrixV().transpose()).normalized();
-}
-
-// With X_i = R_i^T the terms are k |X_b - R_ab^T X_a|^2.
-bool SolveRotations(const PoseGraph& graph, const std::vector<int>& numbers, int count,
-                    std::vector<Rigid3d>* poses) {
-  BlockSystem<3> system(count);
-  for (const PoseGraphEdge& edge : graph.edges) {
-    const auto known = [&](std::size_t i) -> Eigen::Matrix3d {
-      return (*poses)[i].rotation.toRotationMatrix().transpose();
-    };
-    system.Add(edge.information.diagonal().head<3>().mean(), numbers[edge.a], numbers[edge.b],
-               edge.a_from_b.rotation.toRotationMatrix().transpose(), Eigen::Matrix3d::Zero(),
-               known(edge.a), known(edge.b));
-  }
-  const std::optional<RowsOf3> solution = system.Solve();
-  if (!solution) return false;
-  for (std::size_t i = 0; i < poses->size(); ++i) {
-    if (numbers[i] == kHeld) continue;
-    (*poses)[i].rotation = NearestRotation(solution->middleRows<3>(3 * numbers[i]).transpose());
-  }
-  return true;
-}
-
-bool SolveTranslations(const PoseGraph& graph, const std::vector<int>& numbers, int count,
-                       std::vector<Rigid3d>* poses) {
-  BlockSystem<1> system(count);
-  for (const PoseGraphEdge& edge : graph.edges) {
-    const Rigid3d &a = (*poses)[edge.a], &b = (*poses)[edge.b];
-    system.Add(edge.information.diagonal().tail<3>().mean(), numbers[edge.a], numbers[edge.b],
-               BlockSystem<1>::Factor::Identity(),
-               (a.rotation * edge.a_from_b.translation).transpose(), a.translation.transpose(),
-               b.translation.transpose());
-  }
-  const std::optional<RowsOf3> solution = system.Solve();
-  if (!solution) return false;
-  for (std::size_t i = 0; i < poses->size(); ++i) {
-    if (numbers[i] != kHeld) (*poses)[i].translation = solution->row(numbers[i]).transpose();
-  }
-  return true;
+  return {rotation, mean_q - rotation * mean_p};
 }
 
 }  // namespace
@@ -195,19 +103,55 @@ ChainedPoses ChainPoses(const PoseGraph& graph) {
     chain.Hold(i);
   }
   chain.Spread();
-  return chain.Take();
+  ChainedPoses chained = chain.Take();
+  PoseSets sets(graph.poses.size());
+  for (const PoseGraphEdge& edge : graph.edges) sets.Join(edge.a, edge.b);
+  std::vector<bool> has_prior(graph.poses.size(), false);
+  for (const PoseGraphPrior& prior : graph.priors) has_prior[sets.Find(prior.pose)] = true;
+  for (const PoseGraphPosition& prior : graph.positions) has_prior[sets.Find(prior.pose)] = true;
+  for (std::size_t i = 0; i < graph.poses.size(); ++i) {
+    chained.component.push_back(sets.Find(i));
+    chained.held.push_back(graph.poses[i].fixed ||
+                           (chained.roots[i] && !has_prior[chained.component[i]]));
+  }
+  return chained;
 }
 
-std::optional<std::vector<Rigid3d>> ChordalPoses(const PoseGraph& graph,
-                                                 const std::vector<bool>& held) {
-  int count = 0;
-  const std::vector<int> numbers = NumberUnknowns(held, &count);
-  std::vector<Rigid3d> poses;
-  for (const PoseGraphPose& pose : graph.poses) poses.push_back(pose.world_from_pose);
-  if (count == 0) return poses;
-  if (!SolveRotations(graph, numbers, count, &poses)) return std::nullopt;
-  if (!SolveTranslations(graph, numbers, count, &poses)) return std::nullopt;
-  return poses;
+// Rotation with the least squared difference from the elements of a matrix.
+Eigen::Quaterniond NearestRotation(const Eigen::Matrix3d& matrix) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
+  return Eigen::Quaterniond(u * svd.matrixV().transpose()).normalized();
+}
+
+void AlignWithPriors(const PoseGraph& graph, const ChainedPoses& chained,
+                     std::vector<Rigid3d>* world_from_pose) {
+  std::vector<Rigid3d>& poses = *world_from_pose;
+  const std::size_t count = poses.size();
+  std::vector<bool> is_done(count, false);
+  std::vector<Rigid3d> move(count);  // by component
+  for (std::size_t i = 0; i < count; ++i) {
+    if (graph.poses[i].fixed) is_done[chained.component[i]] = true;
+  }
+  for (const PoseGraphPrior& prior : graph.priors) {
+    const std::size_t component = chained.component[prior.pose];
+    if (is_done[component] || prior.information.diagonal().head<3>().isZero(0)) continue;
+    is_done[component] = true;
+    move[component] =
+        prior.world_from_sensor * (poses[prior.pose] * prior.pose_from_sensor).Inverse();
+  }
+  std::map<std::size_t, std::array<std::vector<Eigen::Vector3d>, 2>> points;
+  for (const PoseGraphPosition& position : graph.positions) {
+    const std::size_t component = chained.component[position.pose];
+    if (is_done[component]) continue;
+    points[component][0].push_back(poses[position.pose] * position.sensor_in_pose);
+    points[component][1].push_back(position.sensor_in_world);
+  }
+  for (const auto& [component, pair] : points) {
+    move[component] = FitPoints(pair[0], pair[1], graph.planar);
+  }
+  for (std::size_t i = 0; i < count; ++i) poses[i] = move[chained.component[i]] * poses[i];
 }
 
 }  // namespace surfit

@@ -2,51 +2,181 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
 #include "core/trace.h"
 #include "optimization/pose_graph/pose_graph_names.h"
+#include "optimization/pose_graph/robust_loops.h"
 #include "surfit/core/options.h"
 #include "surfit/optimization/pose_graph.h"
 
 namespace surfit {
 namespace {
 
-// Limits of the GNC rounds before the final round.
-constexpr int kRoundIterations = 10;
-constexpr double kRoundCostChange = 1e-3;
-// Enough rounds for an initial mu of 1e-30.
-constexpr int kMaxRounds = 300;
+// Rotation error of an edge from which the ridge of the rotation vector at pi is near, rad.
+constexpr double kLargeRotation = 1;
 
-std::vector<Rigid3d> PosesOf(const PoseGraph& graph) {
-  std::vector<Rigid3d> poses;
-  for (const PoseGraphPose& pose : graph.poses) poses.push_back(pose.world_from_pose);
-  return poses;
+StartPoses GivenPoses(const PoseGraph& graph) {
+  StartPoses start;
+  for (const PoseGraphPose& pose : graph.poses)
+    start.world_from_pose.push_back(pose.world_from_pose);
+  return start;
 }
 
-bool UsesGnc(const PoseGraphOptions& options) {
-  return ValueOf("loop_robustness", options.loop_robustness, kLoopRobustness) ==
-         LoopRobustness::kGnc;
+double PriorCost(const PoseGraph& graph, const std::vector<Rigid3d>& poses) {
+  PoseGraph priors;
+  priors.priors = graph.priors;
+  priors.positions = graph.positions;
+  for (const Rigid3d& pose : poses) priors.poses.push_back({0, pose});
+  return Cost(priors);
 }
 
-PoseGraphInitialization InitializationOf(const PoseGraphOptions& options) {
-  const auto way = ValueOf("initialization", options.initialization, kInitializations);
-  const bool misled = UsesGnc(options) && way == PoseGraphInitialization::kChordal;
-  return misled ? PoseGraphInitialization::kOdometry : way;
-}
-
-std::optional<std::vector<Rigid3d>> Initialize(PoseGraphInitialization way, const PoseGraph& graph,
-                                               const ChainedPoses& chained) {
-  switch (way) {
-    case PoseGraphInitialization::kGiven:
-      return PosesOf(graph);
-    case PoseGraphInitialization::kOdometry:
-      return chained.world_from_pose;
-    case PoseGraphInitialization::kChordal:
-      return ChordalPoses(graph, chained.held);
+// Returns the initial poses, or std::nullopt if the chordal initialisation has no solution.
+std::optional<StartPoses> Start(PoseGraphStart way, const PoseGraph& graph,
+                                const ChainedPoses& chained) {
+  std::optional<StartPoses> start = StartPoses{chained.world_from_pose, {}, {}};
+  if (way == PoseGraphStart::kGiven) start = GivenPoses(graph);
+  if (way == PoseGraphStart::kChordal) start = ChordalPoses(graph, chained.roots);
+  if (!start || (graph.priors.empty() && graph.positions.empty())) return start;
+  std::vector<Rigid3d> aligned = start->world_from_pose;
+  AlignWithPriors(graph, chained, &aligned);
+  if (PriorCost(graph, aligned) < PriorCost(graph, start->world_from_pose)) {
+    start->world_from_pose = aligned;
   }
-  return std::nullopt;
+  return start;
+}
+
+double LargestRotation(const PoseGraph& graph, const std::vector<Rigid3d>& poses) {
+  double largest = 0;
+  for (const PoseGraphEdge& edge : graph.edges) {
+    const Eigen::Quaterniond error = poses[edge.a].rotation.conjugate() * poses[edge.b].rotation *
+                                     edge.a_from_b.rotation.conjugate();
+    largest = std::max(largest, RotationAngle<double>(error));
+  }
+  return largest;
+}
+
+PoseGraphTermination Solve(const PoseGraph& graph, const PoseGraphOptions& options,
+                           const ChainedPoses& chained, const StartPoses& start,
+                           PoseGraphProblem* problem, PoseGraphSummary* summary) {
+  const StageTimer timer("solve", TraceSlice::kNoFrame, &summary->solve_ms);
+  const auto way = ValueOf("start", options.start, kPoseGraphStarts);
+  const bool is_plain =
+      ValueOf("loop_robustness", options.loop_robustness, kLoopRobustness) == LoopRobustness::kNone;
+  if (is_plain && way != PoseGraphStart::kChordal && !graph.planar &&
+      LargestRotation(graph, start.world_from_pose) > kLargeRotation) {
+    PoseGraphProblem smooth(graph, start.world_from_pose, chained.held, RotationError::kQuaternion);
+    PoseGraphOptions first = options;
+    first.min_relative_cost_change = std::max(options.min_relative_cost_change, 1e-6);
+    if (smooth.Minimize(first, kFarFromMinimum, summary) != PoseGraphTermination::kFailed) {
+      problem->SetPoses(smooth.Poses());
+    }
+  }
+  const bool is_near = way == PoseGraphStart::kChordal && start.undetermined_rotations.empty() &&
+                       start.undetermined_positions.empty() && graph.priors.empty() &&
+                       graph.positions.empty();
+  return SolveRobustly(graph, options, is_near ? kNearMinimum : kFarFromMinimum, problem, summary);
+}
+
+// Result of one method and one start.
+struct Attempt {
+  PoseGraphSummary summary;
+  std::vector<Rigid3d> world_from_pose;
+};
+
+void Finish(const PoseGraph& graph, const PoseGraphOptions& options,
+            const PoseGraphProblem& problem, Attempt* attempt) {
+  PoseGraphSummary& summary = attempt->summary;
+  summary.final_cost = CountedCost(problem, summary.outlier_edges);
+  summary.truncated_cost = TruncatedCost(graph, problem, options.max_loop_squared_error);
+  if (!std::isfinite(summary.final_cost)) summary.termination = PoseGraphTermination::kFailed;
+  attempt->world_from_pose = problem.Poses();
+}
+
+Attempt Optimize(const PoseGraph& graph, const PoseGraphOptions& options,
+                 const ChainedPoses& chained) {
+  Attempt attempt;
+  PoseGraphSummary& summary = attempt.summary;
+  summary.start = options.start;
+  summary.loop_robustness = options.loop_robustness;
+  std::optional<StageTimer> timer(std::in_place, "initialize", TraceSlice::kNoFrame,
+                                  &summary.initialize_ms);
+  const auto start = Start(ValueOf("start", options.start, kPoseGraphStarts), graph, chained);
+  if (!start) return attempt;
+  summary.undetermined_rotations = start->undetermined_rotations;
+  summary.undetermined_positions = start->undetermined_positions;
+  PoseGraphProblem problem(graph, start->world_from_pose, chained.held);
+  timer.reset();
+  summary.initial_cost = CountedCost(problem, {});
+  summary.termination = Solve(graph, options, chained, *start, &problem, &summary);
+  Finish(graph, options, problem, &attempt);
+  return attempt;
+}
+
+// Method and start of one attempt of "auto".
+struct Candidate {
+  const char *loop_robustness, *start;
+};
+constexpr Candidate kCandidates[] = {
+    {"gnc", "odometry"}, {"dcs", "odometry"}, {"geman_mcclure", "odometry"}, {"gnc", "chordal"}};
+// Limits of the rounds of "gnc" of an attempt. Polish() ends each attempt in a minimum.
+constexpr int kAttemptIterations = 10;
+constexpr double kAttemptCostChange = 1e-3;
+
+// Lets the attempt end in a minimum of the truncated cost.
+void Polish(const PoseGraph& graph, const PoseGraphOptions& options, const ChainedPoses& chained,
+            Attempt* attempt) {
+  PoseGraphProblem problem(graph, attempt->world_from_pose, chained.held);
+  {
+    const StageTimer timer("solve", TraceSlice::kNoFrame, &attempt->summary.solve_ms);
+    attempt->summary.termination = PolishTruncated(graph, options, &problem, &attempt->summary);
+  }
+  Finish(graph, options, problem, attempt);
+}
+
+// Keeps the attempt with the smallest truncated cost. The first one of equal attempts wins.
+Attempt OptimizeFromSeveralStarts(const PoseGraph& graph, const PoseGraphOptions& options,
+                                  const ChainedPoses& chained) {
+  Attempt best;
+  std::vector<PoseGraphIteration> iterations;
+  int rounds = 0;
+  double initialize_ms = 0, solve_ms = 0;
+  for (const Candidate& candidate : kCandidates) {
+    PoseGraphOptions one = options;
+    one.loop_robustness = candidate.loop_robustness;
+    one.start = candidate.start;
+    one.max_round_iterations = std::min(options.max_round_iterations, kAttemptIterations);
+    one.min_round_cost_change = std::max(options.min_round_cost_change, kAttemptCostChange);
+    Attempt attempt = Optimize(graph, one, chained);
+    if (attempt.summary.Succeeded()) Polish(graph, options, chained, &attempt);
+    for (PoseGraphIteration iteration : attempt.summary.iterations) {
+      iteration.round += rounds;
+      iterations.push_back(iteration);
+    }
+    rounds += attempt.summary.round_count;
+    initialize_ms += attempt.summary.initialize_ms;
+    solve_ms += attempt.summary.solve_ms;
+    if (!attempt.summary.Succeeded()) continue;
+    if (!best.summary.Succeeded() || attempt.summary.truncated_cost < best.summary.truncated_cost) {
+      best = std::move(attempt);
+    }
+  }
+  best.summary.iterations = std::move(iterations);
+  best.summary.round_count = rounds;
+  best.summary.initialize_ms = initialize_ms;
+  best.summary.solve_ms = solve_ms;
+  return best;
+}
+
+}  // namespace
+
+void DescribeGraph(const PoseGraph& graph, const ChainedPoses& chained, PoseGraphSummary* summary) {
+  summary->held_count = std::count(chained.held.begin(), chained.held.end(), true);
+  std::vector<std::size_t> sizes(graph.poses.size(), 0);
+  for (const std::size_t component : chained.component) ++sizes[component];
+  for (const std::size_t size : sizes) {
+    if (size > 0) summary->component_sizes.push_back(size);
+  }
 }
 
 std::vector<std::size_t> LoopsOf(const PoseGraph& graph) {
@@ -57,95 +187,39 @@ std::vector<std::size_t> LoopsOf(const PoseGraph& graph) {
   return loops;
 }
 
-std::vector<double> Select(const std::vector<double>& all,
-                           const std::vector<std::size_t>& indices) {
-  std::vector<double> selected;
-  for (const std::size_t i : indices) selected.push_back(all[i]);
-  return selected;
-}
-
-std::vector<double> EdgeWeights(const std::vector<double>& loop_weights,
-                                const std::vector<std::size_t>& loops, std::size_t edge_count) {
-  std::vector<double> weights(edge_count, 1);
-  for (std::size_t i = 0; i < loops.size(); ++i) weights[loops[i]] = loop_weights[i];
-  return weights;
-}
-
-// Runs GNC, sets the weights of outlier loop closures to 0, and lists the outliers. Returns
-// false if a solver run failed.
-bool FindWrongLoops(const PoseGraph& graph, const PoseGraphOptions& options,
-                    PoseGraphProblem* problem, PoseGraphSummary* summary) {
-  PoseGraphOptions round = options;
-  round.max_iterations = std::min(options.max_iterations, kRoundIterations);
-  round.min_relative_cost_change = std::max(options.min_relative_cost_change, kRoundCostChange);
-  const std::vector<std::size_t> loops = LoopsOf(graph);
-  const auto solve = [&] {
-    return problem->Minimize(round, kFarFromMinimum, summary) != PoseGraphTermination::kFailed;
-  };
-  LoopWeights gnc(options.max_loop_squared_error, Select(problem->SquaredErrors(), loops));
-  std::vector<double> weights;
-  for (int i = 0; i < kMaxRounds; ++i) {
-    weights = gnc.Update(Select(problem->SquaredErrors(), loops));
-    problem->SetWeights(EdgeWeights(weights, loops, graph.edges.size()));
-    if (AreBinary(weights)) break;
-    if (!solve()) return false;
-  }
-  for (double& weight : weights) weight = weight < 0.5 ? 0 : 1;
-  problem->SetWeights(EdgeWeights(weights, loops, graph.edges.size()));
-  for (std::size_t i = 0; i < loops.size(); ++i) {
-    if (weights[i] == 0) summary->outlier_edges.push_back(loops[i]);
-  }
-  return true;
-}
-
-double CountedCost(const std::vector<double>& squared_errors,
-                   const std::vector<std::size_t>& left_out) {
-  std::vector<double> counted = squared_errors;
+double CountedCost(const PoseGraphProblem& problem, const std::vector<std::size_t>& left_out) {
+  std::vector<double> counted = problem.SquaredErrors();
   for (const std::size_t i : left_out) counted[i] = 0;
-  return std::accumulate(counted.begin(), counted.end(), 0.) / 2;
+  return std::accumulate(counted.begin(), counted.end(), problem.PriorError()) / 2;
 }
 
-PoseGraphTermination Solve(const PoseGraph& graph, const PoseGraphOptions& options,
-                           PoseGraphProblem* problem, PoseGraphSummary* summary) {
-  const StageTimer timer("solve", TraceSlice::kNoFrame, &summary->solve_ms);
-  if (UsesGnc(options) && !FindWrongLoops(graph, options, problem, summary)) {
-    return PoseGraphTermination::kFailed;
-  }
-  const bool is_near = InitializationOf(options) == PoseGraphInitialization::kChordal;
-  return problem->Minimize(options, is_near ? kNearMinimum : kFarFromMinimum, summary);
+double TruncatedCost(const PoseGraph& graph, const PoseGraphProblem& problem,
+                     double max_squared_error) {
+  std::vector<double> errors = problem.SquaredErrors();
+  for (const std::size_t i : LoopsOf(graph)) errors[i] = std::min(errors[i], max_squared_error);
+  return std::accumulate(errors.begin(), errors.end(), problem.PriorError()) / 2;
 }
-
-void TakePoses(const PoseGraphProblem& problem, const std::vector<bool>& held, PoseGraph* graph) {
-  const std::vector<Rigid3d> poses = problem.Poses();
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (!held[i]) graph->poses[i].world_from_pose = poses[i];
-  }
-}
-
-}  // namespace
 
 PoseGraphSummary OptimizePoseGraph(const PoseGraphOptions& options, PoseGraph* graph) {
   Validate(options);
   graph->Validate();
-  PoseGraphSummary summary;
+  const ChainedPoses chained = ChainPoses(*graph);
+  Attempt best;
+  if (ValueOf("loop_robustness", options.loop_robustness, kLoopRobustness) ==
+      LoopRobustness::kAuto) {
+    best = OptimizeFromSeveralStarts(*graph, options, chained);
+  } else {
+    best = Optimize(*graph, options, chained);
+  }
+  PoseGraphSummary& summary = best.summary;
   summary.sparse_backend = options.sparse_backend;
   summary.given_cost = Cost(*graph);
   summary.loop_count = LoopsOf(*graph).size();
-
-  std::optional<StageTimer> timer(std::in_place, "initialize", TraceSlice::kNoFrame,
-                                  &summary.initialize_ms);
-  const ChainedPoses chained = ChainPoses(*graph);
-  summary.held_count = std::count(chained.held.begin(), chained.held.end(), true);
-  const auto initial = Initialize(InitializationOf(options), *graph, chained);
-  if (!initial) return summary;
-  PoseGraphProblem problem(*graph, *initial, chained.held);
-  timer.reset();
-
-  summary.initial_cost = CountedCost(problem.SquaredErrors(), {});
-  summary.termination = Solve(*graph, options, &problem, &summary);
-  summary.final_cost = CountedCost(problem.SquaredErrors(), summary.outlier_edges);
-  if (!std::isfinite(summary.final_cost)) summary.termination = PoseGraphTermination::kFailed;
-  if (summary.Succeeded()) TakePoses(problem, chained.held, graph);
+  DescribeGraph(*graph, chained, &summary);
+  if (!summary.Succeeded()) return summary;
+  for (std::size_t i = 0; i < graph->poses.size(); ++i) {  // held poses stay bitwise identical
+    if (!chained.held[i]) graph->poses[i].world_from_pose = best.world_from_pose[i];
+  }
   return summary;
 }
 

@@ -25,9 +25,11 @@ std::vector<std::string> SparseBackendNames() {
   return names;
 }
 
-std::vector<std::string> PoseGraphInitializationNames() { return NamesOf(kInitializations); }
+std::vector<std::string> PoseGraphStartNames() { return NamesOf(kPoseGraphStarts); }
 
 std::vector<std::string> LoopRobustnessNames() { return NamesOf(kLoopRobustness); }
+
+std::vector<std::string> OdometryNames() { return NamesOf(kOdometryRules); }
 
 std::string ToString(PoseGraphTermination termination) {
   return NameOf(termination, kTerminations);
@@ -37,21 +39,27 @@ void PoseGraphOptions::Visit(OptionVisitor& v) {
   v.Group("graph");
   v.Add(sparse_backend, "sparse_backend", "sparse linear solver of Ceres",
         OneOf(SparseBackendNames()), AsFlag());
-  v.Add(initialization, "initialization",
-        "initial poses; given: from the file; odometry: chained along edges of consecutive ids; "
-        "chordal: from all edges, by two linear systems",
-        OneOf(PoseGraphInitializationNames()), AsFlag());
+  v.Add(
+      start, "start",
+      "initial poses; given: from the file; odometry: chained along odometry edges; chordal: from "
+      "all edges, by two linear systems",
+      OneOf(PoseGraphStartNames()), AsFlag());
   v.Add(loop_robustness, "loop_robustness",
-        "outlier rejection; none: all edges are used; gnc: reject inconsistent loop closures "
-        "(edges between ids that are not consecutive)",
+        "kernel of loop closures; gnc: truncated squared error; dcs, huber, cauchy, geman_mcclure: "
+        "M-estimators; auto: best of several methods and starts",
         OneOf(LoopRobustnessNames()), AsFlag());
   v.Add(max_loop_squared_error, "max_loop_squared_error",
-        "for gnc: maximum error e^T information e of an inlier loop closure", Positive(), AsFlag());
+        "maximum error e^T information e of an inlier loop closure", Positive(), AsFlag());
   v.Add(max_iterations, "max_iterations",
         "maximum number of Levenberg-Marquardt iterations, per round of gnc", AtLeast(1),
         AsFlag("max_graph_iterations"));
   v.Add(min_relative_cost_change, "min_relative_cost_change",
         "relative cost change below which iterations end", AtLeast(0), AsFlag());
+  v.Add(max_round_iterations, "max_round_iterations",
+        "maximum number of Levenberg-Marquardt iterations of a round of gnc before the final round",
+        AtLeast(1));
+  v.Add(min_round_cost_change, "min_round_cost_change",
+        "relative cost change below which a round of gnc before the final round ends", AtLeast(0));
 }
 
 }  // namespace surfit
