@@ -22,6 +22,7 @@ struct SimulateOptions {
   PathOptions path;
   int seed = 4;
   std::string sensor = "kinect";
+  int width = 0, height = 0;  // px; 0: size of the sensor
   double inverse_depth_offset = 0;
   std::vector<double> inverse_depth_distortion;
   double latency_s = 0;
