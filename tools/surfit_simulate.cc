@@ -12,6 +12,7 @@
 #include "common/tool_main.h"
 #include "simulate/sequence_writer.h"
 #include "simulate/simulate_options.h"
+#include "simulate/simulated_sensor.h"
 #include "simulate/surface_sampler.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
@@ -28,7 +29,7 @@ constexpr int kSurfaceStride = 5;
 
 struct SimulatedFrame {
   Rendering exact;
-  Image<float> depth_m;
+  SensorImage measured;
 };
 
 // Options, camera and renderer of the frames.
@@ -36,16 +37,29 @@ struct FrameSimulator {
   const SimulateOptions& options;
   PinholeCamera camera;
   InverseDepthField error;
+  SimulatedSensor sensor;
   MovingCamera moving;
 
   SimulatedFrame Simulate(int index) const {
     SimulatedFrame frame;
     frame.exact = moving.Frame(index);
     const auto seed = (static_cast<std::uint64_t>(options.seed) << 32) + index;
-    frame.depth_m = options.sensor == "ideal" ? frame.exact.depth_m
-                                              : KinectDepth(frame.exact.depth_m, camera, seed);
-    if (!error.IsZero()) CorrectDepth(camera, error, &frame.depth_m);
+    frame.measured = sensor.Measure(frame.exact, camera, seed);
+    if (!error.IsZero()) CorrectDepth(camera, error, &frame.measured.depth_m);
     return frame;
+  }
+
+  // Noise of the sensor in evenly spaced frames. Every part of a simulation has the same frames.
+  // 0 without known noise.
+  double InverseDepthSigma() const {
+    constexpr int kMaxFrames = 8;
+    MeanNoise noise;
+    const int count = sensor.HasKnownNoise() ? std::min(kMaxFrames, options.frames) : 0;
+    for (int k = 0; k < count; ++k) {
+      const auto frame = (2 * k + 1) * static_cast<std::int64_t>(options.frames) / (2 * count);
+      noise.Add(Simulate(static_cast<int>(frame)).measured);
+    }
+    return noise.Sigma();
   }
 };
 
@@ -82,13 +96,14 @@ SurfaceSampler WriteFrames(const FrameSimulator& studio, const Trajectory& path,
     std::vector<SimulatedFrame> batch(end - begin);
     ParallelFor(begin, end, 1, [&](int i, int) {
       SimulatedFrame frame = studio.Simulate(i);
-      writer.WriteFrame(i, path[i].stamp_s, frame.exact.color, frame.depth_m);
+      writer.WriteFrame(i, path[i].stamp_s, frame.exact.color, frame.measured.depth_m,
+                        frame.measured.confidence);
       if (i % kSurfaceStride == 0 || i + 1 == frames) batch[i - begin] = std::move(frame);
     });
     for (int i = begin; i < end; ++i) {
       const SimulatedFrame& frame = batch[i - begin];
-      if (frame.depth_m.empty()) continue;
-      surface.Add(frame.exact, frame.depth_m, studio.camera,
+      if (frame.measured.depth_m.empty()) continue;
+      surface.Add(frame.exact, frame.measured.depth_m, studio.camera,
                   [&](int v) { return studio.moving.DepthPose(i, v); });
     }
     ShowProgress(end - first, past - first, &line);
@@ -105,7 +120,7 @@ SurfaceSampler JoinParts(const SimulateOptions& options, const SequenceWriter& w
     const std::string folder = FolderOfPart(part, options);
     surface.Add(ReadPly(SurfaceFile(folder)));
     const auto [first, past] = FramesOfPart(part, options);
-    const int images = writer.LinkImages(folder), needed = 2 * (past - first);
+    const int images = writer.LinkImages(folder), needed = writer.ImagesPerFrame() * (past - first);
     if (images != needed) {
       throw InputError(Concat(folder, " has ", images, " images, must have ", needed,
                               ": render it again with --part=", part, " and the flags of --join"));
@@ -153,16 +168,20 @@ int Run(const SimulateOptions& options) {
   }
   const ThreadLimit limit(options.threads);
   const Scene scene = MakeScene(options.scene, options.seed, options.building);
-  const RgbdCamera camera = TrueCameraOf(options), given = CameraYamlOf(options, camera);
+  RgbdCamera camera = TrueCameraOf(options), given = CameraYamlOf(options, camera);
   PathOptions path_options = options.path;
   path_options.frames_per_second = camera.frames_per_second;
   const Trajectory path = MakePath(scene, options.frames, options.seed, path_options);
+  const SimulatedSensor sensor(options.sensor);
   const FrameSimulator studio = {
-      options, camera.depth, error, {scene, camera, path, options.color}};
+      options, camera.depth, error, sensor, {scene, camera, path, options.color}};
+  if (const double sigma = studio.InverseDepthSigma(); sigma > 0) {
+    camera.noise.inverse_depth_sigma = given.noise.inverse_depth_sigma = sigma;
+  }
   const std::string output = FolderOfPart(options.part, options);
   const SequenceWriter writer(output,
                               options.image_y_up ? SequenceLayout::kIclNuim : SequenceLayout::kTum,
-                              given, options.latency_s);
+                              given, options.latency_s, sensor.HasConfidence());
   writer.WriteLists(path);
   if (HasUnlistedTruth(options)) writer.WriteTruth(path, TruthOf(studio, camera, path));
   const SurfaceSampler surface =

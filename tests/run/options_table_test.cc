@@ -62,10 +62,11 @@ using AllOptions = ::testing::Types<
     PlaceIndexOptions, VerifyLoopOptions, FindLoopsOptions, RelocalizeOptions, EdgeNoise,
     PoseGraphOptions, LoopOptions, SlamOptions, CalibrationPrior, RefinementOptions, MatchOptions,
     RelativePoseErrorOptions, TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions,
-    RecordOptions, KinectOptions, ColorOptions, PathOptions, ReportOptions, SlamRunOptions,
-    AlignRunOptions, RecordingCheckOptions, RegisterRunOptions, RefineRunOptions, RevisitOptions,
-    ViewEvaluationOptions, MeshOptions, CompareOptions, ScanPlanOptions, CandidatesOptions,
-    LinkOptions, GraphOptions, TileOptions, ScanReportOptions, BatchOptions>;
+    RecordOptions, KinectOptions, StereoOptions, RangeNoise, TofOptions, LidarOptions, ColorOptions,
+    PathOptions, ReportOptions, SlamRunOptions, AlignRunOptions, RecordingCheckOptions,
+    RegisterRunOptions, RefineRunOptions, RevisitOptions, ViewEvaluationOptions, MeshOptions,
+    CompareOptions, ScanPlanOptions, CandidatesOptions, LinkOptions, GraphOptions, TileOptions,
+    ScanReportOptions, BatchOptions>;
 TYPED_TEST_SUITE(OptionTables, AllOptions);
 
 // FieldCount() counts a base as one field.

@@ -1,7 +1,9 @@
 // The sensor model of surfit_simulate, and the parameters that it writes.
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <filesystem>
+#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
 #include "surfit/io/camera_files.h"
@@ -10,6 +12,7 @@
 #include "surfit/io/trajectory_files.h"
 #include "surfit/simulation/render.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 #include "testing/run_program.h"
 
 namespace surfit::testing {
@@ -20,10 +23,16 @@ constexpr int kSensorSeed = 3;
 
 class SimulateSensorTest : public ::testing::Test {
  protected:
-  std::string Simulate(const std::string& name, std::vector<std::string> flags) const {
-    flags.insert(flags.end(),
-                 {"--output=" + (folder_ / name), "--frames=" + std::to_string(kSensorFrames),
-                  "--seed=" + std::to_string(kSensorSeed), "--downsample=8", "--sensor=ideal"});
+  std::string Simulate(const std::string& name, const std::vector<std::string>& flags) const {
+    return SimulateAs("ideal", name, flags);
+  }
+  // Later flags take precedence.
+  std::string SimulateAs(const std::string& sensor, const std::string& name,
+                         const std::vector<std::string>& more) const {
+    std::vector<std::string> flags = {
+        "--output=" + (folder_ / name), "--frames=" + std::to_string(kSensorFrames),
+        "--seed=" + std::to_string(kSensorSeed), "--downsample=8", "--sensor=" + sensor};
+    flags.insert(flags.end(), more.begin(), more.end());
     const ProgramResult result = RunProgram("surfit_simulate", flags);
     return result.exit_code == 0 ? "" : result.err;
   }
@@ -157,6 +166,88 @@ TEST_F(SimulateSensorTest, SurfaceIsExactWithRollingShutter) {
     ASSERT_LT(std::abs(scene.Distance(point.cast<double>())),
               2e-6);  // rounding of floats up to 8 m
   }
+}
+
+TEST_F(SimulateSensorTest, SizeScalesTheIntrinsics) {
+  ASSERT_EQ(Simulate("room", {"--downsample=1", "--width=160", "--height=96", "--frames=1"}), "");
+  const PinholeCamera camera = ReadCameraYaml(folder_ / "room/camera.yaml").depth;
+  EXPECT_EQ(camera.width, 160);
+  EXPECT_EQ(camera.height, 96);
+  EXPECT_DOUBLE_EQ(camera.fx, 525 / 4.);
+  EXPECT_DOUBLE_EQ(camera.fy, 525 / 5.);
+  EXPECT_DOUBLE_EQ(camera.cx, 79.5);  // the centre of the image stays the centre
+  EXPECT_DOUBLE_EQ(camera.cy, 47.5);
+  const auto frames = Frames("room");
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_EQ(frames[0].depth_m.width(), 160);
+  EXPECT_EQ(frames[0].depth_m.height(), 96);
+}
+
+TEST_F(SimulateSensorTest, SensorsHaveExactGroundTruthAndTheirNoise) {
+  ASSERT_EQ(Simulate("ideal", {}), "");
+  const Scene scene = MakeScene("room", kSensorSeed);
+  for (const std::string sensor : {"stereo", "tof", "lidar"}) {
+    ASSERT_EQ(SimulateAs(sensor, sensor, {"--downsample=4"}), "");
+    EXPECT_EQ(Text(sensor + "/groundtruth.txt"), Text("ideal/groundtruth.txt")) << sensor;
+    const PointCloud surface = ReadPly(folder_ / (sensor + "/surface.ply"));
+    EXPECT_GT(surface.points.size(), 100u);
+    for (const Eigen::Vector3f& point : surface.points) {
+      ASSERT_LT(std::abs(scene.Distance(point.cast<double>())), 2e-6);  // floats of up to 8 m
+    }
+    // All frames are among those that the noise is taken from.
+    const RgbdCamera camera = ReadCameraYaml(folder_ / (sensor + "/camera.yaml"));
+    const Trajectory path = MakePath(scene, kSensorFrames, kSensorSeed);
+    const auto frames = Frames(sensor);
+    double squares = 0, count = 0;
+    for (int i = 0; i < kSensorFrames; ++i) {
+      const Rendering exact = Render(scene, camera.depth, path[i].world_from_camera);
+      const std::uint64_t seed = (std::uint64_t{kSensorSeed} << 32) + i;
+      const SensorImage expected = sensor == "stereo" ? StereoDepth(exact, camera.depth, seed)
+                                   : sensor == "tof"  ? TofDepth(exact, camera.depth, seed)
+                                                      : LidarDepth(exact, camera.depth, seed);
+      for (std::size_t k = 0; k < expected.depth_m.size(); ++k) {
+        ASSERT_NEAR(frames[i].depth_m[k], expected.depth_m[k], 0.5 / 5000 + 1e-6) << sensor;
+        if (expected.depth_m[k] == 0) continue;
+        squares += std::pow(expected.inverse_depth_sigma[k], 2);
+        ++count;
+      }
+    }
+    const double sigma = std::sqrt(squares / count);
+    EXPECT_NEAR(camera.noise.inverse_depth_sigma, sigma, 0.0006 * sigma) << sensor;  // four digits
+  }
+  EXPECT_EQ(ReadCameraYaml(folder_ / "ideal/camera.yaml").noise.inverse_depth_sigma,
+            DepthNoise().inverse_depth_sigma);
+}
+
+TEST_F(SimulateSensorTest, LidarWritesConfidence) {
+  ASSERT_EQ(SimulateAs("lidar", "phone", {"--downsample=1", "--frames=2"}), "");
+  EXPECT_EQ(ReadCameraYaml(folder_ / "phone/camera.yaml").depth.width, 256);
+  std::istringstream depths(Text("phone/depth.txt")), confidences(Text("phone/confidence.txt"));
+  std::string depth, confidence;
+  int counts[3] = {};
+  while (std::getline(depths, depth)) {
+    ASSERT_TRUE(std::getline(confidences, confidence));
+    if (depth[0] == '#') {
+      EXPECT_EQ(confidence, "# timestamp filename");
+      continue;
+    }
+    EXPECT_EQ(confidence.substr(0, confidence.find(' ')), depth.substr(0, depth.find(' ')));
+    const std::string file = confidence.substr(confidence.find(' ') + 1);
+    EXPECT_THAT(file, StartsWith("confidence/"));
+    const cv::Mat image = cv::imread(folder_ / ("phone/" + file), cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(image.type(), CV_8UC1);
+    ASSERT_EQ(image.cols, 256);
+    ASSERT_EQ(image.rows, 192);
+    for (const auto [u, v] : PixelsOf(image.cols, image.rows)) {
+      ASSERT_LE(image.at<std::uint8_t>(v, u), 2);
+      ++counts[image.at<std::uint8_t>(v, u)];
+    }
+  }
+  EXPECT_FALSE(std::getline(confidences, confidence));
+  for (const int count : counts) EXPECT_GT(count, 0);
+  ASSERT_EQ(SimulateAs("kinect", "phone", {}), "");  // replaces the simulation
+  EXPECT_FALSE(Exists("phone/confidence.txt"));
+  EXPECT_FALSE(Exists("phone/confidence"));
 }
 
 TEST_F(SimulateSensorTest, RejectsLatencyOfNumberedFrames) {

@@ -187,7 +187,7 @@ TEST_F(SimulateTest, FilesDependOnlyOnTheSeed) {
 
 TEST_F(SimulateTest, JoinedPartsEqualOneSimulation) {
   for (const std::vector<std::string>& more :
-       {std::vector<std::string>{}, {"--image_y_up"}, {"--exposure_s=0.01"}}) {
+       {std::vector<std::string>{}, {"--image_y_up"}, {"--exposure_s=0.01"}, {"--sensor=lidar"}}) {
     const auto simulate = [&](const std::string& name, std::vector<std::string> flags) {
       flags.insert(flags.end(), more.begin(), more.end());
       return Simulate(name, flags);
@@ -257,7 +257,9 @@ TEST_F(SimulateTest, AddsAnInverseDepthField) {
 TEST_F(SimulateTest, RejectsBadFlagsByName) {
   const RefusedFlags cases = {
       {{"--scene=kitchen"}, {"scene", "kitchen", "building", "corridor", "room"}},
-      {{"--sensor=lidar"}, {"--sensor", "lidar", "ideal", "kinect"}},
+      {{"--sensor=radar"}, {"--sensor", "radar", "ideal", "kinect", "lidar", "stereo", "tof"}},
+      {{"--width=-1"}, {"--width", "-1"}},
+      {{"--height=20000"}, {"--height", "20000"}},
       {{"--seed=-1"}, {"--seed", "-1"}},
       {{"--surface_grid_m=0"}, {"--surface_grid_m", "0", "0.001"}},
       {{"--threads=-2"}, {"threads", "-2"}},

@@ -39,8 +39,6 @@ void MakeEmptyFolder(const std::string& folder) {
   WriteFileAtomically(folder + "/" + kMark, [](std::ostream& out) {
     out << "The next simulation into this folder deletes all of its files.\n";
   });
-  fs::create_directory(folder + "/rgb");
-  fs::create_directory(folder + "/depth");
 }
 
 template <typename T>
@@ -65,23 +63,33 @@ Image<std::uint16_t> ToUnits(const Image<float>& depth_m, double units_per_metre
 }  // namespace
 
 SequenceWriter::SequenceWriter(const std::string& folder, SequenceLayout layout,
-                               const RgbdCamera& camera, double latency_s)
-    : folder_(folder), layout_(layout), camera_(camera), latency_s_(latency_s) {
+                               const RgbdCamera& camera, double latency_s, bool has_confidence)
+    : folder_(folder),
+      layout_(layout),
+      camera_(camera),
+      latency_s_(latency_s),
+      has_confidence_(has_confidence) {
   MakeEmptyFolder(folder);
+  for (const std::string& kind : Kinds()) fs::create_directory(Concat(folder, "/", kind));
   const bool mirrored = layout == SequenceLayout::kIclNuim;
   WriteCameraYaml(mirrored ? Mirrored(camera) : camera, folder + "/camera.yaml");
 }
 
+std::vector<std::string> SequenceWriter::Kinds() const {
+  if (has_confidence_) return {"rgb", "depth", "confidence"};
+  return {"rgb", "depth"};
+}
+
 int SequenceWriter::LinkImages(const std::string& folder) const {
   int count = 0;
-  for (const char* const kind : {"/rgb", "/depth"}) {
+  for (const std::string& kind : Kinds()) {
     std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder + kind, error)) {
-      fs::create_hard_link(entry.path(), fs::path(folder_ + kind) / entry.path().filename(), error);
+    for (const auto& entry : fs::directory_iterator(fs::path(folder) / kind, error)) {
+      fs::create_hard_link(entry.path(), fs::path(folder_) / kind / entry.path().filename(), error);
       if (error) break;
       ++count;
     }
-    if (error) throw InputError(Concat(folder, kind, " cannot be linked: ", error.message()));
+    if (error) throw InputError(Concat(folder, "/", kind, " cannot be linked: ", error.message()));
   }
   return count;
 }
@@ -98,7 +106,8 @@ std::string SequenceWriter::NameOf(int i, double stamp_s) const {
 void SequenceWriter::WriteLists(const Trajectory& world_from_camera) const {
   const bool icl = layout_ == SequenceLayout::kIclNuim;
   Trajectory poses;
-  std::string color_list = "# timestamp filename\n", depth_list = color_list, pairs;
+  std::string color_list = "# timestamp filename\n", depth_list = color_list;
+  std::string confidence_list = color_list, pairs;
   for (std::size_t i = 0; i < world_from_camera.size(); ++i) {
     const StampedPose& pose = world_from_camera[i];
     const int frame = static_cast<int>(i);
@@ -109,12 +118,14 @@ void SequenceWriter::WriteLists(const Trajectory& world_from_camera) const {
     const std::string depth = Concat(name, " depth/", name, ".png");
     color_list += color + "\n";
     depth_list += depth + "\n";
+    confidence_list += Concat(name, " confidence/", name, ".png\n");
     pairs += icl ? Concat(depth, " ", color, "\n") : Concat(color, " ", depth, "\n");
   }
   const auto write = [&](const char* name, const std::string& text) {
     WriteFileAtomically(folder_ + "/" + name, [&](std::ostream& out) { out << text; });
   };
   write("associations.txt", pairs);
+  if (has_confidence_) write("confidence.txt", confidence_list);
   WriteTumTrajectory(poses, folder_ + "/groundtruth.txt");
   if (icl) {
     WriteTumTrajectory(poses, folder_ + "/simulated.gt.freiburg");
@@ -143,10 +154,12 @@ void SequenceWriter::WriteTruth(const Trajectory& world_from_camera,
 }
 
 void SequenceWriter::WriteFrame(int i, double stamp_s, const Image<Rgb8>& color,
-                                const Image<float>& depth_m) const {
+                                const Image<float>& depth_m,
+                                const Image<std::uint8_t>& confidence) const {
   const std::string file = NameOf(i, stamp_s) + ".png";
   WritePng(color, folder_ + "/rgb/" + file);
   WritePng(ToUnits(depth_m, camera_.depth_units_per_metre), folder_ + "/depth/" + file);
+  if (has_confidence_) WritePng(confidence, folder_ + "/confidence/" + file);
 }
 
 }  // namespace surfit::tools

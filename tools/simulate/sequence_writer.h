@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,8 @@ struct SequenceTruth {
 };
 
 // Writes an RGB-D sequence: rgb/, depth/ (16-bit PNG, 0: missing), camera.yaml, groundtruth.txt
-// and the lists of the layout.
+// and the lists of the layout. Sensors with confidence also have confidence/ (8-bit PNG) and
+// confidence.txt.
 class SequenceWriter {
  public:
   // Creates the folder, or empties the folder of an earlier simulation. `camera` is written to
@@ -39,7 +41,7 @@ class SequenceWriter {
   // InputError if the folder contains other files. All functions throw InputError with the name of
   // the folder or file.
   SequenceWriter(const std::string& folder, SequenceLayout layout, const RgbdCamera& camera,
-                 double latency_s);
+                 double latency_s, bool has_confidence);
 
   // Writes the lists and the ground truth, with one pose per frame. Independent of WriteFrame().
   void WriteLists(const Trajectory& world_from_camera) const;
@@ -48,20 +50,24 @@ class SequenceWriter {
   // Hard-links all images of another folder with the same layout into this folder. Returns their
   // number.
   int LinkImages(const std::string& folder) const;
-  // Writes the images of frame i. `stamp_s` is the capture time of depth. Depth in m, 0: missing.
-  // Depth above the 16-bit range becomes missing. Calls for different frames may run in parallel.
-  void WriteFrame(int i, double stamp_s, const Image<Rgb8>& color,
-                  const Image<float>& depth_m) const;
+  // Number of images per frame.
+  int ImagesPerFrame() const { return static_cast<int>(Kinds().size()); }
+  // Writes the images of frame i. Calls for different frames may run in parallel. Requires a
+  // confidence image if the sensor has confidence.
+  void WriteFrame(int i, double stamp_s, const Image<Rgb8>& color, const Image<float>& depth_m,
+                  const Image<std::uint8_t>& confidence) const;
 
  private:
   double StampOf(int i, double stamp_s) const;
   double ImageStamp(double stamp_s) const { return stamp_s + latency_s_; }
   std::string NameOf(int i, double stamp_s) const;
+  std::vector<std::string> Kinds() const;  // names of the folders of images
 
   std::string folder_;
   SequenceLayout layout_;
   RgbdCamera camera_;
   double latency_s_;
+  bool has_confidence_;
 };
 
 }  // namespace surfit::tools

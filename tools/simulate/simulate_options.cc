@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/shared_options.h"
+#include "simulate/simulated_sensor.h"
 #include "surfit/core/error.h"
 #include "surfit/simulation/scene.h"
 
@@ -35,6 +36,23 @@ void VisitSensor(OptionVisitor& v, SimulateOptions* o) {
         AsFlag());
 }
 
+// The field of view stays. Sizes of 0 stay.
+PinholeCamera Resized(PinholeCamera camera, int width, int height) {
+  if (width > 0) {
+    const double scale = static_cast<double>(width) / camera.width;
+    camera.fx *= scale;
+    camera.cx = (camera.cx + 0.5) * scale - 0.5;
+    camera.width = width;
+  }
+  if (height > 0) {
+    const double scale = static_cast<double>(height) / camera.height;
+    camera.fy *= scale;
+    camera.cy = (camera.cy + 0.5) * scale - 0.5;
+    camera.height = height;
+  }
+  return camera;
+}
+
 }  // namespace
 
 void SimulateOptions::Visit(OptionVisitor& v) {
@@ -45,8 +63,14 @@ void SimulateOptions::Visit(OptionVisitor& v) {
   v.AddPart(building, "building", "size of the building");
   v.Add(frames, "frames", "number of frames", AtLeast(1), AsFlag(), Everyday());
   v.Add(seed, SharedOption("seed", AtLeast(0), Everyday()));
-  v.Add(sensor, "sensor", "exact depth, or the noise model of a Kinect v1",
-        OneOf({"ideal", "kinect"}), AsFlag(), Everyday());
+  v.Add(sensor, "sensor",
+        "exact depth, or the errors of a Kinect v1, of active stereo (RealSense D435), of time of "
+        "flight (Azure Kinect) or of a phone's lidar with confidence images",
+        OneOf(SensorNames()), AsFlag(), Everyday());
+  v.Add(width, "width", "width of the images; fx and cx scale with it", InUnit("px"),
+        ZeroIs("640, with --sensor=lidar 256"), Between(0, 16384), AsFlag(), Everyday());
+  v.Add(height, "height", "height of the images; fy and cy scale with it", InUnit("px"),
+        ZeroIs("480, with --sensor=lidar 192"), Between(0, 16384), AsFlag(), Everyday());
   v.Add(downsample, SharedOption("downsample", Everyday()));
   v.Add(image_y_up, "image_y_up",
         "write the convention of ICL-NUIM: numbered frames, fy < 0, poses mirrored by "
@@ -85,12 +109,8 @@ InverseDepthField DepthErrorOf(const SimulateOptions& options) {
 
 RgbdCamera TrueCameraOf(const SimulateOptions& options) {
   RgbdCamera camera;
-  camera.depth.width = 640;
-  camera.depth.height = 480;
-  camera.depth.fx = camera.depth.fy = 525;
-  camera.depth.cx = 319.5;
-  camera.depth.cy = 239.5;
-  camera.depth = camera.depth.Subsampled(options.downsample);
+  camera.depth = Resized(SimulatedSensor(options.sensor).camera(), options.width, options.height)
+                     .Subsampled(options.downsample);
   camera.latency_s = options.latency_s;
   camera.color_latency_s = options.color_latency_s;
   camera.readout_s = options.readout_s;

@@ -22,9 +22,10 @@ struct SimulateOptions {
   int frames = 200;
   PathOptions path;
   int seed = 4;
-  std::string sensor = "kinect";    // or "ideal": exact depth
-  double inverse_depth_offset = 0;  // 1/m, error of 1/z that camera.yaml does not contain
-  std::vector<double> inverse_depth_distortion;  // c1 to c5 of this error, 1/m; empty: 0
+  std::string sensor = "kinect";
+  int width = 0, height = 0;  // px; 0: size of the sensor
+  double inverse_depth_offset = 0;
+  std::vector<double> inverse_depth_distortion;
   double latency_s = 0;
   double color_latency_s = 0;
   double readout_s = 0;

@@ -22,7 +22,7 @@ void SurfaceSampler::Add(const Rendering& rendering, const Image<float>& measure
   for (int v = 0; v < camera.height; ++v) {
     const Rigid3d pose = world_from_camera(v);
     for (int u = 0; u < camera.width; ++u) {
-      if (measured_depth_m(u, v) == 0) continue;
+      if (measured_depth_m(u, v) == 0 || rendering.depth_m(u, v) == 0) continue;
       const Eigen::Vector3d exact = pose * (rendering.depth_m(u, v) * camera.Ray(u, v));
       const Eigen::Vector3f point = exact.cast<float>();
       if (!IsFirstInItsCube(point)) continue;

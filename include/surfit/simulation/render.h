@@ -92,7 +92,131 @@ struct KinectOptions {
 Image<float> KinectDepth(const Image<float>& depth_m, const PinholeCamera& camera,
                          std::uint64_t seed, const KinectOptions& options = {});
 
-// Options of the colour camera. Default: global shutter, fixed exposure.
+// Image of a simulated depth sensor.
+struct SensorImage {
+  Image<float> depth_m;  // z along the optical axis; 0: missing
+  // True standard deviation of the noise of 1/z, 1/m. 0: missing pixel. Systematic errors (bleeding
+  // edges, flying pixels, multipath, smoothing) are not included.
+  Image<float> inverse_depth_sigma;
+  Image<std::uint8_t> confidence;  // 0: low, 1: medium, 2: high; empty: the sensor has none
+};
+
+// The following sensors measure depth from exact depth, normals and colour. Reflectance is the
+// luminance of the colour in linear light, so a shadow has the effect of a dark surface. A depth
+// edge separates two pixels if a point is farther from the tangent plane of the other point than
+// `edge_ratio` times the smaller depth. The same seed gives the same image for any number of
+// threads. The functions throw InputError for invalid options. They abort if the images do not have
+// the size of the camera.
+
+// Active stereo, for example an Intel RealSense D435 (Keselman, Woodfill, Grunnet-Jepsen and
+// Bhowmik, "Intel RealSense Stereoscopic Depth Cameras", CVPR Workshops 2017; Grunnet-Jepsen,
+// Sweetser and Woodfill, "Best-Known-Methods for Tuning Intel RealSense D400 Depth Cameras for Best
+// Performance", 2018; Ahn, Chae, Shin and Kim, "Analysis and Noise Modeling of the Intel RealSense
+// D435 for Mobile Robots", UR 2019).
+// - Noise is Gaussian with a constant standard deviation in inverse depth. The noise of two pixels
+//   at a distance of r px has the correlation exp(-(r / correlation_px)^2), because their matching
+//   windows overlap.
+// - Edges bleed: pixels of the background get the depth of a nearer surface in the matching window.
+//   The width of the bleeding varies along the edge from 0 to window_px.
+// - The background beside the left edge of a nearer surface is occluded in the right image, and
+//   missing: baseline_m f (1 / z_near - 1 / z_far) pixels.
+// - Matching fails without contrast in the window. The contrast of the surface is the standard
+//   deviation of its luminance. The contrast of the projected pattern is
+//   projector_contrast reflectance cos(incidence) / z^2.
+struct StereoOptions {
+  double baseline_m = 0.05;         // D435
+  double matcher_focal_px = 424;    // focal length at the resolution of the matching: 848 x 480
+  double disparity_sd_px = 0.06;    // standard deviation of the disparity at this resolution
+  double correlation_px = 10;       // correlation length of the noise, in pixels of the image
+  double window_px = 4;             // radius of the matching window, in pixels of the image
+  double edge_ratio = 0.03;         // depth edges
+  double edge_loss = 0.35;          // ratio of missing pixels with a depth edge in the window
+  double projector_contrast = 0.2;  // standard deviation of luminance on white, frontal, at 1 m
+  double min_contrast = 0.005;      // smaller contrast is missing
+  double min_contrast_sd = 0.2;     // standard deviation of log(min_contrast) in the image
+  double max_incidence_deg = 78;    // larger angles of incidence are missing
+  double min_depth_m = 0.28;        // smaller depth is missing
+  double max_depth_m = 10;          // larger depth is missing
+
+  // Standard deviation of the noise of 1/z, 1/m.
+  double InverseDepthSigma() const { return disparity_sd_px / (baseline_m * matcher_focal_px); }
+  void Visit(OptionVisitor& visitor);
+};
+
+SensorImage StereoDepth(const Rendering& exact, const PinholeCamera& camera, std::uint64_t seed,
+                        const StereoOptions& options = {});
+
+// Noise of a range by active light. The signal S of a surface at range r is
+// reflectance cos(incidence) / r^2, and 1 for a white frontal surface at 1 m. Shot noise of signal
+// and ambient light A gives
+//   sigma^2 = floor_m^2 + shot_m^2 (S + A) / S^2
+// (Lange and Seitz, "Solid-State Time-of-Flight Range Camera", IEEE J. Quantum Electronics 2001).
+// The noise increases with the range and with 1 / reflectance.
+struct RangeNoise {
+  double floor_m = 0.0005;  // standard deviation at infinite signal
+  double shot_m = 0.0005;   // shot noise at S = 1 without ambient light
+  double ambient = 0.01;    // A
+
+  // Standard deviation of a range in m. `reflected` is reflectance times cos(incidence). Infinite
+  // without signal.
+  double Sigma(double range_m, double reflected) const;
+  void Visit(OptionVisitor& visitor);
+};
+
+// Continuous-wave time of flight, for example an Azure Kinect (Toelgyessy, Dekan, Chovanec and
+// Hubinsky, "Evaluation of the Azure Kinect and Its Comparison to Kinect V1 and Kinect V2", Sensors
+// 2021; Sarbolandi, Lefloch and Kolb, "Kinect Range Sensing", CVIU 2015).
+// - Noise is Gaussian and independent per pixel: RangeNoise. The default is near the measured noise
+//   of the narrow unbinned mode (0.6 mm at 0.8 m, 0.9 mm at 1.5 m, 1.7 mm at 3 m).
+// - Multipath: light that reaches a point x over a visible point y has a longer way, by 2 e with
+//   e = (|y| + |y - x| - |x|) / 2 > 0. The range gets the bias sum(a e) / (1 + sum(a)) over all y.
+//   a is the irradiance of x by y divided by the direct irradiance, for diffuse surfaces and one
+//   bounce, times exp(-(e / l)^2 / 2) with l = c / (4 pi modulation_hz): light with longer ways
+//   has many phases of the modulation, which cancel. Concave creases get a positive bias. Convex
+//   edges and planes get none.
+// - Flying pixels: `flying_ratio` of the pixels beside a depth edge mix the ranges of both
+//   surfaces. The area ratio of the mixture is uniform, and the signals are the weights.
+struct TofOptions {
+  RangeNoise noise;
+  double multipath_gain = 1;   // factor of the irradiance over other surfaces; 0: no multipath
+  double modulation_hz = 2e8;  // frequency of the modulated light; l = 0.12 m
+  double flying_ratio = 0.5;   // of the pixels beside a depth edge
+  double edge_ratio = 0.03;    // depth edges
+  double max_sigma_m = 0.017;  // larger noise is missing: dark, oblique and far surfaces
+  double min_depth_m = 0.5;    // smaller depth is missing
+  double max_depth_m = 5.46;   // larger depth is missing
+
+  void Visit(OptionVisitor& visitor);
+};
+
+SensorImage TofDepth(const Rendering& exact, const PinholeCamera& camera, std::uint64_t seed,
+                     const TofOptions& options = {});
+
+// Lidar of a phone, for example ARKit's scene depth (Luetzenburg, Kroon and Bjork, "Evaluation of
+// the Apple iPhone 12 Pro LiDAR", Scientific Reports 2021; Baruch et al., "ARKitScenes", NeurIPS
+// 2021). A grid of dots is ranged with RangeNoise. A plane in inverse depth is fitted to the dots
+// around each pixel, with weights by distance and colour difference (Kopf, Cohen, Lischinski and
+// Uyttendaele, "Joint Bilateral Upsampling", SIGGRAPH 2007). The image is dense and smoothed across
+// depth edges without colour edges. Confidence is
+// - low within `edge_px` of a depth edge, and if RangeNoise of the pixel exceeds medium_sigma_m,
+// - else medium within 2 `edge_px` of a depth edge, and if RangeNoise exceeds high_sigma_m,
+// - else high.
+struct LidarOptions {
+  RangeNoise noise = {0.004, 0.002, 0.01};
+  int dots_across = 24, dots_down = 24;
+  double color_scale = 0.1;     // colour difference with the weight exp(-1/2); white minus black: 1
+  double edge_ratio = 0.03;     // depth edges
+  double edge_px = 3;           // radius of low confidence around depth edges
+  double high_sigma_m = 0.015;  // largest noise of a dot for high confidence
+  double medium_sigma_m = 0.03;  // largest noise of a dot for medium confidence
+
+  void Visit(OptionVisitor& visitor);
+};
+
+SensorImage LidarDepth(const Rendering& exact, const PinholeCamera& camera, std::uint64_t seed,
+                       const LidarOptions& options = {});
+
+// Options of the colour camera. Default: global shutter and fixed exposure.
 struct ColorOptions {
   double color_readout_s = 0;  // rolling-shutter readout of colour
   double exposure_s = 0;       // exposure time, centred at the capture time

@@ -66,6 +66,7 @@ std::string EncodeJpeg(const Image<Rgb8>& image, int quality);
 // EncodeJpeg().
 std::string EncodePng(const Image<Rgb8>& image);
 std::string EncodePng(const Image<std::uint16_t>& image);
+std::string EncodePng(const Image<std::uint8_t>& image);
 
 bool IsPng(const std::string& bytes);
 

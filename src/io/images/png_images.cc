@@ -214,4 +214,8 @@ std::string EncodePng(const Image<std::uint16_t>& image) {
   return PngWriter().Write(image, 16, PNG_COLOR_TYPE_GRAY);
 }
 
+std::string EncodePng(const Image<std::uint8_t>& image) {
+  return PngWriter().Write(image, 8, PNG_COLOR_TYPE_GRAY);
+}
+
 }  // namespace surfit

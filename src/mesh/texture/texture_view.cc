@@ -13,9 +13,9 @@ namespace surfit {
 namespace {
 
 constexpr int kVerticesPerTask = 8192, kTrianglesPerTask = 8192;
-constexpr int kMargin_px = 3;  // width of mixed colours at depth edges and image borders
-constexpr float kMinCosine = 0.2f;
-constexpr float kHidden_m = 0.03f;
+constexpr int kMargin_px = 3;             // range of mixed colours at depth edges and image borders
+constexpr float kLeastCosine = 0.2f;      // between ray and normal
+constexpr float kHidden_m = 0.03f;        // minimum depth behind an occluder
 constexpr float kHiddenPerMetre = 0.03f;  // added to kHidden_m, per metre of depth
 constexpr float kMissed_m = 0.1f;         // maximum difference to the measured depth
 constexpr int kDark = 20, kBright = 245;
@@ -148,7 +148,7 @@ float TextureView::SharpnessOf(const Triangle& triangle) const {
     bright += std::max({color.r, color.g, color.b}) > kBright ? 1.f / 3 : 0;
   }
   const float cosine = normal.dot(ray) / (normal.norm() * ray.norm());
-  if (!(own.dot(ray) > 0 && cosine > kMinCosine)) return 0;
+  if (!(own.dot(ray) > 0 && cosine > kLeastCosine)) return 0;
   const float fineness = camera_.fx() / z / kPixelsPerMetre, blur = speed * kBlur_s;
   const float sharp = 1 + blur * blur;
   return fineness * fineness * cosine / (sharp * sharp) * (1 - kLossByBrightness * bright);
