@@ -35,8 +35,9 @@ class Relocalizer {
 // Situation before the searched frame. References must be valid during the search.
 struct SearchStart {
   const TrackingState& state;
-  const ReferenceView&
-      last;            // last frame with a pose; `view` only with TrackingOptions::initialize
+  // Last frame with a pose. `view` is set if tracking is frame-to-frame, for the motion model so3,
+  // and unless TrackingOptions::initialize is "identity".
+  const ReferenceView& last;
   double seconds = 0;  // since the last frame with a pose
   // Predicted pose; std::nullopt without a motion prior.
   std::optional<Rigid3d> expected;

@@ -25,7 +25,7 @@ bool HaveEqualIntrinsics(const PinholeCamera& a, const PinholeCamera& b);
 std::string PresetsOfSize(int width, int height);
 
 // Sets the latency to 0 for sequences whose timestamps are not from a clock. Throws InputError if
-// the options set a latency.
+// the options set a latency other than 0.
 void DropLatency(const SequenceOptions& options, RgbdCamera* camera);
 
 // Path of the camera.yaml that ResolveCamera() reads; empty: none.
