@@ -61,8 +61,8 @@ inline Rendering StepView(const PinholeCamera& camera, double near_m, double far
   });
 }
 
-// Two walls at right angles, both at 45 deg to the optical axis, which meet at x = 0 and depth z.
-// concave: the meeting line is the farthest part; otherwise the nearest.
+// Two walls at right angles, both at 45 degrees to the optical axis. They meet at x = 0 and depth
+// z. `concave`: the meeting line is the farthest part. Otherwise it is the nearest part.
 inline Rendering CornerView(const PinholeCamera& camera, double z, bool concave,
                             Rgb8 color = kWhite) {
   return ViewOf(camera, [&](int u, int v) -> SurfacePoint {

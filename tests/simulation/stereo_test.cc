@@ -101,7 +101,8 @@ TEST(Stereo, NearSurfaceBleedsIntoTheBackground) {
   EXPECT_EQ(bled[0], pixels);  // on the near surface
   EXPECT_EQ(bled[4] + bled[5], 0);
   for (int k = 1; k < 4; ++k) {
-    // Along the edge one independent value has the length sqrt(pi) L = 18 px: 266 in all.
+    // One independent value has the length sqrt(pi) L = 18 px along the edge. The edge has 266
+    // independent values.
     EXPECT_NEAR(bled[k] / pixels, 1 - k / 4., 4 * std::sqrt(0.25 / 266)) << k;
   }
 }

@@ -158,8 +158,8 @@ TEST(Tof, ARatioOfEdgePixelsFliesBetweenTheSurfaces) {
       ASSERT_LE(z, kFar_m + 0.002);
       if (std::abs(z - truth) < 1e-6) continue;
       ++flying;
-      // The signal of the near surface is 4 times larger, so a pixel of the far surface is nearer
-      // than the middle if the near surface has more than 1 / 5 of its area.
+      // The signal of the near surface is 4 times larger. A pixel of the far surface is therefore
+      // nearer than the middle if the near surface has more than 1 / 5 of its area.
       if (truth != kFar_m) continue;
       ++edge_flying;
       beyond_middle += z < (kNear_m + kFar_m) / 2;

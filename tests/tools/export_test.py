@@ -2,11 +2,11 @@
 
     export_test.py TOOLS_DIRECTORY
 
-Gaussians are drawn by a renderer of this file, and the result is compared with the images. The
-renderer blends splats as 3D Gaussian splatting does (Kerbl et al., SIGGRAPH 2023): projected
-covariance plus 0.3 px^2, in order of depth, with alpha = opacity * exp(-d^2 / 2) of at most 0.99 and
-at least 1/255. Its PSNR must be at least that of the splat rendering of surfit_evaluate, in views
-that the map covers completely. Beyond the border of the map, the own rendering extrapolates.
+A renderer of this file draws the Gaussians, and the result is compared with the images. It blends
+splats in the order of depth, like 3D Gaussian splatting (Kerbl et al., SIGGRAPH 2023). The projected
+covariance grows by 0.3 px^2. alpha = opacity * exp(-d^2 / 2) is at least 1/255 and at most 0.99. The
+PSNR must be at least the PSNR of the splat rendering of surfit_evaluate. Only views that the map
+covers completely are compared, because the rendering of surfit_evaluate extrapolates.
 """
 
 import csv

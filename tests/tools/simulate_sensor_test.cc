@@ -194,7 +194,7 @@ TEST_F(SimulateSensorTest, SensorsHaveExactGroundTruthAndTheirNoise) {
     for (const Eigen::Vector3f& point : surface.points) {
       ASSERT_LT(std::abs(scene.Distance(point.cast<double>())), 2e-6);  // floats of up to 8 m
     }
-    // All frames are among those that the noise is taken from.
+    // The noise estimate uses all frames.
     const RgbdCamera camera = ReadCameraYaml(folder_ / (sensor + "/camera.yaml"));
     const Trajectory path = MakePath(scene, kSensorFrames, kSensorSeed);
     const auto frames = Frames(sensor);

@@ -64,8 +64,8 @@ void SimulateOptions::Visit(OptionVisitor& v) {
   v.Add(frames, "frames", "number of frames", AtLeast(1), AsFlag(), Everyday());
   v.Add(seed, SharedOption("seed", AtLeast(0), Everyday()));
   v.Add(sensor, "sensor",
-        "exact depth, or the errors of a Kinect v1, of active stereo (RealSense D435), of time of "
-        "flight (Azure Kinect) or of a phone's lidar with confidence images",
+        "depth sensor: exact, Kinect v1, active stereo (RealSense D435), time of flight (Azure "
+        "Kinect), or lidar of a phone with confidence images",
         OneOf(SensorNames()), AsFlag(), Everyday());
   v.Add(width, "width", "width of the images; fx and cx scale with it", InUnit("px"),
         ZeroIs("640, with --sensor=lidar 256"), Between(0, 16384), AsFlag(), Everyday());

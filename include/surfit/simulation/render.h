@@ -108,11 +108,10 @@ struct SensorImage {
 // threads. The functions throw InputError for invalid options. They abort if the images do not have
 // the size of the camera.
 
-// Active stereo, for example an Intel RealSense D435 (Keselman, Woodfill, Grunnet-Jepsen and
-// Bhowmik, "Intel RealSense Stereoscopic Depth Cameras", CVPR Workshops 2017; Grunnet-Jepsen,
-// Sweetser and Woodfill, "Best-Known-Methods for Tuning Intel RealSense D400 Depth Cameras for Best
-// Performance", 2018; Ahn, Chae, Shin and Kim, "Analysis and Noise Modeling of the Intel RealSense
-// D435 for Mobile Robots", UR 2019).
+// Active stereo, for example an Intel RealSense D435. Sources: Keselman et al., "Intel RealSense
+// Stereoscopic Depth Cameras", CVPR Workshops 2017. Grunnet-Jepsen et al., "Best-Known-Methods for
+// Tuning Intel RealSense D400 Depth Cameras", 2018. Ahn et al., "Analysis and Noise Modeling of the
+// Intel RealSense D435 for Mobile Robots", UR 2019.
 // - Noise is Gaussian with a constant standard deviation in inverse depth. The noise of two pixels
 //   at a distance of r px has the correlation exp(-(r / correlation_px)^2), because their matching
 //   windows overlap.
@@ -163,17 +162,17 @@ struct RangeNoise {
   void Visit(OptionVisitor& visitor);
 };
 
-// Continuous-wave time of flight, for example an Azure Kinect (Toelgyessy, Dekan, Chovanec and
-// Hubinsky, "Evaluation of the Azure Kinect and Its Comparison to Kinect V1 and Kinect V2", Sensors
-// 2021; Sarbolandi, Lefloch and Kolb, "Kinect Range Sensing", CVIU 2015).
+// Continuous-wave time of flight, for example an Azure Kinect. Sources: Toelgyessy et al.,
+// "Evaluation of the Azure Kinect and Its Comparison to Kinect V1 and Kinect V2", Sensors 2021.
+// Sarbolandi et al., "Kinect Range Sensing", CVIU 2015.
 // - Noise is Gaussian and independent per pixel: RangeNoise. The default is near the measured noise
 //   of the narrow unbinned mode (0.6 mm at 0.8 m, 0.9 mm at 1.5 m, 1.7 mm at 3 m).
 // - Multipath: light that reaches a point x over a visible point y has a longer way, by 2 e with
 //   e = (|y| + |y - x| - |x|) / 2 > 0. The range gets the bias sum(a e) / (1 + sum(a)) over all y.
-//   a is the irradiance of x by y divided by the direct irradiance, for diffuse surfaces and one
-//   bounce, times exp(-(e / l)^2 / 2) with l = c / (4 pi modulation_hz): light with longer ways
-//   has many phases of the modulation, which cancel. Concave creases get a positive bias. Convex
-//   edges and planes get none.
+//   a is the irradiance of x by y divided by the direct irradiance, times exp(-(e / l)^2 / 2).
+//   Surfaces are diffuse and light has one bounce. l is c / (4 pi modulation_hz). The phases of
+//   light with longer ways cancel. Concave creases get a positive bias. Convex edges and planes get
+//   none.
 // - Flying pixels: `flying_ratio` of the pixels beside a depth edge mix the ranges of both
 //   surfaces. The area ratio of the mixture is uniform, and the signals are the weights.
 struct TofOptions {
@@ -192,12 +191,12 @@ struct TofOptions {
 SensorImage TofDepth(const Rendering& exact, const PinholeCamera& camera, std::uint64_t seed,
                      const TofOptions& options = {});
 
-// Lidar of a phone, for example ARKit's scene depth (Luetzenburg, Kroon and Bjork, "Evaluation of
-// the Apple iPhone 12 Pro LiDAR", Scientific Reports 2021; Baruch et al., "ARKitScenes", NeurIPS
-// 2021). A grid of dots is ranged with RangeNoise. A plane in inverse depth is fitted to the dots
-// around each pixel, with weights by distance and colour difference (Kopf, Cohen, Lischinski and
-// Uyttendaele, "Joint Bilateral Upsampling", SIGGRAPH 2007). The image is dense and smoothed across
-// depth edges without colour edges. Confidence is
+// Lidar of a phone, for example ARKit's scene depth. Sources: Luetzenburg et al., "Evaluation of
+// the Apple iPhone 12 Pro LiDAR", Scientific Reports 2021. Baruch et al., "ARKitScenes", NeurIPS
+// 2021. A grid of dots is ranged with RangeNoise. A plane in inverse depth is fitted to the dots
+// around each pixel. The weights depend on distance and colour difference (Kopf et al., "Joint
+// Bilateral Upsampling", SIGGRAPH 2007). The image is dense and smoothed across depth edges without
+// colour edges. Confidence is
 // - low within `edge_px` of a depth edge, and if RangeNoise of the pixel exceeds medium_sigma_m,
 // - else medium within 2 `edge_px` of a depth edge, and if RangeNoise exceeds high_sigma_m,
 // - else high.

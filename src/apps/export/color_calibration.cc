@@ -26,7 +26,8 @@ constexpr int kVisibilityColumns = 160;
 constexpr int kGrain = 256;
 constexpr int kCoarseIterations = 5, kFineIterations = 8;
 constexpr int kHalvings[] = {3, 2, 1, 0};  // of the images, from coarse to fine
-// Neighbouring pixels share most of their errors: so many observations have the weight of one.
+// Neighbouring pixels share most of their errors. This number of observations has the weight of one
+// observation.
 constexpr double kSharedObservations = 25;
 constexpr double kBorder_px = 2;
 

@@ -10,9 +10,8 @@
 
 namespace surfit {
 
-// Parameters of EstimateColorCamera(): rotation (rad) and translation (m) as a left increment of
-// color_from_depth, relative change of fx and of fy, change of cx and cy (px), and colour latency
-// (s).
+// Parameters of EstimateColorCamera(): left increment of color_from_depth (rad, m), relative
+// changes of fx and fy, changes of cx and cy (px), colour latency (s).
 inline constexpr int kColorParameters = 11;
 using ColorParameters = Eigen::Matrix<double, kColorParameters, 1>;
 
@@ -29,8 +28,8 @@ struct ColorCalibration {
   double rms_before = 0, rms_after = 0;
 };
 
-// Estimates the colour camera of a run from at most `kImages` of its images and the map: its pose
-// on the depth camera, focal lengths, principal point and latency. Lens distortion is fixed.
+// Estimates the colour camera of a run from the map and at most `kImages` images. Estimates
+// color_from_depth, focal lengths, principal point and latency. Lens distortion is fixed.
 //
 // A surfel k with the position X_k has the same log brightness in all images i that show it, except
 // for an exposure. So the images, high-pass filtered, satisfy

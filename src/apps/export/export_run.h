@@ -49,15 +49,15 @@ struct ExportSummary {
 //   map.pgm, map.yaml       for the ROS map_server
 //   floor_plan.svg          walls, camera path and a scale bar
 //
-// Each format also has export.json: the transform of the world frame with its source and
+// Each format also has export.json. It has the transform of the world frame with its source and
 // uncertainty, the colour camera, and the numbers of used and skipped items.
 //
 // Poses of images are the poses of the colour camera in the middle of the readout of the image. The
 // colour camera is estimated from the images by EstimateColorCamera().
 //
 // Calls `progress`, which must not be empty, with a line of text. Throws InputError for invalid
-// options, for a run or a sequence that cannot be read, for results that cannot be written, and if
-// nothing can be exported.
+// options, unreadable runs and sequences, and results that cannot be written. Also throws it if a
+// run has no poses, no colour images or no surfels.
 ExportSummary ExportRun(const ExportOptions& options,
                         const std::function<void(const std::string&)>& progress);
 

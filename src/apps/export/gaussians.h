@@ -8,9 +8,9 @@
 
 namespace surfit {
 
-// Writes surfels as flat Gaussians in the PLY format of 3D Gaussian splatting (Kerbl, Kopanas,
-// Leimkuehler and Drettakis, SIGGRAPH 2023): x y z, nx ny nz, f_dc_0..2, f_rest_0..44 (0), opacity
-// (logit), scale_0..2 (logarithm of the standard deviation in m) and rot_0..3 (w first). The third
+// Writes surfels as flat Gaussians in the PLY format of 3D Gaussian splatting (Kerbl et al.,
+// SIGGRAPH 2023). Properties: x y z, nx ny nz, f_dc_0..2, f_rest_0..44 (0), opacity (logit),
+// scale_0..2, rot_0..3 (w first). A scale is the logarithm of a standard deviation in m. The third
 // axis is the normal. Throws InputError with the path if writing fails.
 //
 // Renderers blend the splats from front to back by their opacity, without regard to surfaces. So

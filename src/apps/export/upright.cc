@@ -177,8 +177,8 @@ Eigen::Vector3d Narrow(const std::vector<WeightedPoint>& points, Eigen::Vector3d
   return direction;
 }
 
-// Largest horizontal direction of `points` about `up`: the start of each narrowing matters, so
-// several starts within 30 degrees are tried, and the one with the largest planes is returned.
+// Upward direction with the largest horizontal planes. The result of each narrowing depends on its
+// start, so several starts within 30 degrees of `up` are tried.
 Eigen::Vector3d DominantUp(const std::vector<WeightedPoint>& points, const Eigen::Vector3d& up) {
   const Eigen::Vector3d x = up.unitOrthogonal(), y = up.cross(x);
   Eigen::Vector3d best = up;

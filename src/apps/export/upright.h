@@ -39,8 +39,8 @@ struct UprightResult {
 // y axes are along the walls; the signs are those of the rotation about z that is nearest to the
 // run. The world origin of the run stays on the z axis.
 //
-// Gives no world if the cameras have no common upward direction, if there is less than 0.3 m2 of
-// horizontal plane, or if the standard deviation is above 1 degree. `surfels` must be free of
+// Gives no world if the cameras have no common upward direction, or if the standard deviation is
+// above 1 degree. At least 0.3 m2 of horizontal planes are necessary. `surfels` must be free of
 // noise: ReliableSurfels().
 UprightResult FindUpright(const std::vector<Surfel>& surfels, const Trajectory& cameras);
 

@@ -7,11 +7,11 @@
 
 namespace surfit {
 
-// Covariance of the calibration that follows from the residuals, without the assumption of
-// independent errors (cluster-robust "sandwich" covariance: Liang and Zeger, "Longitudinal data
-// analysis using generalized linear models", Biometrika 1986). Neighbouring surfels of a surface
-// share errors of the sensor, for example of smoothed or completed depth. The sum of their
-// gradients g moves the calibration by d = influence g, and the covariance is
+// Cluster-robust "sandwich" covariance of the calibration. It does not assume independent errors
+// (Liang and Zeger, "Longitudinal data analysis using generalized linear models", Biometrika 1986).
+// Neighbouring surfels of a surface share errors of the sensor, for example of smoothed or
+// completed depth. The sum of their gradients g moves the calibration by d = influence g, and the
+// covariance is
 //   G / (G - 1) sum(d d^T) over G clusters.
 // `influence` has the calibration rows of the inverse Hessian, 11 x (6 poses + 11). Clusters are
 // the cells of a grid in the image of the first keyframe that observes a surfel. Returns 0 for
@@ -20,10 +20,10 @@ Eigen::MatrixXd ClusteredCovariance(const SharedSurfels& shared, const JointStat
                                     const JointKernels& kernels, const Eigen::MatrixXd& influence);
 
 // Mean ratio of a clustered variance to the variance by the error model, over all directions of the
-// calibration: the mean eigenvalue of covariance^-1 clustered. A squared distance by `covariance`
-// is divided by this ratio before it is compared with a chi-square distribution (Rao and Scott,
-// "The Analysis of Categorical Data From Complex Sample Surveys", JASA 1981). At least 1. Both
-// matrices are 11 x 11 and 0 for fixed parameters.
+// calibration: the mean eigenvalue of covariance^-1 clustered. Divide a squared distance by this
+// ratio before comparing it with a chi-square distribution. Source: Rao and Scott, "The Analysis of
+// Categorical Data From Complex Sample Surveys", JASA 1981. At least 1. Both matrices are 11 x 11
+// and 0 for fixed parameters.
 double ClusterEffect(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& clustered);
 
 }  // namespace surfit

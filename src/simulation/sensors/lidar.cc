@@ -56,8 +56,8 @@ FilledPixel Fill(const DotGrid& grid, int u, int v, Rgb8 color, double color_sca
     filled.inverse_depth += g * dots[k]->inverse_depth;
     variance += g * g * dots[k]->sigma * dots[k]->sigma;
   }
-  // Limits the extrapolation at depth edges. On a plane, a pixel at the border of the image is half
-  // a spacing beyond dots that span at least two spacings, so the limit has no effect.
+  // Limits the extrapolation at depth edges. The limit has no effect on a plane: a pixel at the
+  // image border is half a spacing beyond dots that span two spacings.
   const double margin = kMargin * (high - low);
   filled.inverse_depth =
       std::clamp(filled.inverse_depth, std::max(low - margin, low / 2), high + margin);
