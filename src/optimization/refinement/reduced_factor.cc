@@ -161,22 +161,11 @@ Eigen::MatrixXd ReducedFactor::PoseCovariance(int pose) const {
   return covariance;
 }
 
-// Inverse of a bordered matrix: -(C - B^T P^-1 B)^-1 B^T P^-1 beside (C - B^T P^-1 B)^-1.
-Eigen::MatrixXd ReducedFactor::CalibrationRows() const {
-  const CalibrationMatrix calibration = calibration_.solve(CalibrationMatrix::Identity());
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kCalibrationSize, scale_.size());
-  rows.rightCols<kCalibrationSize>() = calibration;
-  rows.middleCols(kPoseTangentSize, solved_border_.rows()) =
-      -calibration * solved_border_.transpose();
-  return scale_.tail<kCalibrationSize>().asDiagonal() * rows * scale_.asDiagonal();
-}
-
 JointCovariance ReducedFactor::Covariance() const {
   const auto scale = scale_.tail<kCalibrationSize>().asDiagonal();
   const CalibrationMatrix calibration = calibration_.solve(CalibrationMatrix::Identity());
   JointCovariance covariance;
   covariance.calibration = scale * calibration * scale;
-  covariance.calibration_rows = CalibrationRows();
   const auto count = static_cast<int>((scale_.size() - kCalibrationSize) / kPoseTangentSize);
   covariance.poses.assign(count, Eigen::MatrixXd::Zero(kPoseTangentSize, kPoseTangentSize));
   ParallelFor(1, count, 1, [&](int begin, int end) {

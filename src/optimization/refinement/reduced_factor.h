@@ -59,8 +59,6 @@ struct JointCovariance {
   // Covariance of each pose perturbation (w [rad], v [m]), 6 x 6. 0 for the first pose.
   // Infinite diagonal for poses without residuals.
   std::vector<Eigen::MatrixXd> poses;
-  // Calibration rows of the inverse Hessian, 11 x (6 poses + 11). 0 for fixed parameters.
-  Eigen::MatrixXd calibration_rows;
 };
 
 // Factor of a reduced Hessian. All poses depend on the calibration, which is a dense border of the
@@ -89,7 +87,6 @@ class ReducedFactor {
   void SetScale(const ReducedSystem& system);
   Eigen::MatrixXd ScaledBorder(const ReducedSystem& system) const;
   Eigen::MatrixXd PoseCovariance(int pose) const;
-  Eigen::MatrixXd CalibrationRows() const;
 
   std::vector<bool> fixed_calibration_;
   double damping_ = 0;

@@ -4,7 +4,6 @@
 
 #include "core/named_values.h"
 #include "core/trace.h"
-#include "optimization/refinement/clustered_covariance.h"
 #include "optimization/refinement/joint_solver.h"
 #include "optimization/refinement/reduced_factor.h"
 #include "surfit/core/options.h"
@@ -99,11 +98,8 @@ void SetFinalFit(const RefinementOptions& options, const std::vector<RefinementK
   prior->AddTo(state, &system);
   const std::vector<bool> held = FixedCalibration(options);
   const JointCovariance covariance = CovarianceOf(system, held);
-  const Eigen::MatrixXd by_model = variance * covariance.calibration;
-  const double effect = ClusterEffect(
-      by_model, ClusteredCovariance(shared, state, kernels, covariance.calibration_rows));
   summary->calibration_covariance =
-      effect * by_model + ModelErrorOf(state.calibration, held, options);
+      variance * covariance.calibration + ModelErrorOf(state.calibration, held, options);
   summary->pose_covariances.clear();
   for (const Eigen::MatrixXd& pose : covariance.poses) {
     summary->pose_covariances.emplace_back(variance * pose);
