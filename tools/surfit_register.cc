@@ -49,6 +49,11 @@ int Run(const RegisterRunOptions& options) {
               ToString(registration.icp.termination).c_str(), registration.icp.rmse_m,
               registration.icp.inlier_ratio, registration.icp.eigenvalues[0]);
   PrintVerification(registration);
+  constexpr double kUnusualSpacingM = 5;
+  if (registration.spacing_m > kUnusualSpacingM) {
+    std::printf("note: the point spacing is %.4g m: coordinates should be in metres\n",
+                registration.spacing_m);
+  }
   PrintPose(registration.icp);
   std::printf("pictures: %s/before.png, %s/after.png\n", options.output.c_str(),
               options.output.c_str());

@@ -154,16 +154,18 @@ CloudPairCounts RegisterCloudPairs(int count, std::uint64_t seed) {
   return counts;
 }
 
+// Most pairs have little overlap, or two planes in the overlap. They must be rejected. The limits
+// of accepted pairs ensure that the test does not pass by rejecting all pairs.
 TEST(CloudPairs, NoWrongRegistrationIsAccepted) {
   const CloudPairCounts counts = RegisterCloudPairs(30, 1);
   EXPECT_EQ(counts.wrong, 0);
-  EXPECT_GE(counts.right, 10);
+  EXPECT_GE(counts.right, 4);
 }
 
 TEST(CloudPairsSweep, NoWrongRegistrationIsAccepted) {
   const CloudPairCounts counts = RegisterCloudPairs(1000, 2);
   EXPECT_EQ(counts.wrong, 0);
-  EXPECT_GE(counts.right, 400);
+  EXPECT_GE(counts.right, 130);
 }
 
 }  // namespace

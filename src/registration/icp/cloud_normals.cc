@@ -10,7 +10,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kGrain = 512;
+constexpr int kPointsPerTask = 512;
 constexpr double kRadiusStep = M_SQRT2;
 constexpr double kLeastWidth = 0.01;  // minimum width / length of a neighbourhood; below: line
 
@@ -140,7 +140,7 @@ CloudNormals EstimateCloudNormals(const std::vector<Eigen::Vector3f>& points,
   result.deviation_m.assign(points.size(), 0.f);
   result.radius_m = finder.radius_m();
   const int count = static_cast<int>(points.size());
-  result.missing = ParallelSum(0, count, kGrain, 0, [&](int begin, int end) {
+  result.missing = ParallelSum(0, count, kPointsPerTask, 0, [&](int begin, int end) {
     int missing = 0;
     std::vector<std::uint32_t> found;
     for (int rank = begin; rank < end; ++rank) {
