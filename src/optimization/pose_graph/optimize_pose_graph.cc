@@ -116,9 +116,12 @@ Attempt Optimize(const PoseGraph& graph, const PoseGraphOptions& options,
 // Method and start of one attempt of "auto".
 struct Candidate {
   const char *loop_robustness, *start;
+  bool for_gnc;  // also an attempt of "gnc" from "chordal"
 };
-constexpr Candidate kCandidates[] = {
-    {"gnc", "odometry"}, {"dcs", "odometry"}, {"geman_mcclure", "odometry"}, {"gnc", "chordal"}};
+constexpr Candidate kCandidates[] = {{"gnc", "odometry", true},
+                                     {"dcs", "odometry", false},
+                                     {"geman_mcclure", "odometry", false},
+                                     {"gnc", "chordal", true}};
 // Limits of the rounds of "gnc" of an attempt. Polish() ends each attempt in a minimum.
 constexpr int kAttemptIterations = 10;
 constexpr double kAttemptCostChange = 1e-3;
@@ -141,7 +144,9 @@ Attempt OptimizeFromSeveralStarts(const PoseGraph& graph, const PoseGraphOptions
   std::vector<PoseGraphIteration> iterations;
   int rounds = 0;
   double initialize_ms = 0, solve_ms = 0;
+  const bool only_gnc = options.loop_robustness == "gnc";
   for (const Candidate& candidate : kCandidates) {
+    if (only_gnc && !candidate.for_gnc) continue;
     PoseGraphOptions one = options;
     one.loop_robustness = candidate.loop_robustness;
     one.start = candidate.start;
@@ -205,8 +210,10 @@ PoseGraphSummary OptimizePoseGraph(const PoseGraphOptions& options, PoseGraph* g
   graph->Validate();
   const ChainedPoses chained = ChainPoses(*graph);
   Attempt best;
-  if (ValueOf("loop_robustness", options.loop_robustness, kLoopRobustness) ==
-      LoopRobustness::kAuto) {
+  const auto robustness = ValueOf("loop_robustness", options.loop_robustness, kLoopRobustness);
+  const bool is_chordal =
+      ValueOf("start", options.start, kPoseGraphStarts) == PoseGraphStart::kChordal;
+  if (robustness == LoopRobustness::kAuto || (robustness == LoopRobustness::kGnc && is_chordal)) {
     best = OptimizeFromSeveralStarts(*graph, options, chained);
   } else {
     best = Optimize(*graph, options, chained);
