@@ -25,7 +25,7 @@ constexpr NamedValue<ceres::LinearSolverType> kLinearSolvers[] = {
 //
 // Ceres discards the step that ends a solve by the function tolerance. For a tolerance above
 // numerical precision, this step is most of the remaining distance to the minimum. Therefore the
-// last evaluated pose is used if its cost is lower than the cost of the last accepted pose.
+// last evaluated pose is used.
 class PoseProblem final : private ceres::EvaluationCallback {
  public:
   PoseProblem() : problem_(ProblemOptions(this)) {
@@ -54,11 +54,9 @@ class PoseProblem final : private ceres::EvaluationCallback {
     ceres::Solve(options, &problem_, &summary);
     report->solve_ms = solving.Milliseconds();
     Describe(summary, report);
-    const bool has_discarded_step = summary.termination_type == ceres::CONVERGENCE &&
-                                    options.function_tolerance > LmTolerances<S>::kFunction &&
-                                    last_ != pose_;
-    if (has_discarded_step) TakeIfBetter(PoseBlock(last_), summary.final_cost);
-    return AsIncrement(pose_);
+    const bool last_is_better = summary.termination_type == ceres::CONVERGENCE &&
+                                options.function_tolerance > LmTolerances<S>::kFunction;
+    return AsIncrement(last_is_better ? last_ : pose_);
   }
 
  private:
@@ -67,16 +65,6 @@ class PoseProblem final : private ceres::EvaluationCallback {
     options.evaluation_callback = callback;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     return options;
-  }
-
-  // Replaces the pose, which has this cost, if the cost of the other pose is lower.
-  void TakeIfBetter(const PoseBlock& other, double cost) {
-    const PoseBlock accepted = std::exchange(pose_, other);
-    ceres::Problem::EvaluateOptions options;
-    options.num_threads = 1;
-    double other_cost = 0;
-    const bool is_valid = problem_.Evaluate(options, &other_cost, nullptr, nullptr, nullptr);
-    if (!is_valid || !(other_cost < cost)) pose_ = accepted;
   }
 
   static void Describe(const ceres::Solver::Summary& summary, SolveReport* report) {
