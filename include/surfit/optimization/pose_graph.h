@@ -114,9 +114,9 @@ std::vector<std::string> PoseGraphStartNames();
 // Treatment of outlier loop closures, with the squared error s of a loop closure and c^2 =
 // max_loop_squared_error. Odometry, priors and positions always have the kernel s.
 // - "none": all loop closures have the kernel s
-// - "gnc": rejects outliers by graduated non-convexity with the kernel min(s, c^2) (Yang, Antonante,
-//   Tzoumas and Carlone, RA-L 2020). GNC with the start "chordal" also runs from odometry, because
-//   outliers can fold chordal poses. The result with the smaller truncated cost is used.
+// - "gnc": rejects outliers by graduated non-convexity with the kernel min(s, c^2) (Yang et al.,
+//   RA-L 2020). GNC with the start "chordal" also runs from odometry, because outliers can fold
+//   chordal poses. The result with the smaller truncated cost is used.
 // - "dcs": s for s <= c^2, else 3 c^2 - 4 c^4 / (c^2 + s) (Agarwal et al., ICRA 2013)
 // - "huber": s for s <= c^2, else 2 c sqrt(s) - c^2
 // - "cauchy": c^2 log(1 + s / c^2)
