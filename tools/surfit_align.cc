@@ -20,7 +20,7 @@ void PrintResult(const AlignRunResult& result, bool verified) {
         "verification: overlap share %.3f, brightness correlation %.3f, detail correlation %.3f, "
         "score margin %.3f\n",
         result.registration.overlap_ratio, result.registration.value_correlation,
-        result.registration.detail_correlation, result.registration.lead);
+        result.registration.detail_correlation, result.registration.score_margin);
   }
   PrintPose(icp);
   if (!result.final_error) {

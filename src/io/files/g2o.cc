@@ -65,12 +65,13 @@ double InformationOf(std::string_view word) {
   throw InputError("an entry of the information matrix is ", word, ", must be at most 1e30");
 }
 
-// Reads an upper triangle into the rows and columns `order` of a matrix of zeros.
+// Reads an upper triangle into the first `size` rows and columns `order` of a matrix of zeros.
 template <typename Matrix, std::size_t kSize>
-Matrix ParseTriangle(const std::string_view* words, const int (&order)[kSize], std::size_t size) {
+Matrix ParseTriangle(const std::string_view* words, const int (&order)[kSize],
+                     std::size_t size = kSize) {
   Matrix information = Matrix::Zero();
-  for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t j = i; j < size; ++j) {
+  for (std::size_t i = 0; i < kSize && i < size; ++i) {
+    for (std::size_t j = i; j < kSize && j < size; ++j) {
       information(order[i], order[j]) = information(order[j], order[i]) = InformationOf(*words++);
     }
   }
@@ -230,10 +231,10 @@ class G2oReader {
   }
 
   Matrix6d ParsePoseInformation(const std::string_view* words) {
-    return Accepted(ParseTriangle<Matrix6d>(words, kPoseOrder, 6));
+    return Accepted(ParseTriangle<Matrix6d>(words, kPoseOrder));
   }
   Matrix6d ParsePlanarInformation(const std::string_view* words) {
-    return Accepted(ParseTriangle<Matrix6d>(words, kPlanarOrder, 3));
+    return Accepted(ParseTriangle<Matrix6d>(words, kPlanarOrder));
   }
   Eigen::Matrix3d ParsePositionInformation(const std::string_view* words, std::size_t size) {
     return Accepted(ParseTriangle<Eigen::Matrix3d>(words, kPositionOrder, size));
