@@ -26,7 +26,7 @@ constexpr int kVisibilityColumns = 160;
 constexpr int kGrain = 256;
 constexpr int kCoarseIterations = 5, kFineIterations = 8;
 constexpr int kHalvings[] = {3, 2, 1, 0};  // of the images, from coarse to fine
-// Neighbouring pixels share most of their errors: so many observations have the weight of one.
+// Number of neighbouring observations that share their errors, and have the weight of one.
 constexpr double kSharedObservations = 25;
 constexpr double kBorder_px = 2;
 

@@ -131,7 +131,7 @@ std::vector<ColorImage> ChooseImages(const std::vector<ColorImage>& images, int 
     const Rigid3d step = images[i - 1].world_from_depth.Inverse() * images[i].world_from_depth;
     path[i] = path[i - 1] + step.translation.norm() / kUsualDepth_m + RotationAngle(step.rotation);
   }
-  // Frames count as well as motion, so that a camera at rest has a part, too.
+  // Each frame adds a small motion, so that a camera at rest has parts as well.
   const double by_frame = 0.1 * path.back() / static_cast<double>(count) + 1e-9;
   for (std::size_t i = 0; i < count; ++i) path[i] += by_frame * static_cast<double>(i);
   const auto choose = [&](std::size_t parts) {

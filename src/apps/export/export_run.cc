@@ -343,7 +343,7 @@ class Exporter {
   std::optional<OutputFolder> folder_;
   Rigid3d export_from_world_;
   bool is_upright_ = false;
-  std::string reason_;  // for a world that stays as it is
+  std::string reason_;  // missing evidence of an upright world
   ColorCamera camera_;
   std::vector<PosedImage> images_;
   Json json_;

@@ -13,7 +13,7 @@ namespace {
 constexpr float kSigmaRatio = 0.5f;  // standard deviation relative to the radius of the surfel
 constexpr float kOpacity = 0.9f;
 constexpr float kThicknessRatio =
-    0.05f;  // standard deviation along the normal, relative to the others
+    0.05f;  // standard deviation along the normal, relative to that along the disc
 constexpr float kMinSigma_m = 1e-5f;
 constexpr float kHarmonic0 = 0.28209479177387814f;  // spherical harmonic of degree 0
 constexpr int kRestCoefficients = 45;               // of degrees 1 to 3
