@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "apps/solvers/register_run.h"
@@ -25,7 +24,6 @@ PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what, const Clou
 // Reads and prepares a file. Coordinates are relative to `cloud.origin`. The viewpoint is in the
 // frame of the file. Throws InputError with the name of the file.
 PreparedCloud ReadCloudFile(const std::string& path, const CloudSensor& sensor,
-                            const CloudNormalOptions& normals, double floor_sigma_m,
-                            std::optional<Eigen::Vector3d>* origin);
+                            const CloudNormalOptions& normals, double floor_sigma_m);
 
 }  // namespace surfit

@@ -1,6 +1,7 @@
 #include <Eigen/SparseCholesky>
 
 #include "optimization/pose_graph/optimize_pose_graph.h"
+#include "registration/solvers/decompositions.h"
 
 namespace surfit {
 namespace {
@@ -121,7 +122,9 @@ bool SolveRotations(const PoseGraph& graph, const std::vector<bool>& held,
   if (!solution) return false;
   for (std::size_t i = 0; i < poses->size(); ++i) {
     if (numbers[i] == kHeld) continue;
-    (*poses)[i].rotation = NearestRotation(solution->middleRows<3>(3 * numbers[i]).transpose());
+    (*poses)[i].rotation =
+        Eigen::Quaterniond(NearestRotation(solution->middleRows<3>(3 * numbers[i]).transpose()))
+            .normalized();
   }
   return true;
 }

@@ -1,10 +1,10 @@
-#include <Eigen/SVD>
 #include <array>
 #include <cmath>
 #include <deque>
 #include <map>
 
 #include "optimization/pose_graph/optimize_pose_graph.h"
+#include "registration/solvers/decompositions.h"
 
 namespace surfit {
 namespace {
@@ -86,7 +86,7 @@ Rigid3d FitPoints(const std::vector<Eigen::Vector3d>& p, const std::vector<Eigen
     const double angle = std::atan2(moments(1, 0) - moments(0, 1), moments(0, 0) + moments(1, 1));
     rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   } else if (p.size() > 1) {
-    rotation = NearestRotation(moments).toRotationMatrix();
+    rotation = NearestRotation(moments);
   }
   return {rotation, mean_q - rotation * mean_p};
 }
@@ -115,14 +115,6 @@ ChainedPoses ChainPoses(const PoseGraph& graph) {
                            (chained.roots[i] && !has_prior[chained.component[i]]));
   }
   return chained;
-}
-
-// Rotation with the least squared difference from the elements of a matrix.
-Eigen::Quaterniond NearestRotation(const Eigen::Matrix3d& matrix) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d u = svd.matrixU();
-  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
-  return Eigen::Quaterniond(u * svd.matrixV().transpose()).normalized();
 }
 
 void AlignWithPriors(const PoseGraph& graph, const ChainedPoses& chained,

@@ -71,9 +71,6 @@ struct StartPoses {
 // techniques for 3D SLAM, ICRA 2015, IV.B.
 std::optional<StartPoses> ChordalPoses(const PoseGraph& graph, const std::vector<bool>& fixed);
 
-// Rotation with the least squared difference from the elements of a matrix.
-Eigen::Quaterniond NearestRotation(const Eigen::Matrix3d& matrix);
-
 // Moves each component with priors and without a fixed pose as a rigid body. The target is its
 // first prior with rotation information. Without such a prior, the targets are all positions
 // (Kabsch).
