@@ -19,6 +19,7 @@ namespace surfit::testing {
 namespace {
 
 constexpr int kWidth = 80, kHeight = 60;
+constexpr int kFar = 2500;  // mm
 constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";
 
 // Depth of a slanted wall and a box in front of it, in mm. It moves with the frame.
@@ -109,7 +110,6 @@ TEST(DepthEncoding, ConvertsFloatsInMillimetres) {
 }
 
 TEST(DepthEncoding, ReadsAFarPlaneAsMissing) {
-  constexpr int kFar = 2500;
   const auto images = FirstImages([](int i) {
     return Changed(SlantedDepth(i), [](int count) { return std::min(count, kFar); });
   });
