@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "testing/matchers.h"
 
 namespace surfit::testing {
@@ -32,12 +34,12 @@ void AddKeyframe(int k, int parent, PoseStore* store) {
 }
 
 void AddLoop(int source, int target, PoseStore* store) {
-  LoopRecord record;
-  record.source_frame = 10 * source;
-  record.target_frame = 10 * target;
-  record.attempt.verdict.reason = GlobalRegistrationReason::kAccepted;
-  record.in_graph = true;
-  store->AddLoop(std::move(record), Edge(target, source, true));
+  const auto record = std::make_unique<LoopRecord>();  // GCC 12 warns of a moved local object
+  record->source_frame = 10 * source;
+  record->target_frame = 10 * target;
+  record->attempt.verdict.reason = GlobalRegistrationReason::kAccepted;
+  record->in_graph = true;
+  store->AddLoop(*record, Edge(target, source, true));
 }
 
 std::vector<std::vector<int>> PairsOf(const PoseGraph& graph) {
