@@ -144,16 +144,13 @@ std::string Interleaved(std::string bytes) {
 
 std::string ExpandChunk(std::string_view packed, int compression, std::size_t size,
                         const std::string& path) {
-  constexpr int kNone = 0, kRuns = 1, kZipLine = 2, kZip = 3;
-  ThrowIf(compression < kNone || compression > kZip, path, " has compression ", compression,
-          " of OpenEXR, must be 0 to 3: none, RLE, ZIPS or ZIP");
+  constexpr int kNone = 0, kRuns = 1;                     // ZIPS and ZIP are above
   if (packed.size() == size) return std::string(packed);  // compression would be larger
   ThrowIf(compression == kNone, path, " is damaged: a chunk has the wrong size");
   if (compression == kRuns) return Interleaved(ExpandRuns(packed, size, path));
   std::string bytes(size, '\0');
   ThrowIf(!Inflate(packed.data(), packed.size(), bytes.data(), size), path,
           " is damaged: a chunk cannot be decompressed");
-  static_assert(kZipLine + 1 == kZip);
   return Interleaved(std::move(bytes));
 }
 
@@ -172,6 +169,8 @@ ImageSize ExrSize(const std::string& bytes, const std::string& path) {
 
 RawDepth DecodeDepthExr(const std::string& bytes, const std::string& path) {
   const ExrHeader header = ReadExrHeader(bytes, path);
+  ThrowIf(header.compression < 0 || header.compression > 3, path, " has compression ",
+          header.compression, " of OpenEXR, must be 0 to 3: none, RLE, ZIPS or ZIP");
   const std::size_t depth = FindDepthChannel(header, path);
   const ExrChannel& channel = header.channels[depth];
   ThrowIf(channel.number == ExrNumber::kUint, path, ": channel ", channel.name,

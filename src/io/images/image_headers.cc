@@ -98,7 +98,7 @@ ImageSize SizeByKind(const std::string& bytes, const std::string& path) {
   if (IsExr(bytes)) return ExrSize(bytes, path);
   const std::string other = OtherFormat(bytes);
   ThrowIf(!other.empty(), path, " is a ", other,
-          " file, which is not supported: convert it to PNG");
+          " file, must be PNG, JPEG, TIFF, PGM, PPM, EXR or NPY");
   throw InputError(path,
                    " is truncated, damaged or not an image: neither PNG, JPEG, TIFF, PGM, "
                    "PPM, EXR nor NPY");
