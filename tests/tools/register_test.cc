@@ -158,7 +158,7 @@ TEST_F(RegisterTool, StartsFromGivenPose) {
   const std::string file = folder_ / "pose.txt";
   std::ofstream(file) << "1 0 0 -3\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
   for (const std::string& pose : {std::string("-3,0,0,0,0,0,1"), file}) {
-    Succeeded(Register(Source(), Target(), {"--start=file", "--initial_pose=" + pose}));
+    Succeeded(Register(Source(), Target(), {"--start=file", "--start_pose=" + pose}));
     const Rigid3d expected =
         Truth() * Rigid3d(Eigen::Quaterniond::Identity(), Eigen::Vector3d(-3, 0, 0));
     EXPECT_THAT(ParseTransform(ReadBytes(Output("transform.txt"))),
@@ -201,9 +201,9 @@ TEST_F(RegisterTool, RejectsBadInputInOneLine) {
       {Source(), {"--association=projective"}, {"association", "projective", "kd_tree"}},
       {Source(), {"--levels=0"}, {"levels", "0"}},
       {Source(), {"--start=magic"}, {"start", "magic", "identity", "file", "global", "auto"}},
-      {Source(), {"--start=file"}, {"start", "file", "initial_pose"}},
-      {Source(), {"--start=file", "--initial_pose=/no/pose.txt"}, {"/no/pose.txt"}},
-      {Source(), {"--start=global", "--initial_pose=0,0,0,0,0,0,1"}, {"initial_pose", "global"}},
+      {Source(), {"--start=file"}, {"start", "file", "start_pose"}},
+      {Source(), {"--start=file", "--start_pose=/no/pose.txt"}, {"/no/pose.txt"}},
+      {Source(), {"--start=global", "--start_pose=0,0,0,0,0,0,1"}, {"start_pose", "global"}},
       {Source(), {"--normal_radius_m=-1"}, {"--normal_radius_m", "-1"}},
       {Source(), {"--solver=magic"}, {"solver", "magic", "closed_form_ldlt"}},
       {Source(), {"--solver=svd"}, {"svd"}},

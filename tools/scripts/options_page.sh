@@ -2,7 +2,7 @@
 # Prints docs/options.md: each flag once, with its programs, from --help=all of all programs.
 #   options_page.sh PROGRAMS_FOLDER > docs/options.md
 #   options_page.sh PROGRAMS_FOLDER --compare=docs/options.md    exits with 1 if the page is outdated
-# Exits with 1 if two programs have different texts for one flag.
+# Exits with 1 if two programs have different texts for one flag, except --start.
 set -euo pipefail
 programs=$1
 page=${2-}
@@ -45,29 +45,31 @@ END
       }
       return lines
     }
-    function finish(    modes, text, place) {
+    function finish(    modes, text, place, flag) {
       if (name == "" || name == "flagfile") return
       modes = ""
       if (match(help, / \[[^]]*\]$/)) {
         modes = " (" substr(help, RSTART + 2, RLENGTH - 3) ")"
         help = substr(help, 1, RSTART - 1)
       }
-      if (!(name in text_of)) {
-        names[++flags] = name
-        text_of[name] = help
-        default_of[name] = value
-        group_of[name] = group
+      # The choices of --start depend on the program.
+      flag = name == "start" && name in text_of && text_of[name] != help ? name "@" program : name
+      if (!(flag in text_of)) {
+        names[++flags] = flag
+        text_of[flag] = help
+        default_of[flag] = value
+        group_of[flag] = group
         if (!(group in known)) {
           known[group] = 1
           groups[++group_count] = group
         }
-      } else if (text_of[name] != help) {
-        printf "error: --%s is \"%s\" in one program, \"%s\" in surfit_%s\n", name, text_of[name], help,
+      } else if (text_of[flag] != help) {
+        printf "error: --%s is \"%s\" in one program, \"%s\" in surfit_%s\n", name, text_of[flag], help,
           program > "/dev/stderr"
         failed = 1
       }
-      place = program modes (default_of[name] == value ? "" : "=" value)
-      programs_of[name] = programs_of[name] (programs_of[name] == "" ? "" : ", ") place
+      place = program modes (default_of[flag] == value ? "" : "=" value)
+      programs_of[flag] = programs_of[flag] (programs_of[flag] == "" ? "" : ", ") place
       name = ""
     }
     /^@ / { finish(); program = $2; group = "surfit_" program; next }
@@ -90,6 +92,7 @@ END
           flag = names[i]
           if (group_of[flag] != groups[g]) continue
           head = "    --" flag "=" default_of[flag]
+          sub(/@[^=]*/, "", head)
           if (length(head) + 2 > 30) head = head sprintf("\n%30s", "")
           printf "%-30s%s\n", head, wrapped(text_of[flag], 30)
           printf "%30s%s\n", "", wrapped("[" programs_of[flag] "]", 30)

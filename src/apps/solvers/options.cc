@@ -40,7 +40,7 @@ void RegisterRunOptions::Visit(OptionVisitor& v) {
   v.Add(target, SharedOption("target", Required(), Everyday()));
   v.Group("registration");
   v.AddPart(start, "start", "initial pose and verification");
-  v.Add(initial_pose, "initial_pose",
+  v.Add(start_pose, "start_pose",
         "initial target_from_source: a file with a 4 x 4 matrix, or tx,ty,tz,qx,qy,qz,qw; empty: "
         "none",
         AsFlag(), Everyday());

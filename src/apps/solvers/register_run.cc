@@ -72,11 +72,11 @@ void WriteTransform(const Rigid3d& pose, const std::string& path) {
   });
 }
 
-std::optional<Rigid3d> ReadInitialPose(const std::string& text) {
+std::optional<Rigid3d> ReadStartPose(const std::string& text) {
   if (text.empty()) return std::nullopt;
-  if (text.find(',') != std::string::npos) return ParsePose("initial_pose", text);
+  if (text.find(',') != std::string::npos) return ParsePose("start_pose", text);
   std::ifstream file(text);
-  ThrowIf(!file, "initial_pose is '", text,
+  ThrowIf(!file, "start_pose is '", text,
           "', must be tx,ty,tz,qx,qy,qz,qw or a file with a 4 x 4 matrix");
   Eigen::Matrix4d matrix;
   for (int i = 0; i < 16; ++i) file >> matrix(i / 4, i % 4);
@@ -133,14 +133,14 @@ void MoveOrigins(const Eigen::Vector3d& source_center, const Eigen::Vector3d& ta
 CloudRegistration RegisterAboutCenters(const PreparedCloud& source, const PreparedCloud& target,
                                        const RegisterRunOptions& options) {
   const Eigen::Vector3d source_center = CenterOf(source), target_center = CenterOf(target);
-  const Rigid3d given = ReadInitialPose(options.initial_pose).value_or(Rigid3d());
+  const Rigid3d given = ReadStartPose(options.start_pose).value_or(Rigid3d());
   CloudStartOptions start = options.start;
   // Without an initial pose, the given pose is the identity in the frames of the files.
   if (start.method == "identity") start.method = "file";
   CloudRegistration result = RegisterCloudsFrom(
       CloudAbout(source_center, source, options), CloudAbout(target_center, target, options),
       Shift(-target_center) * given * Shift(source_center), start, options.registration);
-  if (result.start == "file" && options.initial_pose.empty()) result.start = "identity";
+  if (result.start == "file" && options.start_pose.empty()) result.start = "identity";
   MoveOrigins(source_center, target_center, &result.icp);
   return result;
 }
@@ -169,12 +169,12 @@ AlignRunResult RunAlign(const AlignRunOptions& options) {
 
 RegisterRunResult RunRegister(const RegisterRunOptions& options) {
   Validate(options);
-  ReadInitialPose(options.initial_pose);  // throws before the clouds are read
-  ThrowIf(options.start.method == "file" && options.initial_pose.empty(),
-          "start is 'file', but initial_pose is empty");
+  ReadStartPose(options.start_pose);  // throws before the clouds are read
+  ThrowIf(options.start.method == "file" && options.start_pose.empty(),
+          "start is 'file', but start_pose is empty");
   ThrowIf((options.start.method == "identity" || options.start.method == "global") &&
-              !options.initial_pose.empty(),
-          "initial_pose has no effect with start '", options.start.method,
+              !options.start_pose.empty(),
+          "start_pose has no effect with start '", options.start.method,
           "', must be empty or start must be 'file' or 'auto'");
   const ThreadLimit limit(options.threads);
   RegisterRunResult result;

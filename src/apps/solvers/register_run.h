@@ -51,7 +51,7 @@ struct RegisterRunOptions {
   std::string output;  // output folder, created if missing
   CloudStartOptions start;
   // File with a 4 x 4 matrix target_from_source, or tx,ty,tz,qx,qy,qz,qw. Empty: none.
-  std::string initial_pose;
+  std::string start_pose;
   CloudSensor sensor;        // sensor of both clouds
   bool single_view = false;  // both clouds were observed from sensor.viewpoint
   CloudNormalOptions normals;

@@ -192,7 +192,7 @@ void CloudCriteria::Visit(OptionVisitor& v) {
 void CloudStartOptions::Visit(OptionVisitor& v) {
   v.Group("registration");
   v.Add(method, "method",
-        "initial pose; file: --initial_pose; global: matches of local shapes; auto: initial_pose "
+        "initial pose; file: --start_pose; global: matches of local shapes; auto: start_pose "
         "or identity, then global if that result is not accepted",
         OneOf(CloudStartNames()), AsFlag("start"), Everyday());
   v.AddPart(criteria, "criteria", "acceptance criteria", NoFlags());
