@@ -53,7 +53,7 @@ void PrintIterations(const PoseGraphSummary& summary) {
 }
 
 std::string Status(const PoseGraphSummary& summary, const PoseGraphFit& fit) {
-  const bool is_doubtful = fit.doubtful && summary.Succeeded();
+  const bool is_doubtful = fit.doubtful && summary.termination == PoseGraphTermination::kConverged;
   return is_doubtful ? "doubtful" : ToString(summary.termination);
 }
 

@@ -108,7 +108,7 @@ TEST(G2o, RejectsBadFilesByLineAndValue) {
   refuse("VERTEX_SE2 9 0 0 0", "VERTEX_SE2", "SE(2)", "SE(3)");
   refuse("EDGE_SE3_PRIOR 7 5 0 0 0 0 0 0 1" + kIdentity, "PARAMS_SE3OFFSET", 5);
   refuse("EDGE_POINTXYZ_PRIOR 9 0 0 0 1 0 0 1 0 1", 9);
-  refuse("EDGE_POINTXYZ_PRIOR 7 0 0 0 1 0 0 -1 0 1", -1, "positive semidefinite");
+  refuse("EDGE_POINTXYZ_PRIOR 7 0 0 0 1 0 0 -1 0 1", -1, "--indefinite_information");
   const std::string empty = folder.Write("empty.g2o", "SOMETHING 0 0 0 0\n");
   ExpectInputError([&] { ReadG2o(empty); }, Names("empty.g2o", "VERTEX_SE3:QUAT"));
   ExpectInputError([&] { ReadG2o(folder / "none.g2o"); }, Names("none.g2o"));

@@ -400,11 +400,11 @@ TEST(ByteOrderMark, IsIgnoredInTextFiles) {
 
 TEST(G2o, CountsVerticesOfOtherTypesWithTheirFix) {
   const TempFolder folder;
-  const std::string planar = "VERTEX_SE2 0 1 2 3\nFIX 0\n";
-  ExpectInputError([&] { ReadG2o(folder.Write("planar.g2o", planar)); },
-                   Names("planar.g2o", "VERTEX_SE2", "FIX"));
+  const std::string point = "VERTEX_TRACKXYZ 0 1 2 3\nFIX 0\n";
+  ExpectInputError([&] { ReadG2o(folder.Write("point.g2o", point)); },
+                   Names("point.g2o", "VERTEX_TRACKXYZ", "FIX"));
   const G2oFile file =
-      ReadG2o(folder.Write("mixed.g2o", planar + "VERTEX_SE3:QUAT 1 0 0 0 0 0 0 1\nFIX 1\n"));
+      ReadG2o(folder.Write("mixed.g2o", point + "VERTEX_SE3:QUAT 1 0 0 0 0 0 0 1\nFIX 1\n"));
   EXPECT_TRUE(file.graph.poses.at(0).fixed);
   EXPECT_EQ(file.ignored_lines.at("FIX"), 1u);
 }

@@ -28,13 +28,13 @@ enum class Sensor { kIdeal, kKinect };
 // camera.
 inline SimulatedSequence Simulate(const std::string& name, std::uint64_t seed, int frames,
                                   Sensor sensor, const RgbdCamera& camera,
-                                  const ColorOptions& color = {}, int stride = 1, int first = 0) {
+                                  const ColorOptions& color = {}, int stride = 1) {
   const Scene scene = MakeScene(name, seed);
   const Trajectory path = MakePath(scene, frames, seed);
   const MovingCamera moving(scene, camera, path, color);
   SimulatedSequence sequence;
   sequence.camera = camera.depth;
-  for (int i = first; i < frames; i += stride) {
+  for (int i = 0; i < frames; i += stride) {
     Rendering image = moving.Frame(i);
     RgbdFrame frame;
     frame.index = i;

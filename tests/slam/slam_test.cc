@@ -100,17 +100,6 @@ TEST(Slam, UsesIntensitiesIfGeometryIsWeaklyConstrained) {
   }
 }
 
-// The view has a floor, a chair and a corner. Without intensities the camera slides by 0.7 m.
-TEST(Slam, DoesNotSlideAlongFloorIfTextureConstrainsPose) {
-  RgbdCamera camera;
-  camera.depth = {320, 240, 262.5, 262.5, 159.5, 119.5, {}};
-  const SimulatedSequence floor =
-      Simulate("three_rooms", 5, 600, Sensor::kKinect, camera, {}, 1, 380);
-  const SlamRun run = RunSlam(floor, SlamOptions(), floor.world_from_camera[0]);
-  ExpectAllTracked(run);
-  EXPECT_LT(ErrorsOf(run, floor.world_from_camera).max_m, 0.05);
-}
-
 // Only the motion prior constrains the translation along a wall without colours. In front of a
 // single wall the result is random, so errors are summed over seeds.
 TEST(Slam, MotionPriorConstrainsUnobservableDirections) {

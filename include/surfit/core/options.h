@@ -215,6 +215,7 @@ std::map<std::string, std::string> FlagValues(Options options) {
 
 namespace internal {
 
+// Text of a field, as in flags.
 template <typename T>
 class TextOf final : public OptionText {
  public:

@@ -18,6 +18,7 @@ enum class RobustKernelType {
   kStudentT,      // k^2 log(1 + s/k^2), for a Student t distribution of scale k
 };
 
+// Robust kernel rho(s) of a squared residual s in units of sigma^2.
 struct RobustKernel {
   RobustKernelType type = RobustKernelType::kNone;
   double width = 3;  // k, in sigmas; no effect for kNone

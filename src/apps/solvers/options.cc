@@ -28,10 +28,17 @@ void RefineRunOptions::Visit(OptionVisitor& v) {
   });
 }
 
-RegisterRunOptions::RegisterRunOptions() {
+CloudSensor RegisterRunOptions::DefaultSensor() {
+  CloudSensor sensor;
   sensor.noise.inverse_depth_sigma = 0;
+  return sensor;
+}
+
+RegisterCloudsOptions RegisterRunOptions::DefaultRegistration() {
+  RegisterCloudsOptions registration;
   registration.icp.gates.max_distance_m = 0;
   registration.icp.error_model.floor_sigma_m = 1e-6;
+  return registration;
 }
 
 void RegisterRunOptions::Visit(OptionVisitor& v) {

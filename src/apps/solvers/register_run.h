@@ -52,15 +52,16 @@ struct RegisterRunOptions {
   CloudStartOptions start;
   // File with a 4 x 4 matrix target_from_source, or tx,ty,tz,qx,qy,qz,qw. Empty: none.
   std::string start_pose;
-  CloudSensor sensor;        // sensor of both clouds
-  bool single_view = false;  // both clouds were observed from sensor.viewpoint
+  CloudSensor sensor = DefaultSensor();  // sensor of both clouds
+  bool single_view = false;              // both clouds were observed from sensor.viewpoint
   CloudNormalOptions normals;
-  RegisterCloudsOptions registration;
+  RegisterCloudsOptions registration = DefaultRegistration();
   int threads = 2;
 
   // Gates and standard deviations follow from the clouds: the distance gate is 0, the smallest
   // sigma is 1 micrometre, and the sensor has no depth noise.
-  RegisterRunOptions();
+  static CloudSensor DefaultSensor();
+  static RegisterCloudsOptions DefaultRegistration();
   void Visit(OptionVisitor& visitor);
 };
 

@@ -212,6 +212,12 @@ class BagRecording : public Recording {
     UseValidStamps(topic, &messages);
     return SortedByClock(std::move(messages));
   }
+  // True if only the first message has the timestamp 0, and the next message follows within 1 s.
+  static bool ClockStartsAtZero(const std::vector<Stamped>& messages, std::ptrdiff_t unset) {
+    constexpr std::int64_t kSecond_ns = 1000000000;
+    return unset == 1 && messages.size() > 1 && messages[0].stamp_ns == 0 &&
+           messages[1].stamp_ns < kSecond_ns;
+  }
   // Without timestamps, recording times are used. If only some messages have timestamps, messages
   // without a timestamp are left out.
   void UseValidStamps(const Topic& topic, std::vector<Stamped>* messages) {
@@ -222,7 +228,7 @@ class BagRecording : public Recording {
                                  " have no timestamps, their recording times are used"));
       for (Stamped& message : *messages)
         message.stamp_ns = std::max<std::int64_t>(message.place.recorded_ns, 0);
-    } else if (unset > 0) {
+    } else if (unset > 0 && !ClockStartsAtZero(*messages, unset)) {
       warnings_.push_back(Concat(log_->path(), ": ", unset, " of ", messages->size(),
                                  " messages of ", topic.name,
                                  " have no timestamp (0) and are left out"));

@@ -26,7 +26,7 @@ namespace {
 
 // Step of the derivative of the gradient, in standard deviations of the residuals. The robust
 // kernel is nearly quadratic within this step.
-constexpr double kStepSigmas = 0.3;
+constexpr double kStepSigmas = 1;
 
 int LevelStride(int source_count, int level) {
   return std::clamp(source_count / RegisterCloudsOptions::kMinPoints, 1, 1 << 2 * level);
