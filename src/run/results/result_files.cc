@@ -120,9 +120,8 @@ Json ToJson(const std::vector<KeyframeLink>& keyframes) {
 
 constexpr char kLoopColumns[] =
     "source,target,similarity,prior,reason,matches,agreeing_features,inlier_ratio,rmse_m,"
-    "overlap_ratio,free_space_violation_ratio,value_correlation,detail_correlation,score_margin,sigma_m,"
-    "sigma_rad,"
-    "disagreement_m,disagreement_rad,tx,ty,tz,qx,qy,qz,qw";
+    "overlap_ratio,free_space_violation_ratio,value_correlation,detail_correlation,score_margin,"
+    "sigma_m,sigma_rad,disagreement_m,disagreement_rad,tx,ty,tz,qx,qy,qz,qw";
 
 void WriteColumns(const LoopRecord& loop, const std::string& reason, std::ostream& file) {
   const GlobalRegistrationResult& v = loop.attempt.verdict;
@@ -132,9 +131,9 @@ void WriteColumns(const LoopRecord& loop, const std::string& reason, std::ostrea
        << ',' << loop.attempt.proposal.target_from_source_prior.has_value() << ',' << reason << ','
        << v.matches << ',' << v.agreeing_features << ',' << v.inlier_ratio << ',' << v.rmse_m << ','
        << v.overlap_ratio << ',' << v.free_space_violation_ratio << ',' << v.value_correlation
-       << ',' << v.detail_correlation << ',' << v.score_margin << ',' << v.sigma_m << ',' << v.sigma_rad
-       << ',' << v.disagreement_m << ',' << v.disagreement_rad << ',' << t.x() << ',' << t.y()
-       << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w();
+       << ',' << v.detail_correlation << ',' << v.score_margin << ',' << v.sigma_m << ','
+       << v.sigma_rad << ',' << v.disagreement_m << ',' << v.disagreement_rad << ',' << t.x() << ','
+       << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w();
 }
 
 // Reason of the verification; "contradicts_others": verified loop that is an outlier of the pose
