@@ -29,6 +29,16 @@ class KdTree::Search {
     return bits;
   }
 
+  // Child with the smallest distance among the set bits of `children`, which is not 0.
+  static int Nearest(unsigned children, const float* distances) {
+    int nearest = __builtin_ctz(children);
+    for (unsigned bits = children & (children - 1); bits != 0; bits &= bits - 1) {
+      const int child = __builtin_ctz(bits);
+      if (distances[child] < distances[nearest]) nearest = child;
+    }
+    return nearest;
+  }
+
   // Computes squared distances to four points with consecutive ranks. Bit i of the result is set if
   // point `rank` + i is within `bound`.
   unsigned PointsWithin(std::uint32_t rank, float bound, float* distances) const {
@@ -67,11 +77,7 @@ class KdTree::NearestSearch : private Search {
     alignas(16) float distances[kChildren];
     unsigned rest = ChildrenWithin(level, index, best_.squared_distance, distances);
     while (rest != 0) {
-      int nearest = __builtin_ctz(rest);
-      for (unsigned bits = rest & (rest - 1); bits != 0; bits &= bits - 1) {
-        const int child = __builtin_ctz(bits);
-        if (distances[child] < distances[nearest]) nearest = child;
-      }
+      const int nearest = Nearest(rest, distances);
       if (distances[nearest] > best_.squared_distance) return;
       rest &= ~(1u << nearest);
       Visit(level + 1, kChildren * index + nearest);
@@ -128,11 +134,7 @@ class KdTree::FewNearestSearch : private Search {
     alignas(16) float distances[kChildren];
     unsigned rest = ChildrenWithin(level, index, Bound(), distances);
     while (rest != 0) {
-      int nearest = __builtin_ctz(rest);
-      for (unsigned bits = rest & (rest - 1); bits != 0; bits &= bits - 1) {
-        const int child = __builtin_ctz(bits);
-        if (distances[child] < distances[nearest]) nearest = child;
-      }
+      const int nearest = Nearest(rest, distances);
       if (IsUseless(distances[nearest])) return;
       rest &= ~(1u << nearest);
       Visit(level + 1, kChildren * index + nearest);
