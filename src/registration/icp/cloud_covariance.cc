@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "registration/icp/icp_level.h"
@@ -92,6 +93,34 @@ Matrix6d SpreadOf(std::vector<PairGradient>* gradients) {
   return sum * (static_cast<double>(cells) / static_cast<double>(cells - 6));
 }
 
+// Steps of numerical derivatives, in standard deviations of the residuals. The robust kernel is
+// nearly quadratic within kLocalSigmas. kNoiseSigmas is the extent of the noise.
+constexpr double kNoiseSigmas = 1, kLocalSigmas = 0.3;
+
+// Derivative of the gradient by central differences, in the coordinates of `motions`: its columns
+// move the points by about 1 m. Symmetric up to the noise of correspondences, which is removed.
+Matrix6d DerivativeOf(const Matrix6d& motions, double step_m,
+                      const std::function<Vector6d(const Vector6d&)>& gradient_at) {
+  Matrix6d changes;
+  for (int k = 0; k < 6; ++k) {
+    const Vector6d step = step_m * motions.col(k);
+    changes.col(k) = (gradient_at(step) - gradient_at(-step)) / (2 * step_m);
+  }
+  const Matrix6d derivative = motions.transpose() * changes;
+  return 0.5 * (derivative + derivative.transpose());
+}
+
+std::vector<Vector6d> DegenerateDirections(const Matrix6d& motions, const Matrix6d& derivative) {
+  // The noise of normals and correspondences changes the eigenvalues by about this ratio.
+  constexpr double kSmallest = 3e-4;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(derivative);
+  std::vector<Vector6d> directions;
+  for (int i = 0; i < 6 && !(eigen.eigenvalues()[i] > kSmallest * eigen.eigenvalues()[5]); ++i) {
+    directions.emplace_back(motions * eigen.eigenvectors().col(i));
+  }
+  return directions;
+}
+
 }  // namespace
 
 CloudCovariance CovarianceOfClouds(const Association& association,
@@ -99,7 +128,7 @@ CloudCovariance CovarianceOfClouds(const Association& association,
                                    const RobustKernel& kernel, const CloudErrorScales& scales) {
   CloudCovariance result;
   const NormalSystem system = Linearize(association, target_from_source, residual, kernel);
-  if (!(system.weight_sum > 0) || !(scales.step_m > 0) || !(scales.cell_m > 0)) return result;
+  if (!(system.weight_sum > 0) || !(scales.noise_m > 0) || !(scales.cell_m > 0)) return result;
   const Eigen::Vector3d center = system.point_sum / system.weight_sum;
   const double radius2 =
       system.point_product_sum.trace() / system.weight_sum - center.squaredNorm();
@@ -108,32 +137,25 @@ CloudCovariance CovarianceOfClouds(const Association& association,
   Matrix6d motions = Matrix6d::Identity();
   motions.topLeftCorner<3, 3>() /= std::sqrt(radius2);
   motions.bottomLeftCorner<3, 3>() = CrossMatrix<double>(center) / std::sqrt(radius2);
-  Matrix6d changes;
-  for (int k = 0; k < 6; ++k) {
-    const Vector6d step = scales.step_m * motions.col(k);
-    const auto gradient_at = [&](const Vector6d& increment) {
+  const auto derivative_over = [&](double step_m) {
+    return DerivativeOf(motions, step_m, [&](const Vector6d& increment) {
       return Vector6d(-Linearize(association, LeftIncrement<double>(increment, target_from_source),
                                  residual, kernel)
                            .right_side);
-    };
-    changes.col(k) = (gradient_at(step) - gradient_at(-step)) / (2 * scales.step_m);
+    });
+  };
+  Matrix6d derivative;
+  for (const double sigmas : {kNoiseSigmas, kLocalSigmas}) {
+    derivative = derivative_over(sigmas * scales.noise_m);
+    result.degenerate_directions = DegenerateDirections(motions, derivative);
+    if (!result.degenerate_directions.empty()) return result;
   }
-  // In the coordinates of `motions`, J should be symmetric up to the noise of correspondences.
-  const Matrix6d derivative = motions.transpose() * changes;
-  const Matrix6d symmetric = 0.5 * (derivative + derivative.transpose());
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(symmetric);
-  // The noise of normals and correspondences changes the eigenvalues by about this ratio.
-  constexpr double kSmallest = 3e-4;
-  for (int i = 0; i < 6 && !(eigen.eigenvalues()[i] > kSmallest * eigen.eigenvalues()[5]); ++i) {
-    result.degenerate_directions.emplace_back(motions * eigen.eigenvectors().col(i));
-  }
-  if (!result.degenerate_directions.empty()) return result;
 
   std::vector<PairGradient> gradients =
       GradientsOf(association.Collect(target_from_source), residual, kernel, scales.cell_m);
   const Matrix6d spread = SpreadOf(&gradients);
   if (spread.isZero(0)) return result;
-  const Matrix6d inverse = motions * symmetric.inverse() * motions.transpose();
+  const Matrix6d inverse = motions * derivative.inverse() * motions.transpose();
   const Matrix6d covariance = inverse * spread * inverse.transpose();
   result.covariance = 0.5 * (covariance + covariance.transpose());
   return result;

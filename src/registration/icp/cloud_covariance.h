@@ -11,10 +11,10 @@
 
 namespace surfit {
 
-// Length scales of ErrorOfClouds(), m.
+// Length scales of CovarianceOfClouds(), m.
 struct CloudErrorScales {
-  double step_m = 0;  // motion of the points for numerical derivatives
-  double cell_m = 0;  // points in one cell have correlated errors
+  double noise_m = 0;  // standard deviation of the residuals
+  double cell_m = 0;   // points in one cell have correlated errors
 };
 
 // Covariance of a pose, or the directions (rad, m) that the clouds do not constrain.
@@ -30,8 +30,9 @@ struct CloudCovariance {
 // errors that points in a cell share. J is the derivative of the gradient. It is numerical, with
 // new correspondences at each pose. J does not count directions along which correspondences move
 // with the pose, and no information from noise of normals.
-// Directions in which J is not positive are degenerate. There is no covariance with degenerate
-// directions, or with fewer than 12 cells.
+// Directions in which J is not positive are degenerate. They are tested over the extent of the
+// noise too, because a local slope of noise is no constraint. There is no covariance with
+// degenerate directions, or with fewer than 12 cells.
 CloudCovariance CovarianceOfClouds(const Association& association,
                                    const Rigid3d& target_from_source, ResidualType residual,
                                    const RobustKernel& kernel, const CloudErrorScales& scales);

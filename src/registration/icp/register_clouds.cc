@@ -24,10 +24,6 @@ IcpOptions RegisterCloudsOptions::DefaultIcp() {
 
 namespace {
 
-// Step of the derivative of the gradient, in standard deviations of the residuals. The robust
-// kernel is nearly quadratic within this step.
-constexpr double kStepSigmas = 1;
-
 int LevelStride(int source_count, int level) {
   return std::clamp(source_count / RegisterCloudsOptions::kMinPoints, 1, 1 << 2 * level);
 }
@@ -65,9 +61,9 @@ void StateCovariance(const SearchablePoints& source_points, const SearchablePoin
   const KdTreeAssociation association(
       source_points, target_points,
       {options.icp.gates, NormalsNeededBy(residual), options.reciprocal, 1});
-  CloudCovariance stated = CovarianceOfClouds(
-      association, result->target_from_source, residual, options.icp.error_model.kernel,
-      {kStepSigmas * MedianSigma(source), kErrorSpacings * spacing_m});
+  CloudCovariance stated = CovarianceOfClouds(association, result->target_from_source, residual,
+                                              options.icp.error_model.kernel,
+                                              {MedianSigma(source), kErrorSpacings * spacing_m});
   result->covariance = stated.covariance;
   result->degenerate_directions = std::move(stated.degenerate_directions);
   if (!result->covariance) return;
