@@ -280,7 +280,7 @@ std::vector<SeenSurfel> SurfelsInImages(const ColorCamera& camera,
   std::vector<Eigen::Vector3d> normals;
   for (std::size_t i = 0; i < reliable.size(); i += stride) {
     surfels.push_back({reliable[i].position_in_world.cast<double>(), {}});
-    normals.push_back(reliable[i].normal_in_world.cast<double>());
+    normals.emplace_back(reliable[i].normal_in_world.cast<double>());
   }
   MapDepth depth(map, camera.lens, kVisibilityColumns);
   for (std::size_t image = 0; image < images.size(); ++image) {

@@ -200,6 +200,7 @@ Trajectory AssignPoses(std::vector<NumberedPose> poses, const std::vector<long>&
     return a.number < b.number;
   });
   std::vector<long> numbers;
+  numbers.reserve(poses.size());
   for (const NumberedPose& pose : poses) numbers.push_back(pose.number);
   const std::vector<int> frame_of_pose = FramesOfPoses(numbers, frame_numbers);
   GroundTruthPoses truth(path);
@@ -249,11 +250,13 @@ std::vector<NumberedPose> ReadMatrixLines(const std::string& path) {
 // Numbers of the frames by the names of their depth images.
 std::vector<long> DepthNumbers(const std::vector<FrameFiles>& frames) {
   std::vector<std::string> names;
+  names.reserve(frames.size());
   for (const FrameFiles& frame : frames)
     names.push_back(frame.depth_path.substr(frame.depth_path.rfind('/') + 1));
   std::map<std::string, long> by_name;
   for (const NamedImage& image : NumberImages(names)) by_name[image.name] = image.number;
   std::vector<long> numbers;
+  numbers.reserve(names.size());
   for (const std::string& name : names) numbers.push_back(by_name[name]);
   return numbers;
 }

@@ -313,6 +313,7 @@ class CloudRegistrar {
     const PointSet from = PointSetOfKeys(source, kKeySigmaCells * cell_m);
     const PointSet to = PointSetOfKeys(target, kKeySigmaCells * cell_m);
     std::vector<ScoredKeyPose> poses;
+    poses.reserve(hypotheses.size());
     for (const KeyConsensus& hypothesis : hypotheses) {
       poses.push_back({hypothesis.target_from_source, KeyScore(hypothesis.target_from_source)});
     }
