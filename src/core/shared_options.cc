@@ -97,6 +97,9 @@ const std::vector<Option>& SharedOptions() {
       {"summary", "JSON file for all results and options; empty: none"},
       {"target", "target cloud: PLY or PCD, in m"},
       {"threads", "maximum number of threads that compute at the same time", Between(1, 1024)},
+      {"world",
+       "world frame of pictures, report and exports; upright: z up, floor at 0, walls along the "
+       "axes, if the map shows them; run: the frame of the first pose"},
   };
   return kOptions;
 }

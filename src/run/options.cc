@@ -34,6 +34,7 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
   v.Add(groundtruth, SharedOption("groundtruth"));
   v.Add(fit_mount, SharedOption("fit_mount"));
   v.Add(pictures, SharedOption("pictures"));
+  v.Add(world, SharedOption("world", OneOf({"upright", "run"})));
   v.Add(keep_views, "keep_views",
         "write report.html: map and trajectory in 3D, plots, views, options", AsFlag("report"),
         Everyday());

@@ -12,13 +12,26 @@
 namespace surfit {
 namespace {
 
-Trajectory AlignedWithTruth(Trajectory trajectory,
-                            const std::optional<TrajectoryEvaluation>& evaluation) {
-  if (!evaluation || !evaluation->ate) return trajectory;
+struct PathsInOneFrame {
+  Trajectory estimate, truth;
+};
+
+Trajectory Moved(Trajectory trajectory, const Rigid3d& new_from_old_world) {
   for (StampedPose& pose : trajectory) {
-    pose.world_from_camera = evaluation->ate->alignment.target_from_source * pose.world_from_camera;
+    pose.world_from_camera = new_from_old_world * pose.world_from_camera;
   }
   return trajectory;
+}
+
+// Both paths in the upright world. If it is unknown, they are in the world of the ground truth, or
+// in that of the run without ground truth.
+PathsInOneFrame InOneFrame(const RunOutcome& run, const Trajectory& truth) {
+  Rigid3d truth_from_run;
+  if (run.evaluation && run.evaluation->ate)
+    truth_from_run = run.evaluation->ate->alignment.target_from_source;
+  const Rigid3d shown_from_run = run.upright ? run.upright->upright_from_world : truth_from_run;
+  return {Moved(run.trajectory.poses(), shown_from_run),
+          Moved(truth, shown_from_run * truth_from_run.Inverse())};
 }
 
 void WriteViews(const RunOutcome& run, const DepthSensor& sensor, std::vector<KeptView>* views) {
@@ -53,10 +66,10 @@ std::vector<KeyframeLink> OwnKeyframes(const RunOutcome& run) {
 void WritePictures(const RunOutcome& run, const Trajectory& truth, Failures* failures) {
   const TraceSlice slice("write_pictures");
   const std::string& folder = run.options.output;
-  failures->Try([&] { WriteMapPictures(run.map, run.trajectory.poses(), folder); });
+  failures->Try([&] { WriteMapPictures(run.map, run.trajectory.poses(), folder, run.upright); });
   failures->Try([&] {
-    WriteTrajectoryPicture(AlignedWithTruth(run.trajectory.poses(), run.evaluation), truth,
-                           folder + "/trajectory.png");
+    const PathsInOneFrame paths = InOneFrame(run, truth);
+    WriteTrajectoryPicture(paths.estimate, paths.truth, folder + "/trajectory.png");
   });
 }
 
@@ -78,7 +91,7 @@ void WriteRunResults(const RunOutcome& run, Failures* failures) {
   failures->Try([&] { truth = TruthDuring(run.stamps_s, run.info.ground_truth); });
   failures->Try([&] {
     WritePosesJson({sensor.camera, run.found, run.trajectory.poses(), run.trajectory.frames(),
-                    truth, run.evaluation, views, thumbnails, keyframes},
+                    truth, run.evaluation, views, thumbnails, keyframes, run.upright},
                    folder + "/poses.json");
   });
   if (run.options.pictures) WritePictures(run, truth, failures);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "finishing/posed_sequence.h"
+#include "output/pictures/pictures.h"
 #include "run/results/failures.h"
 #include "run/results/kept_views.h"
 #include "run/results/run_files.h"
@@ -23,6 +24,7 @@ struct RunOutcome {
   const Thumbnails& thumbnails;
   const std::vector<double>& stamps_s;                    // of all frames, s
   const std::optional<TrajectoryEvaluation>& evaluation;  // std::nullopt: no ground truth
+  const std::optional<UprightWorld>& upright;             // std::nullopt: keep the world frame
   const SlamRunOptions& options;
 };
 

@@ -226,8 +226,11 @@ class SlamRun {
     if (localization_) summary.localization = localization_->Summary();
     failures_.Try([&] { summary.digest = Digest(trajectory_->poses(), slam_->map()); });
     if (!info_.ground_truth.empty()) failures_.Try([&] { Evaluate(&summary); });
+    std::optional<UprightWorld> upright;
+    failures_.Try([&] { upright = FindGravity(&summary); });
+    if (options_.world == "run") upright.reset();
     WriteRunResults({info_, *trajectory_, found_, slam_->backend(), map(), views_, thumbnails_,
-                     statistics_.stamps_s(), summary.evaluation, options_},
+                     statistics_.stamps_s(), summary.evaluation, upright, options_},
                     &failures_);
     if (trace_) failures_.Try([&] { trace_->Close(); });
     summary.peak_rss_bytes = PeakRssBytes();
@@ -354,6 +357,13 @@ class SlamRun {
     if (without) summary->ate_without_latency = without->ate;
     summary->time_offset = EstimateTimeOffset(truth, estimate, {});
     if (options_.fit_mount) summary->mount = FitMount(MatchPoses(truth, estimate, {}), false);
+  }
+
+  std::optional<UprightWorld> FindGravity(SlamRunSummary* summary) const {
+    const UprightResult found = FindUpright(ReliableSurfels(map()), trajectory_->poses());
+    summary->gravity_unknown = found.reason;
+    if (found.world) summary->gravity = {found.world->upright_from_world, found.world->sigma_rad};
+    return found.world;
   }
 
   void FinishBackend(SlamRunSummary* summary) {

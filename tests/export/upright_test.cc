@@ -1,8 +1,7 @@
-#include "apps/export/upright.h"
-
 #include <gmock/gmock.h>
 
 #include "export/room_surfels.h"
+#include "output/pictures/pictures.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {

@@ -63,8 +63,8 @@ class MapViewsTest : public ::testing::Test {
       Eigen::Vector3d(3, -1, 7)};
   const SurfelMap map_ = Room(world_from_room_);
   const std::vector<std::uint8_t> all_ = std::vector<std::uint8_t>(map_.id_end(), 1);
-  const std::array<PictureView, 4> views_ =
-      ChooseMapViews(map_, all_, LookAround(world_from_room_), kViewWidth, kViewHeight);
+  const std::array<PictureView, 4> views_ = ChooseMapViews(map_, all_, LookAround(world_from_room_),
+                                                           std::nullopt, kViewWidth, kViewHeight);
 
   Eigen::Vector2d Project(int view, const Eigen::Vector3d& point_in_room) const {
     return views_[view].camera.Project(views_[view].camera_from_world *
@@ -120,6 +120,22 @@ TEST_F(MapViewsTest, FirstCameraViewIsBehindTheFirstCamera) {
 TEST_F(MapViewsTest, SecondCameraViewHasAnotherDirection) {
   EXPECT_THAT(views_[3].label, Names(11));
   EXPECT_GT(Share(3, kRightWall), Share(2, kRightWall));
+}
+
+TEST_F(MapViewsTest, GivenUprightWorldDecidesTheTopView) {
+  const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.2, Eigen::Vector3d(1, 2, 0.3).normalized()));
+  UprightWorld upright;
+  upright.upright_from_world = Rigid3d(tilt, {0, 0, 0});
+  for (const bool walls_give_axes : {false, true}) {
+    upright.walls_give_axes = walls_give_axes;
+    const PictureView top = ChooseMapViews(map_, all_, LookAround(world_from_room_), upright,
+                                           kViewWidth, kViewHeight)[0];
+    const Eigen::Matrix3d upright_from_view =
+        (tilt * top.camera_from_world.rotation.conjugate()).toRotationMatrix();
+    EXPECT_THAT(upright_from_view.col(2), VectorNear(Eigen::Vector3d(0, 0, -1), 1e-9));
+    const double off_axis = upright_from_view.col(0).cwiseAbs().maxCoeff();
+    EXPECT_EQ(off_axis > 1 - 1e-9, walls_give_axes);
+  }
 }
 
 TEST(MostDifferentPose, WeighsAngleAgainstDistance) {

@@ -173,6 +173,10 @@ def check_upright(sequence, output, export):
     height_m = (truth_from_export @ [0, 0, 0, 1])[2]
     print(f"gravity within {tilt_deg:.3f} degrees, floor at {1000 * height_m:.1f} mm")
     assert tilt_deg < 0.5 and abs(height_m) < 0.01
+    gravity = json.loads((output / "summary.json").read_text())["gravity"]
+    up = (truth @ np.linalg.inv(run_pose))[:3, :3] @ gravity["up_in_world"]
+    assert np.degrees(np.arccos(min(1, up[2]))) < 0.5, gravity
+    assert 0 < gravity["sigma_deg"] < 1, gravity
 
 
 def check_transforms(output, export):

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/geometry/rigid3.h"
 #include "surfit/io/sequence.h"
 #include "surfit/slam/slam.h"
 
@@ -42,6 +43,9 @@ struct SlamRunOptions {
   bool refine = true;
   bool final_map = true;
   bool pictures = true;
+  // World frame of pictures and report. "upright": z is up and the floor is at z = 0, if
+  // SlamRunSummary::gravity is known. "run": the world frame of the map.
+  std::string world = "upright";
   bool keep_views = false;   // saves some frames with their model views, for WriteReport()
   bool keep_places = false;  // writes places.bin (RunPlaces), which connects this run to other runs
   // Session folder: the run saves its state there continuously. Enables loop closure. The folder
@@ -121,6 +125,14 @@ struct Localization {
   double median_sigma_rad = 0;
 };
 
+// Direction of gravity in the world frame of a run, from horizontal planes and walls of the map.
+struct Gravity {
+  // World frame of the run to the upright frame: z is up, the floor is at z = 0, and the walls are
+  // along x and y.
+  Rigid3d upright_from_world;
+  double sigma_rad = 0;  // standard deviation of the direction
+};
+
 // Results of a run: the content of summary.json.
 struct SlamRunSummary {
   int frames_total = 0;    // input frames, including unreadable frames
@@ -171,7 +183,9 @@ struct SlamRunSummary {
   // ATE with the timestamps of the files, and ATE with a time offset fitted to the ground truth.
   std::optional<AbsoluteTrajectoryError> ate_without_latency;
   std::optional<TimeOffset> time_offset;
-  std::optional<MountFit> mount;  // with SlamRunOptions::fit_mount and ground truth
+  std::optional<MountFit> mount;   // with SlamRunOptions::fit_mount and ground truth
+  std::optional<Gravity> gravity;  // std::nullopt: unknown, see `gravity_unknown`
+  std::string gravity_unknown;     // reason
   double total_s = 0;
   std::optional<double> final_map_s;  // duration of the final map fusion; std::nullopt without it
   // Time per frame between completions, without the wait for input.

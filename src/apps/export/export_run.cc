@@ -18,10 +18,10 @@
 #include "apps/export/nerfstudio_files.h"
 #include "apps/export/occupancy.h"
 #include "apps/export/sparse_points.h"
-#include "apps/export/upright.h"
 #include "io/files/output_folder.h"
 #include "io/images/image_files.h"
 #include "output/output_files.h"
+#include "output/pictures/pictures.h"
 #include "output/recorded_run.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
@@ -54,7 +54,8 @@ std::vector<std::string> FormerFiles(const std::string& folder) {
   if (!fs::is_regular_file(folder + "/" + kExportJson)) return files;
   for (const std::string part : {"images", "depth"}) {
     std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder + "/" + part, error)) {
+    for (const fs::directory_entry& entry :
+         fs::directory_iterator(Concat(folder, "/", part), error)) {
       const std::string stem = entry.path().stem().string();
       const bool is_number = !stem.empty() && std::all_of(stem.begin(), stem.end(), [](char c) {
         return std::isdigit(static_cast<unsigned char>(c)) != 0;

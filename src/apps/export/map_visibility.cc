@@ -26,18 +26,6 @@ PinholeCamera DepthCamera(const PinholeCamera& lens, int columns) {
 
 }  // namespace
 
-std::vector<Surfel> ReliableSurfels(const SurfelMap& map) {
-  const float least = NoiseConfidence(map);
-  std::vector<Surfel> surfels;
-  for (const std::int32_t id : map.Ids()) {
-    const Surfel surfel = map[id];
-    if (surfel.confidence >= least && surfel.position_in_world.allFinite()) {
-      surfels.push_back(surfel);
-    }
-  }
-  return surfels;
-}
-
 MapDepth::MapDepth(const SurfelMap& map, const PinholeCamera& lens, int columns)
     : map_(map), renderer_(RenderOptions()) {
   sensor_.camera = DepthCamera(lens, columns);

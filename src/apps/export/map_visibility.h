@@ -10,10 +10,6 @@
 
 namespace surfit {
 
-// Surfels that are treated as part of a surface, not as noise: NoiseConfidence(). In the order of
-// SurfelMap::Ids(), with finite positions.
-std::vector<Surfel> ReliableSurfels(const SurfelMap& map);
-
 // Depth of the map as seen by the colour camera, without lens distortion.
 class MapDepth {
  public:

@@ -21,10 +21,7 @@ void ExportOptions::Visit(OptionVisitor& v) {
         ZeroIs("all images"), AsFlag(), Everyday());
   v.Add(undistort, "undistort", "colmap, nerfstudio: write undistorted images of a pinhole camera",
         AsFlag(), Everyday());
-  v.Add(world, "world",
-        "world frame of the results of --run; upright: z up, floor at 0, walls along the axes, if "
-        "the map shows them",
-        OneOf({"upright", "run"}), AsFlag(), Everyday());
+  v.Add(world, SharedOption("world", OneOf({"upright", "run"}), Everyday()));
   v.Group("output");
   v.Add(output, SharedOption("output", Everyday()));
   v.Add(threads, SharedOption("threads", Everyday()));

@@ -119,7 +119,11 @@ class ScanReporter {
     for (const JobReceipt& receipt : receipts_) {
       if (receipt.exit != 0) summary.failed.push_back(receipt.job + ": " + receipt.error);
     }
-    if (DrawsMap()) WriteMapPictures(ThinnedMap(paths), Path(), scan_);
+    if (DrawsMap()) {
+      const SurfelMap map = ThinnedMap(paths);
+      const Trajectory path = Path();
+      WriteMapPictures(map, path, scan_, FindUpright(ReliableSurfels(map), path).world);
+    }
     WritePage(summary);
     WriteSummary(summary);
     return summary;

@@ -139,6 +139,7 @@ class RefineRun {
                     summary_.after,
                     {},
                     {},
+                    {},
                     {}},
                    options_.output + "/poses.json");
   }

@@ -10,6 +10,7 @@ surfit.meanDirection = (poses, ...inCamera) => {
   return sum.length() > 1e-6 ? sum.normalize() : new THREE.Vector3(...inCamera);
 };
 surfit.upOf = (poses) => surfit.meanDirection(poses, 0, -1, 0);
+surfit.upOfRun = ({ up, poses }) => (up ? new THREE.Vector3(...up) : surfit.upOf(poses));
 surfit.forwardOf = (poses) => surfit.meanDirection(poses, 0, 0, 1);
 
 // Horizontal unit vector nearest to a direction; any horizontal unit vector for a vertical direction.

@@ -115,8 +115,20 @@ float NoiseConfidence(const SurfelMap& map) {
   return std::min(kMost, kShare * Quantile(confidences, 0.9, 0));
 }
 
+std::vector<Surfel> ReliableSurfels(const SurfelMap& map) {
+  const float least = NoiseConfidence(map);
+  std::vector<Surfel> surfels;
+  for (const std::int32_t id : map.Ids()) {
+    const Surfel surfel = map[id];
+    if (surfel.confidence >= least && surfel.position_in_world.allFinite()) {
+      surfels.push_back(surfel);
+    }
+  }
+  return surfels;
+}
+
 void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
-                      const std::string& directory) {
+                      const std::string& directory, const std::optional<UprightWorld>& upright) {
   const std::string prefix = directory + "/map_";
   if (map.size() == 0) {
     for (const char* name : {"color", "normals", "last_seen", "confidence"}) {
@@ -128,7 +140,7 @@ void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
   const std::vector<std::int32_t> ids = map.Ids();
   std::vector<std::uint8_t> shown(map.id_end());
   for (const std::int32_t id : ids) shown[id] = map[id].confidence >= least;
-  const auto views = ChooseMapViews(map, shown, camera_path,
+  const auto views = ChooseMapViews(map, shown, camera_path, upright,
                                     PictureSheet::kCellWidth * PictureSheet::kSupersampling,
                                     PictureSheet::kCellHeight * PictureSheet::kSupersampling);
   const auto count = std::count(shown.begin(), shown.end(), 1);

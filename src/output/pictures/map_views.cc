@@ -47,8 +47,9 @@ Eigen::Vector3d RefineUp(const Sample& sample, Eigen::Vector3d up) {
   return up;
 }
 
+// right-handed, in the world frame
 struct RoomAxes {
-  Eigen::Vector3d across, along, up;  // right-handed
+  Eigen::Vector3d across, along, up;
 };
 
 // Wall normals are horizontal and at right angles.
@@ -66,6 +67,14 @@ RoomAxes FindRoomAxes(const Sample& sample, const Eigen::Vector3d& up) {
   const double wall = std::atan2(sum_sin, sum_cos) / 4;
   const Eigen::Vector3d across = std::cos(wall) * x + std::sin(wall) * y;
   return {across, up.cross(across), up};
+}
+
+RoomAxes ChooseRoomAxes(const Sample& sample, const Trajectory& path,
+                        const std::optional<UprightWorld>& upright) {
+  if (!upright) return FindRoomAxes(sample, RefineUp(sample, UpDirection(path)));
+  const Eigen::Matrix3d axes = upright->upright_from_world.rotation.toRotationMatrix().transpose();
+  if (!upright->walls_give_axes) return FindRoomAxes(sample, axes.col(2));
+  return {axes.col(0), axes.col(1), axes.col(2)};
 }
 
 struct Bounds {
@@ -186,12 +195,14 @@ std::size_t MostDifferentPose(const Trajectory& camera_path, double scene_depth_
 
 std::array<PictureView, 4> ChooseMapViews(const SurfelMap& map,
                                           const std::vector<std::uint8_t>& shown,
-                                          const Trajectory& camera_path, int width, int height) {
+                                          const Trajectory& camera_path,
+                                          const std::optional<UprightWorld>& upright, int width,
+                                          int height) {
   const Trajectory path = camera_path.empty() ? Trajectory(1) : camera_path;
   const Rigid3d first = path.front().world_from_camera;
   const Sample sample = DrawSample(map, shown);
   const Bounds bounds = FindBounds(sample);
-  const RoomAxes axes = FindRoomAxes(sample, RefineUp(sample, UpDirection(path)));
+  const RoomAxes axes = ChooseRoomAxes(sample, path, upright);
   const std::size_t other = MostDifferentPose(path, MedianDepth(sample, first.Inverse()));
   const Eigen::Vector3d first_forward = first.rotation * Eigen::Vector3d::UnitZ();
   return {TopView(sample, bounds, axes, first_forward, width, height),

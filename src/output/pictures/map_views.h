@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "output/pictures/canvas.h"
 #include "output/pictures/picture_view.h"
+#include "output/pictures/pictures.h"
 #include "surfit/core/image.h"
 #include "surfit/mapping/surfel_map.h"
 
@@ -44,10 +46,13 @@ class PictureSheet {
 };
 
 // Four views of the surfels with shown[id] != 0, each of width x height px: from above, oblique
-// from above, and from behind two cameras. An empty path stands for a camera at the origin.
+// from above, and from behind two cameras. An empty path stands for a camera at the origin. Without
+// `upright`, up is the mean normal of surfaces that are approximately horizontal for the cameras.
 std::array<PictureView, 4> ChooseMapViews(const SurfelMap& map,
                                           const std::vector<std::uint8_t>& shown,
-                                          const Trajectory& camera_path, int width, int height);
+                                          const Trajectory& camera_path,
+                                          const std::optional<UprightWorld>& upright, int width,
+                                          int height);
 
 // Index of the pose with the largest difference to the first pose: angle in rad plus distance /
 // scene_depth_m. 0 for a path with one pose.

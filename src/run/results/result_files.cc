@@ -1,5 +1,6 @@
 #include "run/results/result_files.h"
 
+#include <array>
 #include <map>
 #include <ostream>
 
@@ -143,6 +144,12 @@ std::string ReasonOf(const LoopRecord& loop) {
   return verdict.accepted() && !loop.in_graph ? "contradicts_others" : ToString(verdict.reason);
 }
 
+// Up direction in the world frame.
+std::array<double, 3> UpIn(const Rigid3d& upright_from_world) {
+  const Eigen::Vector3d up = upright_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  return {up.x(), up.y(), up.z()};
+}
+
 }  // namespace
 
 void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
@@ -207,6 +214,13 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["match_ratio"] = {{"last", s.match_ratio_last}, {"median", s.match_ratio_median}};
   j["sensor_latency_s"] = s.sensor_latency_s;
   SetErrors(s, &j);
+  j["gravity"] = {{"up_in_world", nullptr}, {"reason", s.gravity_unknown}};
+  if (s.gravity) {
+    j["gravity"] = {{"up_in_world", UpIn(s.gravity->upright_from_world)},
+                    {"sigma_deg", s.gravity->sigma_rad / kRadPerDeg},
+                    {"source", "floor and walls of the map"},
+                    {"upright_from_world", ToJson(s.gravity->upright_from_world)}};
+  }
   j["total_s"] = s.total_s;
   j["final_map_s"] = s.final_map_s ? Json(*s.final_map_s) : Json();
   j["frame_ms"] = ToJson(s.frame);
@@ -254,6 +268,8 @@ void WritePosesJson(const RunPoses& run, const std::string& path) {
     j["truth"] = TruthOf(run, estimated_from_true);
     j["errors_m"] = ErrorsOf(run, estimated_from_true);
   }
+  j["up"] = nullptr;
+  if (run.upright) j["up"] = UpIn(run.upright->upright_from_world);
   j["views"] = ToJson<KeptViews>(run.views);
   j["thumbnails"] = ToJson<Thumbnails>(run.thumbnails);
   j["keyframes"] = ToJson(run.keyframes);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "finishing/posed_sequence.h"
+#include "output/pictures/pictures.h"
 #include "run/results/kept_views.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/geometry/trajectory.h"
@@ -34,6 +35,7 @@ struct RunPoses {
   const std::vector<KeptView>& views;
   const std::vector<KeptView>& thumbnails;
   const std::vector<KeyframeLink>& keyframes;
+  const std::optional<UprightWorld>& upright;  // std::nullopt: unknown
 };
 
 // Writes poses.json. Lengths are in metres. Poses are in the world frame of map.ply, which can
@@ -48,6 +50,7 @@ struct RunPoses {
 //   errors_m        position error of each frame with a ground-truth pose: index, distance; null
 //                   without an ATE
 //   views           one per KeptView: index, stamp_s, why, and files: path by picture name
+//   up              unit vector opposite to gravity; null: unknown
 //   thumbnails      one per thumbnail, with the keys of `views`
 //   keyframes       one row per KeyframeLink: frame, parent_frame (-1: no parent), submap
 // Throws InputError naming the file if it cannot be written.

@@ -129,8 +129,8 @@ surfit.MapView = class extends surfit.Scene {
   }
 
   resetView() {
-    const { poses } = this.runs[0].poses;
-    this.lookAtAll(this.bounds, surfit.forwardOf(poses), surfit.upOf(poses));
+    const run = this.runs[0].poses;
+    this.lookAtAll(this.bounds, surfit.forwardOf(run.poses), surfit.upOfRun(run));
   }
 
   look(from, at) {

@@ -2,8 +2,8 @@
 // Charts of the paths from above and of the position error.
 
 // Unit vectors to the right of the mean viewing direction, along it, and up.
-surfit.floorDirections = ({ poses: { poses } }) => {
-  const up = surfit.upOf(poses), ahead = surfit.level(surfit.forwardOf(poses), up);
+surfit.floorDirections = (run) => {
+  const up = surfit.upOfRun(run.poses), ahead = surfit.level(surfit.forwardOf(run.poses.poses), up);
   return [new THREE.Vector3().crossVectors(ahead, up), ahead, up];
 };
 

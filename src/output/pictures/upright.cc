@@ -1,11 +1,10 @@
-#include "apps/export/upright.h"
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "output/pictures/pictures.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
