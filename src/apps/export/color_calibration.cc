@@ -10,6 +10,7 @@
 
 #include "apps/export/color_lens.h"
 #include "apps/export/map_visibility.h"
+#include "output/pictures/pictures.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {

@@ -8,6 +8,7 @@
 
 #include "apps/export/color_lens.h"
 #include "apps/export/map_visibility.h"
+#include "output/pictures/pictures.h"
 
 namespace surfit {
 namespace {
