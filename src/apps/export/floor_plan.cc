@@ -224,13 +224,13 @@ std::vector<WallLine> FindWallLines(const UprightMap& map, const OccupancyGrid& 
   std::vector<WallPoint> points = WallPoints(map, grid);
   std::vector<WallLine> walls;
   for (int i = 0; i < kMaxLines; ++i) {
-    const auto [start, count] = BestLine(points);
-    if (count < kMinPoints) break;
-    const Line line = FitLine(points, start);
+    const std::pair<Line, int> best = BestLine(points);
+    if (best.second < kMinPoints) break;
+    const Line line = FitLine(points, best.first);
     for (const WallLine& part : PartsOf(line, points)) walls.push_back(part);
     points.erase(std::remove_if(points.begin(), points.end(),
                                 [&](const WallPoint& p) {
-                                  return start.Has(p) ||
+                                  return best.first.Has(p) ||
                                          line.IsNear(p, kUsedDistance_m, kUsedAngle_rad);
                                 }),
                  points.end());

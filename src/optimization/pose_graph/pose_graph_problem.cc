@@ -222,10 +222,12 @@ PoseGraphProblem::Linearization PoseGraphProblem::Linearize(const std::vector<bo
     result.first_column[i] = column;
     column += graph_.planar ? 3 : 6;
   }
-  ceres::CRSMatrix rows;
-  if (column > 0 && !options.residual_blocks.empty()) {
-    problem_.Evaluate(options, nullptr, nullptr, nullptr, &rows);
+  if (column == 0 || options.residual_blocks.empty()) {
+    result.jacobian.resize(0, column);
+    return result;
   }
+  ceres::CRSMatrix rows;
+  problem_.Evaluate(options, nullptr, nullptr, nullptr, &rows);
   result.jacobian.resize(rows.num_rows, column);
   std::vector<Eigen::Triplet<double>> entries;
   for (int r = 0; r < rows.num_rows; ++r) {
