@@ -33,7 +33,6 @@ Image<float> StructuralSimilarity(const Image<Rgb8>& image, const Image<Rgb8>& r
 // Mean over compared pixels; 0 if there are none. Aborts if the sizes differ.
 double MeanOf(const Image<float>& values, const PixelMask& compared);
 
-// Number of compared pixels.
 std::size_t CountOf(const PixelMask& mask);
 
 }  // namespace surfit

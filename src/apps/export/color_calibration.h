@@ -37,9 +37,9 @@ struct ColorCalibration {
 // with the depth camera pose D_i and color_from_depth C. The mean b_k is eliminated: residuals and
 // derivatives are centred per surfel. Gauss-Newton with the kernel of Geman and McClure, from
 // coarse to fine images. A point moves during the readout as in RegisterColors(). The covariance is
-// that of the sum of the gradients of the images, from their scatter (Huber 1967). The prior is
-// CalibrationPrior. The estimate is kept if its squared Mahalanobis distance from the given camera
-// exceeds its mean by more than three standard deviations.
+// computed from the scatter of the gradients over the images (sandwich estimator, Huber 1967). The
+// estimate is kept if its squared Mahalanobis distance from the given camera exceeds its mean by
+// more than three standard deviations.
 //
 // Keeps the given camera if fewer than ten images or too few surfels can be used.
 ColorCalibration EstimateColorCamera(const ColorCamera& given, const CalibrationPrior& prior,

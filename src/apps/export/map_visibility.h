@@ -17,7 +17,7 @@ std::vector<Surfel> ReliableSurfels(const SurfelMap& map);
 // Depth of the map as seen by the colour camera, without lens distortion.
 class MapDepth {
  public:
-  // Renders with about `columns` columns.
+  // `columns`: approximate number of columns of the rendered depth.
   MapDepth(const SurfelMap& map, const PinholeCamera& lens, int columns);
 
   void Render(const Rigid3d& world_from_color);

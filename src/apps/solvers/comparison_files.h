@@ -9,7 +9,6 @@
 
 namespace surfit {
 
-// One solve from one perturbed pose.
 struct ComparedRun {
   int problem = 0;  // index in PoseProblems
   PerturbationCell cell;
@@ -19,7 +18,6 @@ struct ComparedRun {
   std::optional<bool> converged;
 };
 
-// All solves of one combination.
 struct ComparedRuns {
   SolverCombination combination;
   int threads = 0;
