@@ -27,9 +27,8 @@ struct RegistrationFit {
   bool is_doubtful = false;  // all frames, and both halves of them, contradict the registration
 };
 
-// Estimates the alignment from raw or rectified images. `depth_camera`: camera of these images.
-// Frames are ignored without colour, with colour of another size, or with few depth edges. Returns
-// std::nullopt without usable frames.
+// Estimates the alignment from raw or rectified images. Frames are ignored without colour, with
+// colour of another size, or with few depth edges. Returns std::nullopt without usable frames.
 std::optional<RegistrationFit> FitRegistration(const std::vector<FrameImages>& frames,
                                                const PinholeCamera& depth_camera);
 
