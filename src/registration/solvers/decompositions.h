@@ -12,10 +12,9 @@ namespace surfit {
 // Solves matrix * x = right_side for a symmetric matrix by LDLT.
 Vector6d SolveLdlt(const Matrix6d& matrix, const Vector6d& right_side);
 Eigen::Vector3d SolveLdlt3(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right_side);
-// Solves matrix * x = right_side by LU decomposition.
 Vector6d SolveLu(const Matrix6d& matrix, const Vector6d& right_side);
 
-// Inverse of a symmetric matrix. The result of SymmetricInverse() is exactly symmetric.
+// Require a symmetric matrix. The result of SymmetricInverse() is exactly symmetric.
 Matrix6d InverseByLdlt(const Matrix6d& matrix);
 Matrix6d SymmetricInverse(const Matrix6d& matrix);
 
