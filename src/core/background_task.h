@@ -62,8 +62,7 @@ class BackgroundTask {
   bool IsPending() const { return result_.valid(); }
   // Counts a step. Returns true if a result is due, also if the task is still running.
   bool IsDueAfterStep() { return IsPending() && --steps_left_ <= 0; }
-  // Counts a step. Returns true if a result is due and ready. Ends the low priority of an overdue
-  // task.
+  // Counts a step. Ends the low priority of an overdue task.
   bool IsReadyAfterStep() {
     if (!IsDueAfterStep()) return false;
     if (!IsAtWork()) return true;
