@@ -21,7 +21,8 @@ struct Doorway {
   double bottom_m = 0;  // z of the lower edge in the wall frame
 };
 
-// Item that Line() places at a wall. `add` gets the frame of the middle of its width.
+// Item that Line() places at a wall. `add` places the item. The origin of its argument is the
+// middle of the width.
 struct WallItem {
   double width_m;
   std::function<void(const Item&)> add;
@@ -52,8 +53,8 @@ struct RoomPlan {
     return {Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())),
             corner_in_world};
   }
-  // Region of PointLight::lit: with lights_only_itself, the room extended by the wall thickness, so
-  // by half of each doorway. Otherwise empty: everywhere.
+  // Region of PointLight::lit: the room extended by the wall thickness. Without lights_only_itself,
+  // the region is empty, which means everywhere.
   Eigen::AlignedBox3d Lit() const;
   // Space between walls, floor and ceiling, in the world frame, m.
   Eigen::AlignedBox3d SpaceInWorld() const;
