@@ -381,7 +381,7 @@ const Plane* FindFloor(const std::vector<Plane>& level, const Eigen::Vector3d& u
 }  // namespace
 
 UprightResult FindUpright(const std::vector<Surfel>& surfels, const Trajectory& cameras) {
-  constexpr double kMinCommonUp = 0.5;  // mean length of the upward axes of the cameras
+  constexpr double kMinCommonUp = 0.5;  // minimum length of the mean upward axis of the cameras
   if (surfels.empty() || cameras.empty()) return {{}, "the map is empty"};
   Eigen::Vector3d camera_up = Eigen::Vector3d::Zero();
   for (const StampedPose& pose : cameras) {
