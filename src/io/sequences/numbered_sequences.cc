@@ -152,9 +152,9 @@ double LongestBetween(const NumberedImages& depth, const StampedImages& depth_ti
   return longest_s;
 }
 
-// Frames of names with number and time, if images of the same number have different times.
-// Recorders number the images of each stream, and can lose images of one stream. std::nullopt if
-// times of equal numbers agree. Also std::nullopt if the names have no times.
+// Pairs images with a number and a time in their names by time, if images of the same number have
+// different times. Recorders number the images of each stream, and can lose images of one stream.
+// std::nullopt if times of equal numbers agree. Also std::nullopt if the names have no times.
 std::optional<SequenceFiles> PairByTimesBesideNumbers(const std::string& depth_folder,
                                                       const std::string& color_folder) {
   if (color_folder.empty()) return std::nullopt;
