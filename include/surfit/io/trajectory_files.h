@@ -43,8 +43,8 @@ class TumTrajectoryWriter {
 
 // Writes the poses atomically in the format of the KITTI odometry benchmark, in metres with 9
 // decimals. Each line has the upper 3 x 4 of a camera-to-world matrix, row by row. The format has
-// no timestamps. Throws InputError that names the file if it cannot be written.
-// Aborts on numbers that are not finite.
+// no timestamps. Throws InputError that names the file if it cannot be written. Aborts on numbers
+// that are not finite.
 void WriteKittiTrajectory(const Trajectory& trajectory, const std::string& path);
 
 }  // namespace surfit

@@ -122,13 +122,14 @@ SequenceFiles ListIclNuimSequence(const std::string& folder);
 SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_per_second);
 
 // Lists a Redwood folder: numbered images in depth/, and in the folder of FindColorFolder(). Poses
-// are in trajectory.log. The first number of a pose is the index of its frame. Timestamps are index
-// / frames_per_second. Timestamps are position / frames_per_second.
+// are in trajectory.log. The first number of a pose is the number of its frame. Timestamps are
+// (number - first number) / frames_per_second.
 //
 // If all file names in depth/ are times (1763820000.134.png, or integers in ms, us or ns), these
-// are the timestamps. Colour is then paired by time, and poses are in groundtruth.txt or
-// trajectory.log. If names have a number and a time (0000012-000000366699.png), images are paired
-// by number. They are paired by time if images of one number are from different times.
+// are the timestamps. The number of a frame is then its position, from 0. Colour is paired by time,
+// and poses are in groundtruth.txt or trajectory.log. If names have a number and a time
+// (0000012-000000366699.png), images are paired by number. They are paired by time if images of one
+// number are from different times.
 SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second);
 
 // Lists the frames of transforms.json of nerfstudio that have a depth image, in the order of the
@@ -141,8 +142,8 @@ SequenceFiles ListNerfstudioSequence(const std::string& folder, double frames_pe
 SourceCamera ReadNerfstudioCamera(const std::string& folder);
 
 // Lists a Replica folder as rendered for NICE-SLAM: results/frameN.jpg and results/depthN.png, and
-// the pose of a frame in a line of traj.txt, see FramesOfPoses(). Timestamps are
-// N / frames_per_second.
+// the pose of a frame in a line of traj.txt, see FramesOfPoses(). Timestamps are N /
+// frames_per_second.
 SequenceFiles ListReplicaSequence(const std::string& folder, double frames_per_second);
 
 // Pairs the images of two folders by the numbers in their names, in ascending order. Both
