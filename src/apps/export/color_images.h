@@ -42,8 +42,10 @@ struct UnusedFrames {
 // for registered colour.
 ColorCamera GivenColorCamera(const SequenceInfo& info, const RecordedRun& run);
 
-// Reads all frames of the run, and returns their colour images with poses. Repeated images are not
-// used, because their timestamps are wrong.
+// Reads all frames of the run, and returns their colour images with poses. An image that repeats
+// the previous image has another capture time than its timestamp, and is not used. `progress` must
+// not be empty. It receives the number of images so far. Adds the numbers of other frames to
+// `unused`, which must not be null. Throws InputError if the sequence cannot be opened.
 std::vector<ColorImage> ListColorImages(const SequenceOptions& sequence, const RecordedRun& run,
                                         const std::function<void(int)>& progress,
                                         UnusedFrames* unused);

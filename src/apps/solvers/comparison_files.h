@@ -35,7 +35,7 @@ ComparisonRow RowOf(const ComparedRuns& runs);
 std::optional<double> ConvergedRatio(const ComparedRuns& runs, const PerturbationCell& cell);
 
 // Runs SLAM with each combination. Results are in <output>/slam. If interrupted, returns the rows
-// so far.
+// so far. `progress` must not be empty.
 std::vector<SlamComparisonRow> CompareSlam(
     const CompareOptions& options, const std::atomic<bool>& interrupted,
     const std::function<void(const CompareProgress&)>& progress);

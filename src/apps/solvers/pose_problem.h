@@ -17,8 +17,8 @@ inline constexpr char kPlaneResidual[] = "planes";
 inline constexpr char kTexturedResidual[] = "planes_and_textures";
 
 // Selected combinations, ordered by association and residual. Throws InputError for unknown names,
-// and if a named solver does not support a named residual. Other unsupported
-// combinations are omitted.
+// and if a named solver does not support a named residual. Other unsupported combinations are
+// omitted.
 std::vector<SolverCombination> SolverCombinations(const CompareOptions& options);
 
 // Returns whether a combination is slow and runs on few problems only.

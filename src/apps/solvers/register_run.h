@@ -27,7 +27,7 @@ struct AlignRunOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// The errors are also set if the registration is rejected.
+// Result of RunAlign(). A rejected registration has errors, too.
 struct AlignRunResult {
   GlobalRegistrationResult registration;
   // Errors of the identity and of the result; std::nullopt without ground truth.
@@ -82,6 +82,7 @@ struct RegisterRunResult {
 // estimated normals, the deviation of the neighbours from their plane is added in quadrature.
 // Registration is computed about the centres of the clouds, so that coordinates of a survey keep
 // their precision.
+//
 // Files in the output folder:
 //   transform.txt            target_from_source, 4 x 4
 //   registration.json        target_from_source, its covariance, the verification result, and the

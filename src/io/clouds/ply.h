@@ -49,13 +49,13 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 };
 
-// Header of a PLY file. Big-endian files are not supported.
+// Header of a PLY file.
 struct PlyHeader {
   bool ascii = false;  // false: binary
   std::vector<PlyElement> elements;
   std::size_t size = 0;  // bytes of the header, including the line end_header
   int line_count = 0;
-  bool big_endian = false;  // byte order of a binary file
+  bool big_endian = false;  // byte order of a binary file; false: little endian
 };
 
 // Throws InputError with `path`, line and reason. `file`: whole file; only the header is read.

@@ -7,7 +7,8 @@
 
 namespace surfit {
 
-// Colour is empty if no image is within kMaxBetweenImages_s.
+// Depth image with its colour image. Colour is empty if no colour image is within
+// kMaxBetweenImages_s (recording.h) of the depth image.
 struct ImagePair {
   DeviceImage depth;
   DeviceImage color;

@@ -27,7 +27,8 @@ class RawFrames {
   // Images of up to eight frames, beginning with the first readable frame. Call it before Next().
   // Throws InputError if no frame can be read.
   virtual std::vector<FrameImages> FirstImages() = 0;
-  // Next frame, or std::nullopt at the end.
+  // Next frame, or std::nullopt at the end. Live frames are waited for. Throws InputError if a
+  // camera or a watched folder fails.
   virtual std::optional<RawFrame> Next() = 0;
   // Images of the frame that Next() returned. Call it at most once per frame, and only for frames
   // without an error. Throws InputError naming the file that cannot be read.

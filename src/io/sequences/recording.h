@@ -123,9 +123,10 @@ SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_p
 // number) / frames_per_second.
 //
 // If all file names in depth/ are times (1763820000.134.png, or integers in ms, us or ns), these
-// are the timestamps. Colour is then paired by time, and poses are in groundtruth.txt or
-// trajectory.log. If names have a number and a time (0000012-000000366699.png), images are paired
-// by number. If images of the same number have different times, images are paired by time instead.
+// are the timestamps. The number of a frame is then its position, from 0. Colour is paired by time,
+// and poses are in groundtruth.txt or trajectory.log. If names have a number and a time
+// (0000012-000000366699.png), images are paired by number. They are paired by time if images of one
+// number are from different times.
 SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second);
 
 // Lists the frames of transforms.json of nerfstudio that have a depth image, in the order of the
@@ -138,8 +139,8 @@ SequenceFiles ListNerfstudioSequence(const std::string& folder, double frames_pe
 SourceCamera ReadNerfstudioCamera(const std::string& folder);
 
 // Lists a Replica folder as rendered for NICE-SLAM: results/frameN.jpg and results/depthN.png, and
-// the pose of a frame in a line of traj.txt, see FramesOfPoses(). Timestamps are
-// N / frames_per_second.
+// the pose of a frame in a line of traj.txt, see FramesOfPoses(). Timestamps are N /
+// frames_per_second.
 SequenceFiles ListReplicaSequence(const std::string& folder, double frames_per_second);
 
 // Pairs the images of two folders by the numbers in their names, in ascending order. Both

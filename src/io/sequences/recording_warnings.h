@@ -34,6 +34,7 @@ std::optional<RegistrationFit> FitRegistration(const std::vector<FrameImages>& f
 
 // Checks the registration of colour to depth. Returns a warning with approximate intrinsics of the
 // colour camera if the registration is probably wrong, otherwise std::nullopt.
+//
 // Most depth edges are object boundaries, where colour changes as well. So the mean colour gradient
 // at depth edges is largest with correct registration. Tests scales of 0.8 to 1.25 and shifts of up
 // to 5 % of the image width. Frames with few depth edges are not used.

@@ -95,7 +95,7 @@ struct LoopLoss final : ceres::LossFunction {
 // Rotation part of the error of edges.
 enum class RotationError {
   kRotationVector,  // documented error
-  kQuaternion,      // ChordalRelativePose, for starts with large errors
+  kQuaternion,      // ChordalRelativePose, for initial poses with large errors
 };
 
 class PoseGraphProblem {
@@ -153,12 +153,13 @@ class PoseGraphProblem {
   ceres::Problem problem_;  // last member: points to other members
 };
 
-// Sets the number of held poses and the sizes of the components in the summary.
+// Sets held_count and component_sizes of the summary. component_sizes must be empty.
 void DescribeGraph(const PoseGraph& graph, const ChainedPoses& chained, PoseGraphSummary* summary);
 
+// Indices of the loop closures in graph.edges, ascending.
 std::vector<std::size_t> LoopsOf(const PoseGraph& graph);
 
-// Half the sum of squared errors without some edges.
+// Half the sum of squared errors of all edges except `left_out` (edge indices), and of all priors.
 double CountedCost(const PoseGraphProblem& problem, const std::vector<std::size_t>& left_out);
 // Half the sum of squared errors, where loop closures have the kernel min(s, c^2).
 double TruncatedCost(const PoseGraph& graph, const PoseGraphProblem& problem,

@@ -28,6 +28,7 @@ struct GlobalRegistrationOptions {
 // 2. final registration on the finest level,
 // 3. score margin over other poses: other initial poses, and shifts along the weakest direction,
 // 4. backward registration.
+//
 // The result extends `verdict`, which has the feature counts. Without initial poses, the reason is
 // kNotRegistered.
 GlobalRegistrationResult RegisterFrom(const std::vector<Rigid3d>& starts, const GlobalView& source,

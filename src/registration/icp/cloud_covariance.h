@@ -27,12 +27,13 @@ struct CloudCovariance {
 // This is the sandwich estimator (Huber 1967; White 1980; for cells: Liang and Zeger 1986)
 //   C = J^-1 B J^-T,  B = sum over the cells c of g_c g_c^T,
 // with g_c the gradient of the points in cell c. B contains the noise of points and normals, and
-// errors that points in a cell share. J is the derivative of the gradient. J is computed by
-// numerical differences, with new correspondences at each pose. Therefore J contains no spurious
-// information: neither from correspondences that move with the pose, nor from noise of normals.
-// Directions in which J is not positive are degenerate. This test also uses steps of the size of
-// the noise, because noise has local slopes that are no constraint. The covariance is std::nullopt
-// with degenerate directions, or with fewer than 12 cells.
+// errors that points in a cell share. J is the derivative of the gradient. It is numerical, with
+// new correspondences at each pose. So J is small along directions in which the correspondences
+// move with the pose, and does not contain information from noise of normals.
+//
+// Directions in which J is not positive are degenerate. They are tested over the extent of the
+// noise too, because a local slope of noise is no constraint. There is no covariance with
+// degenerate directions, or with fewer than 12 cells.
 CloudCovariance CovarianceOfClouds(const Association& association,
                                    const Rigid3d& target_from_source, ResidualType residual,
                                    const RobustKernel& kernel, const CloudErrorScales& scales);
