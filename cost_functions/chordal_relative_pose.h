@@ -4,9 +4,10 @@
 
 namespace surfit {
 
-// RelativePose with 2 (qx, qy, qz) of the error instead of the rotation vector. Its length is 2
-// sin(angle / 2). The cost is smooth at an angle of pi, where the cost of the rotation vector has a
-// ridge. Used for starts with large errors.
+// RelativePose with 2 (qx, qy, qz) of the error quaternion instead of the rotation vector.
+// Parameter blocks and information are those of RelativePose. The length of the vector is 2
+// sin(angle / 2). The cost is smooth at an angle of pi, but the cost of the rotation vector has a
+// ridge there. Used for initial poses with large errors.
 class ChordalRelativePose {
  public:
   ChordalRelativePose(const Rigid3d& a_from_b, const PoseInformation& information)

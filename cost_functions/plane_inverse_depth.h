@@ -30,10 +30,13 @@ struct RowMotion {
 // If the readout time is longer by dT than `RowMotion::readout_s`, the measured point X moves to
 // X + dT (turn x X + way). Then e + dT turn x e replaces e, and t + dT R way replaces t. The
 // residual is in inverse depth, so that sigma does not depend on the calibration. A residual in
-// m would favour calibrations with small depths.
+// m would favour calibrations with small depths. The residual is not finite if the plane contains
+// the camera centre.
 class PlaneInverseDepth {
  public:
-  // Pixel (u, v) in px, measured inverse depth and sigma in 1/m, point in m.
+  // Pixel (u, v) of the image after CorrectRollingShutter(), px. Its inverse depth is measured,
+  // without the correction c, in 1/m. sigma: standard deviation of the inverse depth, 1/m,
+  // positive. Point in m, unit normal.
   PlaneInverseDepth(double u, double v, double inverse_depth, double sigma,
                     const Eigen::Vector3d& point_in_world, const Eigen::Vector3d& normal_in_world,
                     const RowMotion& motion = {})
@@ -45,7 +48,8 @@ class PlaneInverseDepth {
         normal_(normal_in_world),
         motion_(motion) {}
 
-  // Pose block (pose.h), calibration block, displacement in m.
+  // Pose block (pose.h) at the middle of the readout, calibration block, displacement d in m.
+  // Further values of a displacement block are not used.
   template <typename T>
   bool operator()(const T* pose, const T* calibration, const T* displacement, T* residual) const {
     const T ray[3] = {(u_ - calibration[2]) / calibration[0],

@@ -20,6 +20,7 @@ Rigid3<T> PoseFromBlock(const T* pose) {
                    Eigen::Matrix<T, 3, 1>(pose[4], pose[5], pose[6]));
 }
 
+// Copies the pose to the block, without normalising the quaternion.
 template <typename T>
 void PoseToBlock(const Rigid3<T>& pose, T* block) {
   for (int i = 0; i < 4; ++i) block[i] = pose.rotation.coeffs()[i];
@@ -52,7 +53,7 @@ void RotateByPose(const T* pose, const D* x, T* result) {
   for (int i = 0; i < 3; ++i) result[i] = result[i] + x[i];
 }
 
-// y = R p + t.
+// y = R p + t, in the target frame for a point p in the source frame.
 template <typename T, typename D>
 void MovePoint(const T* pose, const D* p, T* y) {
   RotateByPose(pose, p, y);

@@ -7,8 +7,10 @@
 
 namespace surfit {
 
-// Measured position z of a sensor (GPS antenna) at p in the frame of a pose, three residuals:
-// U (R p + t - z), in m along the axes of the world, with U^T U = information.
+// Measured position z (m, world frame) of a sensor (GPS antenna) at p (m, frame of the pose). The
+// three residuals are U (R p + t - z), in standard deviations, with U^T U = information (1/m^2) and
+// (R, t) = world_from_pose. The information must be symmetric. Its negative eigenvalues are set to
+// 0.
 class SensorPosition {
  public:
   SensorPosition(const Eigen::Vector3d& sensor_in_pose, const Eigen::Vector3d& sensor_in_world,

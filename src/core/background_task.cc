@@ -34,7 +34,7 @@ struct Loop {
   bool IsDone() const { return !HasMore() && running == 0; }
 };
 
-// Thread of the lowest priority. All tasks share this thread, which ends with the process.
+// All tasks share this thread, which ends with the process.
 class LowPriorityThread {
  public:
   LowPriorityThread() : thread_([this] { Work(); }) { thread_.detach(); }

@@ -10,18 +10,22 @@
 
 namespace surfit {
 
-// Runs the parallel loops of a task at low priority. On Linux, one thread of the lowest priority
-// runs the blocks of the loops. The thread of the task keeps its priority. So a waiting thread
-// waits for at most one block at low priority.
+// Runs the parallel loops of a task (ParallelFor()) on one thread of low priority. All scopes of
+// the process share this thread. It has the lowest priority on Linux, and the normal priority on
+// other systems. Code between the loops runs on the thread of the task, which keeps its priority.
+// So a thread that calls Await() waits for at most one block of a loop at low priority.
 class LowPriorityScope {
  public:
   LowPriorityScope();
   ~LowPriorityScope();
   LowPriorityScope& operator=(LowPriorityScope&&) = delete;
 
-  // Runs the task on the calling thread. Exceptions propagate.
+  // Runs the task on the calling thread. Exceptions of the task and of its loops propagate. The
+  // scope must outlive the call. A task must not call Run() of another scope.
   void Run(const std::function<void()>& task);
-  // Ends the low priority, because a thread waits for the task. Thread-safe.
+  // Ends the low priority permanently, because a thread waits for the task. Does not wait. The
+  // thread of the task runs the remaining blocks of the current loop. Later loops run on all
+  // threads of ParallelFor(). Thread-safe, before, during and after Run().
   void Await();
 
   struct State;
@@ -30,10 +34,11 @@ class LowPriorityScope {
   std::unique_ptr<State> state_;
 };
 
-// Asynchronous task with low-priority loops, one at a time. One thread calls all functions. Result
-// must be default-constructible. With a thread limit of 1, the task runs in Wait() or Take(),
-// unless `always_in_background` is true. The result is due after a fixed number of steps, so that
-// it does not depend on the machine. The destructor waits for a running task.
+// Asynchronous task with low-priority loops. At most one task is pending. All functions must be
+// called by one thread. Result must be default-constructible. If ThreadCount() is 1 at Start(), the
+// task runs in Wait() or Take() without low priority, unless `always_in_background` is true. The
+// result is due after a fixed number of steps, so that results do not depend on the machine. The
+// destructor calls Drop().
 template <typename Result>
 class BackgroundTask {
  public:
@@ -42,8 +47,9 @@ class BackgroundTask {
   ~BackgroundTask() { Drop(); }
   BackgroundTask& operator=(BackgroundTask&&) = delete;
 
-  // Starts a task that returns a Result. `due_after_steps` is a number of calls of
-  // IsDueAfterStep(). Requires that no task is pending.
+  // Starts a task that returns a Result. `due_after_steps` is a number of calls of IsDueAfterStep()
+  // or IsReadyAfterStep(). Objects that the task refers to must live until Take() or Drop()
+  // returns. Requires that no task is pending, which is not checked.
   template <typename Task>
   void Start(int due_after_steps, Task task) {
     steps_left_ = due_after_steps;
@@ -60,10 +66,11 @@ class BackgroundTask {
 
   // True from Start() until Take() or Drop().
   bool IsPending() const { return result_.valid(); }
-  // Counts a step. Returns true if a result is due, also if the task is still running.
+  // Counts a step. Returns true if a result is due, also if the task is still running. False
+  // without a pending task.
   bool IsDueAfterStep() { return IsPending() && --steps_left_ <= 0; }
-  // Counts a step. Returns true if a result is due and ready. Ends the low priority of an overdue
-  // task.
+  // Counts a step. Returns true if a result is due and ready. Ends the low priority of a task that
+  // is due and still running.
   bool IsReadyAfterStep() {
     if (!IsDueAfterStep()) return false;
     if (!IsAtWork()) return true;
@@ -87,7 +94,8 @@ class BackgroundTask {
     Wait();
     return result_.get();
   }
-  // Discards the result. Waits for a running task.
+  // Discards the result and exceptions of the task. Waits for a running task. A task that would run
+  // in Wait() or Take() does not run.
   void Drop() {
     if (spare_time_) Wait();
     result_ = {};

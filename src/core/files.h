@@ -14,8 +14,8 @@ inline constexpr const char* kPartialMark = ".partial-";
 // Throws InputError "cannot write '<path>': <reason of errno>".
 [[noreturn]] void ThrowCannotWrite(const std::string& path);
 
-// Creates a file for writing, and returns its descriptor. Returns -1 and sets errno on errors. A
-// file or symbolic link of this name is an error.
+// Returns the descriptor for writing. Returns -1 and sets errno on errors. A file or symbolic link
+// of this name is an error.
 int CreateFileExclusively(const std::string& path);
 
 // Opens a device or a pipe for writing, and returns its descriptor. Returns -1 and sets errno on
@@ -54,8 +54,8 @@ class FileBuffer final : public std::streambuf {
 
 inline constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max() - 1;
 
-// Reads a regular file. Throws InputError with the path for other files, unreadable files, and
-// files above `most` bytes.
+// Throws InputError with the path for unreadable files, files above `most` bytes, and files that
+// are not regular.
 std::string ReadFile(const std::string& path, std::size_t most = kAnySize);
 
 // Reads a regular file, a pipe or a device. Waits until a pipe has a writer. Throws InputError with

@@ -61,8 +61,8 @@ int SetOpenBlasThreads(int count) {
 }  // namespace
 
 struct ThreadLimit::State {
-  // OpenCV only decodes and draws images here. Its own threads would exceed the limit, so OpenCV
-  // uses one thread while at least one limit exists. The last limit restores the former number.
+  // OpenCV uses one thread while at least one limit exists, because its own threads would exceed
+  // the limit. The last limit restores the former number.
   struct OneOpenCvThread {
     OneOpenCvThread() {
       const std::lock_guard<std::mutex> lock(mutex);

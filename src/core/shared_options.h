@@ -7,7 +7,7 @@
 namespace surfit {
 
 // Flag that several tables share, with one help text and one set of bounds. Defaults may differ.
-// Rules are added after those of the shared flag. Throws InputError for an unknown flag.
+// `rules` are applied after the rules of the shared flag. Throws InputError for an unknown flag.
 Option SharedOption(const std::string& flag);
 
 template <typename... Rules>

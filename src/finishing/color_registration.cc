@@ -16,7 +16,7 @@ namespace surfit {
 namespace {
 
 constexpr double kKernelWidth = 0.06;      // intensity, from 0 to 1
-constexpr double kPointsPerResidual = 25;  // points with correlated errors
+constexpr double kPointsPerResidual = 25;  // number of points with correlated errors
 constexpr double kSigma = 0.01;
 constexpr double kMinSlope = 0.008;
 constexpr int kStride_px = 2;

@@ -12,8 +12,8 @@
 
 namespace surfit {
 
-// Called after each frame. `frames` counts fusion as two thirds and recolouring as one third of the
-// work of a frame, so it ends near the number of frames. `map_points`: surfels so far. Must not be
+// Called after each frame. `frames`: progress, up to about the number of frames. Fusion has two
+// thirds of the progress, recolouring has one third. `map_points`: surfels so far. Must not be
 // empty.
 using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>;
 
@@ -29,7 +29,6 @@ std::optional<SurfelMap> IntegrateFinalMap(const PosedSequence& known,
                                            const std::atomic<bool>& interrupted,
                                            const FinalMapProgress& progress);
 
-// Sequence that contributes to a map.
 struct MapSource {
   const PosedSequence& known;
   std::vector<FrameRange> frames;  // ascending and disjoint; empty: all frames

@@ -10,7 +10,6 @@
 
 namespace surfit {
 
-// Result of RefinePosedSequence().
 struct RefinedSequence {
   std::size_t keyframes = 0;
   RefinementSummary summary;
@@ -22,9 +21,9 @@ struct RefinedSequence {
 // Refines keyframe poses and calibration with Refine(), and moves the other poses with their
 // keyframes. Starts from the poses and calibration of the run. Uses images of about 320 columns and
 // few surfels, to take no longer than tracking. `camera` is the camera of the prepared frames.
-// `progress` is called after each round. Returns std::nullopt if interrupted. Throws InputError if
-// the sequence cannot be read. Uses at most 120 keyframes. `interrupted` is checked before each
-// frame and after each round.
+// `progress` must not be empty. It is called after each round. Returns std::nullopt if interrupted.
+// Throws InputError if the sequence cannot be read. Uses at most 120 keyframes. `interrupted` is
+// checked before each frame and after each round.
 std::optional<RefinedSequence> RefinePosedSequence(
     const PosedSequence& known, const PinholeCamera& camera, const std::atomic<bool>& interrupted,
     const std::function<void(const RefinementRound&)>& progress);

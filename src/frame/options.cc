@@ -11,7 +11,7 @@ void PreprocessOptions::Visit(OptionVisitor& v) {
   v.Add(filter_radius_px, "filter_radius_px", "half width of the depth filter window",
         Between(0, 7), ZeroIs("no filter"), InUnit("px"), AsFlag("depth_filter_radius"));
   v.Add(filter_cutoff, "filter_cutoff",
-        "inverse depths that differ by more sigmas have no weight in the depth filter", Positive(),
+        "maximum difference of inverse depths in the depth filter, in sigmas", Positive(),
         Below(1000));
   v.Add(normal_radius_px, "normal_radius_px",
         "maximum pixel offset of the depths that a normal is computed from", Between(1, 7),

@@ -35,7 +35,6 @@ typename V::Mask Continues(const float* at, std::ptrdiff_t stride, int k, const 
   return Max(abs(ahead), abs(behind)) < bound;
 }
 
-// Slope of inverse depth per lane, in one image direction.
 template <typename V>
 struct SurfaceSlope {
   V value;                 // 1/m per pixel; NaN if not valid

@@ -62,8 +62,8 @@ class KdTree {
   static constexpr int kChildren = 8;  // per node
 
   struct Box;
-  // Bounds of the boxes of the children by axis. NaN (within no distance) for missing children of
-  // the root.
+  // Bounds of the boxes of the children by axis. Missing children of the root have NaN bounds, so
+  // no search visits them.
   struct Node {
     Node();
     float low[3][kChildren], high[3][kChildren];

@@ -13,8 +13,7 @@ class KdTree::Search {
 
   bool IsLeaf(std::size_t level) const { return level == tree_.levels_.size(); }
 
-  // Computes squared distances to the children of a node. Bit c of the result is set if child c is
-  // within `bound`.
+  // Bit c of the result is set if child c is within `bound`.
   unsigned ChildrenWithin(std::size_t level, std::uint32_t index, float bound,
                           float* distances) const {
     const Node& node = tree_.levels_[level][index];

@@ -10,7 +10,7 @@ namespace {
 
 struct Neighbour {
   int keyframe;
-  double relative_distance;  // 1: at the limits of FindLoopsOptions
+  double relative_distance;  // distance / max_near_m or angle / max_near_rad, the larger value
   Rigid3d target_from_source;
 };
 

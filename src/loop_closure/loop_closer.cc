@@ -29,7 +29,7 @@ std::vector<bool> LoopsInGraph(const PoseGraph& graph, const PoseGraphSummary& s
 }
 
 // Computes a view at the first call, then releases the source data. Two threads can compute the
-// same view. A wait for a thread of lower priority would take longer.
+// same view at the same time: a wait for a thread of lower priority would take longer.
 class LazyView {
  public:
   LazyView(ColoredView source, const PlaceViewOptions& options)

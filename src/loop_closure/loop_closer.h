@@ -20,7 +20,6 @@ ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options);
 // Edge of an accepted loop: a is the target keyframe, b the source keyframe.
 PoseGraphEdge LoopEdge(const LoopVerification& attempt, const EdgeNoise& noise);
 
-// New keyframe for a task.
 struct KeyframeForLoops {
   int frame_index = 0;
   double stamp_s = 0;
@@ -29,7 +28,7 @@ struct KeyframeForLoops {
 
 // Input of a task: the keyframes since the last task, and a PoseStore::Snapshot() of all keyframes.
 struct LoopTask {
-  std::vector<KeyframeForLoops> added;  // new keyframes
+  std::vector<KeyframeForLoops> added;
   PoseGraph graph;
 };
 
@@ -39,7 +38,7 @@ struct LoopOutcome {
   // False: no new loop, or the optimisation failed. The next two vectors are then empty.
   bool optimised = false;
   std::vector<Rigid3d> world_from_keyframe;  // per keyframe of the snapshot
-  std::vector<bool> loops_in_graph;          // per loop edge, including new loops: no outlier
+  std::vector<bool> loops_in_graph;          // per loop edge, including new loops; false: outlier
   std::size_t removed_views = 0;             // by LimitKeyframes()
 };
 
@@ -60,8 +59,7 @@ class LoopCloser {
   void Start(LoopTask task);
   BackgroundTask<LoopOutcome>& task() { return task_; }
 
-  // Relocalises a view by the keyframes of all tasks. Waits for the current task, and keeps its
-  // outcome for Take().
+  // Uses the keyframes of all tasks. Waits for the current task, and keeps its outcome for Take().
   Relocalization Find(const ColoredView& view, const std::vector<Rigid3d>& world_from_keyframe);
 
   // Keyframes of all tasks, with the poses of the last snapshot. Requires that no task is running.

@@ -19,21 +19,19 @@ void FindSigmas(std::vector<MeshSurfel>* surfels);
 
 // Moves surfels along their normals into local planes, and replaces their normals. Planes are
 // fitted to neighbours with similar normals and heights, weighted by 1 / sigma^2. The radius of the
-// neighbourhood gives normals with the standard deviation normal_noise_rad. `done` is called from
-// several threads. Each call passes the fraction of the work completed since the previous call. The
-// fractions add up to 1.
-// It must be thread-safe. Surfels without a plane stay. Requires sigmas in m: call FindSigmas()
-// first.
+// neighbourhood gives normals with the standard deviation normal_noise_rad. Surfels without a plane
+// stay. Requires sigmas in m: call FindSigmas() first.
+//
+// `done` is called from several threads and must be thread-safe. Each call passes the fraction of
+// the work completed since the previous call. The fractions add up to 1.
 void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& done,
                    std::vector<MeshSurfel>* surfels);
 
 // Zero level set of the field by dual marching cubes (Nielson 2004). Each surface patch in a cell
 // becomes a vertex with normal and colour of nearby surfels.
 //
-// A vertex needs a nearby surfel whose normal agrees with the sign of the field. `done` is called
-// from several threads. Each call passes the fraction of the work completed since the previous
-// call. The fractions add up to 1.
-// `surfels` must be those of the field.
+// A vertex needs a nearby surfel whose normal agrees with the sign of the field. `surfels` must be
+// those of the field. `done` is called as by SmoothSurfels().
 TriangleMesh ExtractSurface(const DistanceField& field, const SurfelCubes& surfels,
                             const std::function<void(double)>& done);
 

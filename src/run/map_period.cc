@@ -9,11 +9,11 @@ int MapPeriod::For(double queued_ms) {
   // ms.
   constexpr double kLate_ms = 67, kInTime_ms = 33;
   constexpr int kMaxTimes = 8;  // maximum period / given_; longer periods save little time
-  // Frames to wait for the effect of a period change. kUntilSeen: waiting times still grow.
-  // kUntilDone: they do not grow.
+  // Minimum number of frames between a change of the period and the next doubling. kUntilSeen: the
+  // queue time has increased. kUntilDone: otherwise.
   constexpr int kUntilSeen = 4, kUntilDone = 30;
-  // kLateInARow late frames double the period. A frame that is not in time cancels kOneLate frames
-  // in time.
+  // kLateInARow consecutive late frames double the period. A frame above kInTime_ms subtracts
+  // kOneLate from in_time_.
   constexpr int kLateInARow = 3, kOneLate = 5;
   constexpr int kMaxPatience = 16 * kInTime;
   ++since_change_;

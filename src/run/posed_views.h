@@ -39,7 +39,6 @@ struct PosedView {
 PosedView ReadPosedView(const SequenceOptions& options, int index,
                         const PreprocessOptions& preprocess);
 
-// Two frames for registration.
 struct PosedPair {
   PosedView source, target;
 

@@ -18,10 +18,10 @@ namespace surfit {
 class RunSession {
  public:
   // Opens the session, and enables loop closure in the options. Keeps a reference to the options.
-  // Skips frames of the sequence that a continued session already has, by `sequence.first`. Throws
-  // InputError like ReadSession() and SessionWriter. Also throws if no frame remains, and for
-  // localisation in an empty session. Changes `options->sequence.first` for this. A session to
-  // continue that does not exist is begun, with a warning.
+  // Sets `options->sequence.first` to skip the frames that a continued session already has. If the
+  // session to continue does not exist, creates it with a warning. Throws InputError like
+  // ReadSession() and SessionWriter. Also throws if no frame remains, and for localisation in an
+  // empty session.
   explicit RunSession(SlamRunOptions* options);
 
   // Converts frame indices of the sequence to indices of the session.
@@ -29,7 +29,7 @@ class RunSession {
   // Session index of the first frame of this run; 0 for a new session.
   int first_index() const { return first_index_; }
   bool is_localized() const { return options_.localize; }
-  // Returns whether there are frames to start from, before MakeSlam().
+  // Returns whether the session has frames. Call before MakeSlam().
   bool has_state() const { return state_.has_value(); }
 
   // Creates a Slam that continues from the session. Requires has_state(). Call once, because the

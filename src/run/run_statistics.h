@@ -20,7 +20,7 @@ class RunStatistics {
 
   // Starts the time of the first frame. Call once, before the first frame.
   void BeginFrames() { last_completion_ = Clock::now(); }
-  // Counts a read or unreadable frame. Excludes ReadResult::waited_ms.
+  // Counts a frame, also if it is unreadable. Excludes ReadResult::waited_ms.
   void CountRead(const ReadResult& result);
   void CountSkipped() { ++summary_.frames_skipped; }
   // Counts a frame that Slam has processed.

@@ -351,7 +351,7 @@ class SlamRun {
     const Trajectory& truth = info_.ground_truth;
     const Trajectory& estimate = trajectory_->poses();
     summary->evaluation = EvaluateTrajectory(truth, estimate, statistics_.stamps_s(), {});
-    const bool is_own_file = !options_.groundtruth.empty();  // others are checked when opened
+    const bool is_own_file = !options_.groundtruth.empty();  // OpenSequence() checks other files
     if (is_own_file && summary->evaluation->expected == 0) WarnOfTruthTimes();
     const auto without = EvaluateTimeOffset(truth, estimate, summary->sensor_latency_s, {});
     if (without) summary->ate_without_latency = without->ate;

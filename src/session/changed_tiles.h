@@ -17,8 +17,8 @@ struct ChangedTile {
 };
 
 // Finds the tiles that change between saves, by `last_seen` of the surfels and the number of
-// surfels per cell. Always pass the same map object. Other changes of surfels need another
-// `corrections`.
+// surfels per cell. Always pass the same map object. Other changes of the map are only found if
+// `corrections` changes.
 class ChangedTiles {
  public:
   // Returns the tiles that have changed since the last call, by ascending key. The first call, and

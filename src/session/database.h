@@ -12,7 +12,6 @@ struct sqlite3_stmt;
 
 namespace surfit {
 
-// Binary value of a column.
 struct Blob {
   std::string bytes;
 };

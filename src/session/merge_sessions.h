@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// Statistics of the merged session.
 struct MergeSummary {
   std::size_t sessions = 0;
   std::size_t loops_between = 0;  // verified loop closures between sessions, without outliers

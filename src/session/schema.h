@@ -56,14 +56,14 @@ const TableLayout& LayoutOf(const std::string& table);
 struct SessionRow {
   DepthSensor sensor;
   std::optional<DepthCalibration> calibration;
-  double color_latency_s = 0;  // beyond the input latency
+  double color_latency_s = 0;  // colour latency in addition to the input latency
   std::int64_t runs = 0, frames = 0, keyframes = 0, views = 0, calibration_frames = 0, edges = 0,
                tiles = 0;
   std::int64_t settled_keyframes = 0;  // keyframes whose loop search is complete
   std::int64_t saves = 0;              // number of saves so far
 };
 
-// Edge of the pose graph. `in_graph`: inlier loop closure; false for odometry.
+// `in_graph`: inlier loop closure; false for odometry.
 struct StoredEdge {
   PoseGraphEdge edge;
   bool in_graph = false;

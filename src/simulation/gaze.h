@@ -25,7 +25,6 @@ struct ViewQuality {
 // Evaluates a view by rendering it at 20 x 15 px.
 ViewQuality EvaluateView(const Scene& scene, const Rigid3d& world_from_camera);
 
-// Ratio of planar and of degenerate views of a camera path.
 struct PathQuality {
   double planar_ratio = 0;
   double degenerate_ratio = 0;

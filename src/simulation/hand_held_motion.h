@@ -27,7 +27,6 @@ class SmoothNoise {
       sum_ += wave.amplitude;
     }
   }
-  // Value at x, in [-1, 1].
   double At(double x) const {
     double value = 0;
     for (const Wave& wave : waves_) {

@@ -43,7 +43,6 @@ class Item {
   // Frame inside this frame, turned about z.
   Item At(const Eigen::Vector3d& position, double turn_rad = 0) const;
   Eigen::Vector3d InWorld(const Eigen::Vector3d& point) const { return frame_ * point; }
-  // Adds a target of camera paths.
   void Target(const Eigen::Vector3d& point) const { scene_->targets.push_back(frame_ * point); }
 
   // Add a solid to the scene. `glow` as in SceneObject.

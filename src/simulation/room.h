@@ -16,12 +16,13 @@ Scene MakeRoom(std::uint64_t seed);
 // Opening in a wall of a room, see RoomPlan::WallFrame().
 struct Doorway {
   static constexpr double kWidth_m = 1.2, kHeight_m = 2.1;
-  int wall;
+  int wall;             // number of the wall, 0 to 3
   double at_m;          // x of the middle in the wall frame
   double bottom_m = 0;  // z of the lower edge in the wall frame
 };
 
-// Item that Line() places at a wall. `add` gets the frame of the middle of its width.
+// Item that Line() places at a wall. `add` places the item. The origin of its argument is the
+// middle of the width.
 struct WallItem {
   double width_m;
   std::function<void(const Item&)> add;
@@ -52,15 +53,17 @@ struct RoomPlan {
     return {Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())),
             corner_in_world};
   }
-  // Region of PointLight::lit: with lights_only_itself, the room extended by the wall thickness, so
-  // by half of each doorway. Otherwise empty: everywhere.
+  // Region of PointLight::lit: the room extended by the wall thickness. Without lights_only_itself,
+  // the region is empty, which means everywhere.
   Eigen::AlignedBox3d Lit() const;
   // Space between walls, floor and ceiling, in the world frame, m.
   Eigen::AlignedBox3d SpaceInWorld() const;
-  // Frame of wall i: x from 0 to WallLength(i) along its lower edge, y into the room, z up.
+  // Frame of wall i: x from 0 to WallLength(i) along its lower edge, y into the room, z up. Walls 0
+  // to 3 are counterclockwise, seen from above. Wall 0 is on the x axis of the room, from its
+  // origin.
   Item WallFrame(int i) const;
   double WallLength(int i) const { return i % 2 == 0 ? width_m : depth_m; }
-  // Doorways from left to right, then from bottom to top.
+  // Doorways of a wall by ascending x in the wall frame, then from bottom to top.
   std::vector<Doorway> DoorwaysIn(int wall) const;
   // Adds a doorway in the nearest wall. `point_in_world`: middle of its lower edge.
   void OpenAt(const Eigen::Vector3d& point_in_world);

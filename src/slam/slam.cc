@@ -23,7 +23,6 @@ SlamOptions Validated(SlamOptions options) {
   return options;
 }
 
-// Enables calibration if the saved state has a calibration.
 SlamOptions WithCalibrationOf(const SlamState& state, SlamOptions options) {
   options.calibration.enabled |= state.calibration.has_value();
   return options;

@@ -54,7 +54,7 @@ class FeatureWatch {
   // lost. Forgets the corners without colour, and more than 1 s after the last check.
   void Follow(const ColoredView& view, const std::optional<Rigid3d>& world_from_camera,
               double stamp_s);
-  // True before the first check.
+  // True if a check is due at this time, before the first check, and after a rejection.
   bool IsDue(double stamp_s) const { return was_apart_ || !last_ || stamp_s >= due_s_; }
   // Compares a tracked frame with the last checked frame. Returns zeros without a checked frame in
   // the last 1 s. The frame becomes the last checked frame, unless its pose is rejected. After a

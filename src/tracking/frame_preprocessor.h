@@ -23,7 +23,6 @@ struct PreprocessedFrame {
   bool HasIntensities() const { return !surface().intensity.empty(); }
 };
 
-// Estimated corrections of the input sensor.
 struct SensorCorrection {
   const DepthCalibration* calibration = nullptr;  // null: input calibration
   double color_latency_s = 0;  // s, beyond the input latency; subtracted from color_stamp_s

@@ -41,8 +41,8 @@ class MotionModel {
   // lost to predict the motion.
   bool HasPredictableMotion(const TrackingState& state) const;
 
-  // Constant velocity from the last pose to `last_from_frame`. Zero after lost frames and for
-  // intervals of 0.1 s or more.
+  // Velocity of the motion `last_from_frame` in `seconds`. Zero after lost frames and for intervals
+  // of 0.1 s or more.
   static CameraMotion Velocity(const TrackingState& state, const Rigid3d& last_from_frame,
                                double seconds);
 

@@ -69,7 +69,7 @@ class Tracker {
   // Outcome of a duplicate frame: the last pose, or lost after a lost frame. Update() must not
   // follow.
   Tracked Repeat() const;
-  // Outcome of the first frame. It is lost if it has too little depth.
+  // The first frame is lost if it has too little depth.
   Tracked TrackFirst(const PreprocessedFrame& frame);
   // Outcome of a frame with a given pose, without any check.
   Tracked TrackGiven(const PreprocessedFrame& frame, const Rigid3d& world_from_camera);

@@ -64,11 +64,14 @@ struct LaneMask {
 // cannot depend on a template argument.
 //   LoadUpTo(from, count): the first `count` >= 1 values; further lanes repeat the last value.
 //   StoreUpTo(to, count): writes only the first `count` values.
-//   StoreTruncated(to): writes integers, rounded towards zero.
+//   StoreTruncated(to): writes kCount integers, rounded towards zero. Values outside of the range
+//   of std::int32_t, and NaN, give unspecified integers.
 //   LoadHalves(low, high), StoreHalves(low, high): lower and upper half of the lanes at two
 //   addresses. StoreHalves() writes the upper half last.
 //   UpTo(count): sets the lanes from index `count` on to zero.
 //   Select(condition, a, b): condition ? a : b for each lane.
+//   Min(a, b), Max(a, b): minimum and maximum of each lane. If a or b is NaN, Min() gives b and
+//   Max() gives a.
 //   Both(a, b): mask a and b for each lane. Any(mask): true if the mask is set in any lane.
 //   Evens(a, b), Odds(a, b): values at even and odd indices of the concatenation of a and b.
 // NOLINTBEGIN(bugprone-macro-parentheses): TARGET is an attribute or empty
@@ -198,6 +201,7 @@ SURFIT_DEFINE_LANES(Avx2Instructions, SURFIT_AVX2)
 #endif
 #undef SURFIT_DEFINE_LANES
 
+// Select() of scalars, so that code for lanes also compiles for float and double.
 inline double Select(bool condition, double a, double b) { return condition ? a : b; }
 inline float Select(bool condition, float a, float b) { return condition ? a : b; }
 

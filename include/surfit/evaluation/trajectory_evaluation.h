@@ -16,8 +16,9 @@ class OptionVisitor;
 // Uniqueness of an alignment.
 enum class AlignmentStatus {
   kAligned,
-  // The points are collinear or coincide: other rotations have the same residuals. The transform is
-  // one of the minimisers.
+  // The points of one set are collinear or coincide, or the best fit is a reflection with several
+  // nearest rotations. Other rotations have the same residuals. The transform is one of the
+  // minimisers.
   kRotationNotUnique,
   // Fewer than 3 points; the transform is the identity.
   kTooFewPoints,
@@ -58,7 +59,8 @@ struct MatchedPose {
 
 // Associates estimated poses with ground truth, in the order of the estimate. Estimated poses
 // without ground truth at their timestamp are omitted. At equal timestamps, the ground-truth
-// pose is used unchanged. Throws InputError for invalid options.
+// pose is used unchanged. Several estimated poses can match one ground-truth pose, unlike in the
+// TUM scripts. Throws InputError for invalid options.
 std::vector<MatchedPose> MatchPoses(const Trajectory& ground_truth, const Trajectory& estimate,
                                     const MatchOptions& options);
 
@@ -92,7 +94,9 @@ struct RelativePoseErrorOptions {
     // `delta` is a number of matched poses, as in evo and the TUM scripts. Frames without a match
     // are not included.
     kFrames,
-    kSeconds,  // `delta` is a time in s; pairs may deviate by 10 % of `delta`
+    // `delta` is a time in s. The pair of pose i is the pose nearest to the time of i plus `delta`.
+    // A time difference above 10 % of `delta` gives no pair.
+    kSeconds,
   };
   double delta = 1;  // positive; an integer for kFrames
   Unit delta_unit = Unit::kFrames;
@@ -157,9 +161,9 @@ std::optional<TimeOffset> EvaluateTimeOffset(const Trajectory& ground_truth,
 
 // Estimates the time offset within +-0.1 s that minimises the ATE. The offset can also
 // compensate tracking errors: report this ATE in addition to the plain ATE, not instead of it.
-// The search uses only poses that have ground truth at all tested offsets. The returned ATE uses
-// all matched poses. Returns std::nullopt for fewer than 3 poses in the search. Throws
-// InputError for invalid options.
+// The search tests a grid of 5 ms, and then refines the best offset to 0.01 ms. It uses only poses
+// that have ground truth at all offsets of the grid. The returned ATE uses all matched poses.
+// Returns std::nullopt for fewer than 3 poses in the search. Throws InputError for invalid options.
 std::optional<TimeOffset> EstimateTimeOffset(const Trajectory& ground_truth,
                                              const Trajectory& estimate,
                                              const MatchOptions& options);
@@ -168,8 +172,10 @@ std::optional<TimeOffset> EstimateTimeOffset(const Trajectory& ground_truth,
 // marker.
 struct MountFit {
   Eigen::Vector3d true_body_in_estimated_m = Eigen::Vector3d::Zero();  // m, see FitMount()
-  double scale = 1;             // true metres per estimated metre; 1 if not fitted
-  bool is_unique = true;        // false: a parameter is not observable on this path
+  double scale = 1;  // true metres per estimated metre; 1 if not fitted
+  // False: a parameter is not observable on this path. The initial values are m = 0 and s = 1, and
+  // the steps of the fit are 0 along unobservable directions.
+  bool is_unique = true;
   AbsoluteTrajectoryError ate;  // residuals of the fit; alignment: R, t, always kAligned
 };
 

@@ -16,13 +16,14 @@ struct CameraMotion {
   bool IsZero() const { return angular_velocity_rad_per_s.isZero(0) && velocity_m_per_s.isZero(0); }
 };
 
-// Constant velocity from the first pose to the second pose in `seconds`, in the camera frame
-// halfway. Zero if seconds <= 0. The rotation must be less than 180 degrees.
+// Constant velocity of a camera that moves from the first to the second pose in `seconds`. The
+// vectors are in the camera frame at half of the rotation. Zero if seconds <= 0. A pose does
+// not contain full turns, so the rotation is at most 180 degrees.
 CameraMotion MotionOver(const Rigid3d& first_from_second, double seconds);
 
 // Velocity at the pose with the time `stamp_s` (within 1e-5 s), by MotionOver() from its previous
 // to its next pose. The pose itself replaces a missing neighbour. Neighbours more than max_gap_s
-// away are missing. Zero without such a pose or without neighbours.
+// from the pose are missing. Zero without a pose at this time, and without neighbours.
 CameraMotion MotionAt(const Trajectory& trajectory, double stamp_s, double max_gap_s = 0.1);
 
 }  // namespace surfit

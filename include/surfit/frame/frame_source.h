@@ -46,17 +46,18 @@ struct SequenceInfo {
 
 // Result of reading one frame.
 struct ReadResult {
-  int index = 0;                   // position in the sequence before --stride
-  double stamp_s = 0;              // timestamp, also if unreadable
+  // Number of the frame in the recording, from 0, before SequenceOptions::first and ::stride.
+  // Dropped frames of a camera have numbers, too.
+  int index = 0;
+  double stamp_s = 0;              // RgbdFrame::stamp_s, also if unreadable
   std::optional<RgbdFrame> frame;  // std::nullopt: unreadable files
   std::string error;               // reason with the file name, if unreadable
   double read_ms = 0;              // time to read and prepare the frame
-  // For OfferFrames() and cameras:
-  double waited_ms = 0;    // wait of Next() for the frame
-  double queued_ms = 0;    // wait of the frame for Next()
-  int dropped_before = 0;  // frames dropped since the last result
-  // Time without camera connection before this frame.
-  double paused_before_s = 0;
+  // Members for OfferFrames() and cameras; 0 for other sources.
+  double waited_ms = 0;        // time that Next() waited for the frame
+  double queued_ms = 0;        // time from the arrival of the frame to its return by Next()
+  int dropped_before = 0;      // number of frames dropped since the last result
+  double paused_before_s = 0;  // time without camera connection before this frame
 };
 
 // Sequence of RGB-D frames, from OpenSequence(), OpenLive() or the functions beside them in
@@ -64,10 +65,13 @@ struct ReadResult {
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  // Valid as long as the source.
+  // Valid as long as the source. Does not change after construction. Thread-safe, also during
+  // Next().
   virtual const SequenceInfo& info() const = 0;
-  // Returns the next frame, or std::nullopt at the end. An unreadable frame is a result without
-  // `frame`, and the sequence continues. Live sources wait for the next frame.
+  // Returns the next frame, or std::nullopt at the end, also in later calls. The frame owns its
+  // images. An unreadable frame is a result without `frame`, and the sequence continues. Live
+  // sources wait for the next frame. Throws InputError if a camera or a watched folder fails. Do
+  // not call Next() again after an exception.
   virtual std::optional<ReadResult> Next() = 0;
 };
 

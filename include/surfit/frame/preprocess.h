@@ -11,11 +11,16 @@ class OptionVisitor;
 // Options of preprocessing: depth image to vertex and normal maps. All steps use inverse depth: it
 // is linear on planes, and its noise does not depend on the depth. The functions below do not
 // validate the options. They run in parallel. Their results do not depend on the number of threads.
+// Depth has the values of RgbdFrame::depth_m. Cameras must have fy > 0, which is not checked.
+//
+// A depth edge separates neighbouring pixels whose inverse depth differs by more than
+//   3 sigma + tan(max_slant_rad) / (f z),
+// with the sigma of DepthNoise, the focal length f in px, and the depth z of the pixel.
 struct PreprocessOptions {
   int filter_radius_px = 2;     // half width of the filter window; 0: no filter
-  double filter_cutoff = 4;     // differences beyond this have no filter weight, in sigmas
+  double filter_cutoff = 4;     // larger differences have no filter weight, in sigmas of 1/z
   int normal_radius_px = 3;     // maximum pixel offset for the normals
-  double max_slant_rad = 1.45;  // surfaces with larger angles to the ray are depth edges
+  double max_slant_rad = 1.45;  // surfaces with a larger angle of normal and ray are depth edges
   int pyramid_levels = 4;       // maximum number of levels; no level is smaller than 40 x 30 pixels
 
   void Visit(OptionVisitor& visitor);
@@ -40,11 +45,13 @@ VectorImage VertexMap(Image<float> depth_m, const PinholeCamera& camera);
 VectorImage NormalMap(const VectorImage& vertex, const DepthSensor& sensor,
                       const PreprocessOptions& options);
 
-// Sets normals to (0, 0, 0) at depth edges, where model views are less accurate.
+// Sets the normals of `surface` to (0, 0, 0) at depth edges, beside missing pixels and at the image
+// border. Used for model views, which are less accurate at depth edges.
 void DropNormalsAtEdges(const PreprocessOptions& options, FrameLevel* surface);
 
-// Level of half the resolution, without intensities. A pixel has the mean normal and the mean
-// inverse depth of 2 x 2 pixels. Pixels behind a depth edge in this block are ignored.
+// Level of half the resolution, without intensities. A pixel has the mean normal, of unit length,
+// and the mean inverse depth of 2 x 2 pixels. Missing pixels, and pixels behind a depth edge in
+// this block, are ignored. An odd last column or row is dropped.
 FrameLevel HalfResolution(const FrameLevel& fine, const PreprocessOptions& options);
 
 // Pyramid of at most `pyramid_levels` levels from a finest level. Coarser levels have no

@@ -32,8 +32,8 @@ struct InverseDepthField {
     return sum;
   }
 
-  // Corrected depth in m of a measured depth in m at the ray (x, y, 1). 0 if the depth is missing,
-  // or if the corrected inverse depth is at most kMinInverse.
+  // Corrected depth in m of a measured depth in m at the ray (x, y, 1). 0 if the measured depth is
+  // missing (0, negative or NaN), or if the corrected inverse depth is at most kMinInverse.
   float Corrected(float measured_m, double x, double y) const {
     if (!(measured_m > 0)) return 0;
     const double inverse = 1. / measured_m + At(x, y);

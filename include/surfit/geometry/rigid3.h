@@ -35,7 +35,7 @@ Eigen::Quaternion<Scalar> QuaternionExp(const Eigen::Matrix<Scalar, 3, 1>& w) {
   return Eigen::Quaternion<Scalar>(real, scale * w.x(), scale * w.y(), scale * w.z());
 }
 
-// Rotation vector w in rad, |w| <= pi, of a unit quaternion: exp(w) = q.
+// Rotation vector w in rad, |w| <= pi, of a unit quaternion: exp(w) = q or -q, the same rotation.
 template <typename Scalar>
 Eigen::Matrix<Scalar, 3, 1> QuaternionLog(const Eigen::Quaternion<Scalar>& q) {
   using std::atan2;
@@ -78,6 +78,7 @@ struct Rigid3 {
     return Rigid3((rotation * other.rotation).normalized(),
                   rotation * other.translation + translation);
   }
+  // Homogeneous matrix [R t; 0 1].
   Eigen::Matrix<Scalar, 4, 4> Matrix() const {
     Eigen::Matrix<Scalar, 4, 4> m = Eigen::Matrix<Scalar, 4, 4>::Identity();
     m.template topLeftCorner<3, 3>() = rotation.toRotationMatrix();
@@ -107,7 +108,9 @@ Rigid3<Scalar> LeftIncrement(const typename Rigid3<Scalar>::Vector6& increment,
   return delta * pose;
 }
 
-// Increment (w [rad], v [m]) with LeftIncrement(increment, from) = to, to first order in (w, v).
+// Increment (w [rad], v [m]) with LeftIncrement(increment, from) = to, up to rounding. |w| <= pi. v
+// is the translation of to from^-1, which equals the translation part of the SE(3) logarithm to
+// first order.
 template <typename Scalar>
 typename Rigid3<Scalar>::Vector6 FirstOrderIncrement(const Rigid3<Scalar>& from,
                                                      const Rigid3<Scalar>& to) {
@@ -130,7 +133,8 @@ Eigen::Matrix<Scalar, 6, 6> IncrementTransform(const Rigid3<Scalar>& a_from_b) {
   return transform;
 }
 
-// Rotation angle in rad, in [0, pi].
+// Rotation angle in rad, in [0, pi], of a unit quaternion. Its derivative (ceres::Jet) is not
+// finite at the identity.
 template <typename Scalar>
 Scalar RotationAngle(const Eigen::Quaternion<Scalar>& q) {
   return QuaternionLog<Scalar>(q).norm();

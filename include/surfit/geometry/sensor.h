@@ -50,8 +50,10 @@ struct Disparity {
 };
 
 // Prior of a calibration: standard deviations of the errors of the input values. 0: no prior. The
-// defaults are for a Kinect v1. CameraPreset() has the values of other sensors. Estimation uses all
-// members except latency_s, color_translation_m and color_rotation_rad.
+// defaults are for a Kinect v1. CameraPreset() has the values of other sensors. Calibration and
+// refinement use all members except latency_s, color_translation_m and color_rotation_rad.
+// surfit_convert estimates the colour camera, and uses color_translation_m and color_rotation_rad
+// as well. latency_s is not used.
 struct CalibrationPrior {
   double focal_relative_sigma = 0.01;    // of fx and fy, relative
   double aspect_relative_sigma = 0.001;  // of fx / fy, relative

@@ -19,7 +19,8 @@ using Trajectory = std::vector<StampedPose>;
 
 // Pose at a time. Interpolates between two poses at most max_gap_s apart: translation linearly,
 // rotation by slerp. Otherwise, returns the nearest pose within max_difference_s, or std::nullopt.
-// At the time of a pose, returns this pose. An empty trajectory gives std::nullopt.
+// The later pose is returned if both are equally near. At the time of a pose, returns this pose. An
+// empty trajectory gives std::nullopt. max_gap_s = 0: no interpolation.
 std::optional<Rigid3d> InterpolatePose(const Trajectory& trajectory, double stamp_s,
                                        double max_gap_s = 0.1, double max_difference_s = 0.02);
 
@@ -31,8 +32,9 @@ struct StampMatch {
 
 // Matches two ascending lists of timestamps, in s, as associate.py of the TUM RGB-D benchmark does.
 // The closest pair is matched first; each timestamp is used at most once. Differences up to and
-// including max_difference_s match, like in evo. The result is ascending in both indices; empty for
-// an empty list.
+// including max_difference_s match, like in evo. The order of the lists is not checked. The result
+// is ascending in `first`. It is also ascending in `second` if the timestamps of one list are at
+// least max_difference_s apart. Empty for an empty list.
 std::vector<StampMatch> MatchStamps(const std::vector<double>& first_s,
                                     const std::vector<double>& second_s, double max_difference_s);
 

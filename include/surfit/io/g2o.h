@@ -15,8 +15,7 @@ class OptionVisitor;
 // - "refuse": InputError
 // - "project": negative eigenvalues are set to 0
 // - "blocks": the covariance of rotation and translation is dropped. Negative eigenvalues of the
-// two
-//   blocks are set to 0.
+//   blocks of rotation and translation are set to 0.
 std::vector<std::string> IndefiniteInformationNames();
 
 // Options of ReadG2o().
@@ -32,7 +31,8 @@ struct G2oFile {
   PoseGraph graph;
   std::map<std::string, std::size_t> ignored_lines;  // number of lines per unknown tag
   std::size_t indefinite_count = 0;  // number of changed indefinite information matrices
-  // Number of poses without a vertex. Their ids are those of edges, priors and FIX.
+  // Number of poses, if the file has no vertices; otherwise 0. Their ids are those of the edges and
+  // priors, in ascending order.
   std::size_t chained_count = 0;
 };
 
@@ -57,18 +57,25 @@ struct G2oFile {
 // in the examples of Ceres. In g2o itself, it refers to (qx, qy, qz) of the quaternion, which is
 // half of this vector.
 //
-// The error of the edge is that of i_from_j^-1 (estimated i_from_j), in the frame of j. Therefore
-// the edge in the graph has a = j and b = i.
+// In g2o, the error of an edge is i_from_j^-1 (estimated i_from_j), a motion in the frame of j. The
+// error of PoseGraphEdge is in the frame of a. Therefore the edge in the graph has a = j and b = i.
 //
-// The poses of a file without vertices are chained along a spanning tree. A file with vertices must
+// A file of SE(2) gives a graph with PoseGraph::planar. Quaternions are normalised; their norm must
+// be 1 within 1 %. PoseGraphEdge::loop follows from G2oOptions::odometry. Lines with other tags are
+// ignored.
+//
+// The poses of a file without vertices are computed by ChainPosesOf(). A file with vertices must
 // have a vertex for each id.
 //
-// Throws InputError that names the file, the line and the constraint. A file without poses and a
-// file with lines of SE(2) and SE(3) are errors.
+// Throws InputError for invalid options, and InputError that names the file, the line and the
+// constraint. A file without poses and a file with lines of SE(2) and SE(3) are errors.
 G2oFile ReadG2o(const std::string& path, const G2oOptions& options = {});
 
-// Writes poses, fixed poses, edges and priors atomically in the same format, with enough digits for
-// an exact round trip. Throws InputError that names the file if it cannot be written.
+// Writes poses, fixed poses, edges and priors atomically in the same format. Numbers have 17
+// digits, so ReadG2o() gives the same graph up to rounding errors of about 1e-16.
+// PoseGraphEdge::loop is not written. The graph must be valid, which is not checked. Throws
+// InputError that names the file if it cannot be written. A sensor offset in SE(2) is an error,
+// because the format does not have it.
 void WriteG2o(const PoseGraph& graph, const std::string& path);
 
 }  // namespace surfit

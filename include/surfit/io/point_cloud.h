@@ -23,12 +23,11 @@ struct PointCloud {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
-// Reads the element `vertex` of a PLY file, ascii or binary. Names are read in upper or lower case.
-// x, y and z have any
-// scalar type. Optional properties: nx ny nz, red green blue (uchar), radius, confidence. Other
-// content is ignored. Coordinates are not checked and may be NaN. Throws InputError that names the
-// file and the error. A vertex count that exceeds the file size is rejected before memory is
-// allocated.
+// Reads the element `vertex` of a PLY file: ascii, binary_little_endian or binary_big_endian. Names
+// are read in upper or lower case. x, y and z have any scalar type. Optional properties: nx ny nz,
+// red green blue (uchar), radius, confidence. Other content is ignored. Coordinates are not checked
+// and may be NaN. Throws InputError that names the file and the error. A vertex count that exceeds
+// the file size is rejected before memory is allocated.
 PointCloud ReadPly(const std::string& path);
 
 // Reads a PLY file as ReadPly(), or a PCD file (Point Cloud Data 0.7: ascii, binary or
@@ -43,7 +42,8 @@ PointCloud ReadPointCloud(const std::string& path);
 // than 100 m from (0, 0, 0). PointCloud::origin stays 0.
 PointCloud ReadPointCloud(const std::string& path, std::optional<Eigen::Vector3d>* origin);
 
-// Reads a file relative to an origin of its own, as above, and stores it in PointCloud::origin.
+// Reads a file as ReadPointCloud() with an origin of std::nullopt, and stores the origin in
+// PointCloud::origin.
 PointCloud ReadPointCloudAboutOrigin(const std::string& path);
 
 // Number of faces of a PLY file, which ReadPointCloud() does not read. 0 for a PCD file. Throws

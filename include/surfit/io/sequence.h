@@ -111,8 +111,8 @@ bool IsLive(const SequenceOptions& options);
 // calibration, the intrinsics follow from the field of view. Depth and colour are paired by their
 // device timestamps, in s. A frame without colour is a ReadResult with an error.
 //
-// A queue keeps the newest `capacity` frames of a camera. Older frames are dropped,
-// logged and counted. While the camera is unplugged, Next() waits for it, and later timestamps
+// A queue keeps the newest `capacity` frames of a camera. Older frames are dropped, logged and
+// counted. While the camera is unplugged, Next() waits for it, and later timestamps
 // continue after this time (ReadResult::paused_before_s). The sequence ends when `stop` becomes
 // true.
 std::unique_ptr<FrameSource> OpenLive(const SequenceOptions& options, int capacity,

@@ -13,9 +13,9 @@ namespace surfit {
 // comment.
 
 // Reads a trajectory and sorts it by time. Columns are separated by spaces, tabs or commas.
-// Quaternions are normalised. Poses with equal timestamps keep their order. Numbers must be finite.
-// A file without poses gives an empty trajectory. Throws InputError that names the file, and the
-// line of an error.
+// Quaternions are normalised; their norm must be 1 within 1 %. Poses with equal timestamps keep
+// their order. Numbers must be finite, and coordinates at most 1e9 m. A file without poses gives an
+// empty trajectory. Throws InputError that names the file, and the line of an error.
 Trajectory ReadTumTrajectory(const std::string& path);
 
 // Reads the first column of a trajectory, or of an image list such as rgb.txt: timestamps in s,
@@ -43,8 +43,8 @@ class TumTrajectoryWriter {
 
 // Writes the poses atomically in the format of the KITTI odometry benchmark, in metres with 9
 // decimals. Each line has the upper 3 x 4 of a camera-to-world matrix, row by row. The format has
-// no timestamps. Throws InputError that names the file if it cannot be written.
-// Aborts on numbers that are not finite.
+// no timestamps. Throws InputError that names the file if it cannot be written. Aborts on numbers
+// that are not finite.
 void WriteKittiTrajectory(const Trajectory& trajectory, const std::string& path);
 
 }  // namespace surfit

@@ -60,7 +60,8 @@ std::vector<LoopCandidate> ProposeLoopCandidates(int source, const std::vector<K
                                                  const FindLoopsOptions& options);
 
 // Verifies all candidates of ProposeLoopCandidates(), also after a success, in their order.
-// `source` as there. Rejected candidates are included. Throws InputError for invalid options.
+// `source` is a position in `keyframes`. Rejected candidates are included. Throws InputError for
+// invalid options.
 std::vector<LoopVerification> FindLoops(int source, const std::vector<Keyframe>& keyframes,
                                         const PlaceIndex& index, const FindLoopsOptions& options);
 

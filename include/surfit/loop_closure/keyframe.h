@@ -79,8 +79,8 @@ struct KeyframeOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// True if a frame at `world_from_camera` becomes the keyframe after `last`.
-// `surface`: any level of its pyramid.
+// True if a frame at `world_from_camera` becomes the keyframe after `last`. `surface`: any level of
+// the pyramid of the frame.
 bool IsKeyframe(const Keyframe& last, int frame_index, const FrameLevel& surface,
                 const Rigid3d& world_from_camera, const KeyframeOptions& options);
 

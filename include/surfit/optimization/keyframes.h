@@ -32,7 +32,7 @@ struct KeyframeImages {
 
 // Keyframe for Refine().
 struct RefinementKeyframe {
-  Rigid3d world_from_camera;
+  Rigid3d world_from_camera;  // at the middle of the readout
   KeyframeImages images;
 };
 
@@ -50,15 +50,16 @@ bool HasMoved(const Rigid3d& a, const Rigid3d& b, double min_translation_m,
 
 // Returns the ascending indices of keyframes in `trajectory`: the first pose, and each pose that
 // HasMoved() since the last keyframe. Both thresholds grow until there are at most `max_count`
-// keyframes; 0: no limit. With a limit, the thresholds must be positive. Empty for an empty
-// trajectory.
+// keyframes; 0: no limit. With a limit, both thresholds must be positive. This is not checked: with
+// a threshold of 0, the function may not return. Empty for an empty trajectory.
 std::vector<std::size_t> ChooseKeyframes(const Trajectory& trajectory, double min_translation_m,
                                          double min_rotation_rad, std::size_t max_count);
 
 // Moves a trajectory with its keyframes. `keyframes`: ascending indices of poses.
-// `world_from_keyframe`: their new poses. Between two keyframes, the corrections of both are
-// interpolated by time. Before the first or after the last keyframe, its correction is used.
-// Aborts if there are no keyframes, or if the sizes differ.
+// `world_from_keyframe`: their new poses. A frame moves rigidly with the keyframe before and with
+// the keyframe after the frame. The two results are interpolated by time: translation linearly,
+// rotation by slerp. Frames before the first or after the last keyframe move with this keyframe.
+// Aborts if there are no keyframes, or if the sizes differ. Indices are not checked.
 Trajectory CorrectTrajectory(const Trajectory& trajectory,
                              const std::vector<std::size_t>& keyframes,
                              const std::vector<Rigid3d>& world_from_keyframe);

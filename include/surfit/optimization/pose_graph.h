@@ -133,11 +133,12 @@ struct PoseGraphOptions {
   // Loop closures with a larger SquaredError() are outliers. 99.9 % of correct loop closures are
   // below the default (chi-square, 6 degrees of freedom).
   double max_loop_squared_error = 22.457744;
-  // Maximum number of Levenberg-Marquardt iterations, and convergence threshold. Rounds of
-  // "gnc" before the final round have at most 10 iterations and a threshold of at least 1e-3.
+  // Maximum number of Levenberg-Marquardt iterations, and convergence threshold.
   int max_iterations = 200;
   double min_relative_cost_change = 1e-11;
-  // Both limits for the rounds of "gnc" except the final round.
+  // Both limits for the rounds of "gnc" except the final round. "auto", and "gnc" with the start
+  // "chordal", try several initial poses. Their rounds have at most 10 iterations and a threshold
+  // of at least 1e-3.
   int max_round_iterations = 100;
   double min_round_cost_change = 1e-5;
 

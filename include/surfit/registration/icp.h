@@ -50,7 +50,7 @@ enum class Termination {
   kConverged,           // convergence on the finest level
   kRmseIncreased,       // RMSE rose on the finest level: result is the pose before
   kMaxIterations,       // iteration limit on the finest level
-  kTooFewInliers,       // failure: too few correspondences
+  kTooFewInliers,       // failure: too few correspondences on a level; finer levels are not used
   kSingularSystem,      // failure: unobservable directions; the pose is not moved along them
   kFreeSpaceViolation,  // failure: too many free-space violations
 };

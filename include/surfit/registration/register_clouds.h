@@ -122,8 +122,7 @@ CloudRegistration RegisterCloudsFrom(const SensedCloud& source, const SensedClou
 // Options for normals of point clouds.
 //
 // A plane is fitted to the N neighbours of a point within a radius. Dense neighbourhoods are
-// thinned. With the eigenvalues l0 <= l1 <= l2 of their
-// covariance:
+// thinned. With the eigenvalues l0 <= l1 <= l2 of their covariance:
 // - s = sqrt(l0 N / (N - 3)): deviation of the points from the plane,
 // - sqrt(l0 / l1): relative thickness of the plane,
 // - sqrt(l0 / ((N - 3) l1)) rad: standard deviation of the normal.

@@ -221,10 +221,10 @@ struct SlamRunSummary {
 // the session already has are skipped. A sequence of the format watch runs until its end
 // (WatchFolder()). Unreadable frames are skipped and counted.
 //
-// `progress` is called on the calling thread after every frame and refinement round, and for every
-// frame of the final map. Frame times exclude it. If `interrupted` becomes true, the current frame
-// is completed and all results are written. `finished`, if not empty, is called on the calling
-// thread after success.
+// `progress` must not be empty. It is called on the calling thread after every frame and refinement
+// round, and for every frame of the final map. Frame times exclude it. If `interrupted` becomes
+// true, the current frame is completed and all results are written. `finished`, if not empty, is
+// called on the calling thread after success.
 //
 // Throws InputError for invalid options, for an output folder that another run is writing to, and
 // if no frame can be read. Later errors (out of memory, full disk, read error) end the run: all

@@ -176,7 +176,7 @@ struct BuildingOptions {
 };
 
 // Names for MakeScene():
-//   room          a furnished room of 4 to 8 m; size, furniture and colours vary with the seed
+//   room          a furnished room of 4.6 to 6.5 m; size, furniture and colours vary with the seed
 //   three_rooms   three rooms connected by doorways; a path leads through them and back in about
 //                 1500 frames, and then again
 //   building      furnished rooms on several floors (BuildingOptions), around a ring of corridors

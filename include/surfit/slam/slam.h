@@ -90,9 +90,9 @@ struct FrameReport {
 // and calibration.
 class Slam {
  public:
-  // Starts with an empty map. The pose of the first frame is `world_from_first_camera`. The
-  // camera of the sensor must have fy > 0, which is not checked. Throws
-  // InputError for an invalid sensor or invalid options.
+  // Starts with an empty map. The pose of the first frame is `world_from_first_camera`. The camera
+  // of the sensor must have fy > 0, which is not checked. Throws InputError for an invalid sensor
+  // or invalid options.
   Slam(const DepthSensor& sensor, const SlamOptions& options,
        const Rigid3d& world_from_first_camera);
   // Continues from the state of another Slam of the same sensor. The camera is relocalised by

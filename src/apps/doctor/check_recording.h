@@ -12,16 +12,14 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of CheckRecording().
 struct RecordingCheckOptions {
   SequenceOptions sequence;
   bool track = true;  // run SLAM to check calibration and latency; slower
-  int threads = 2;    // number of threads
+  int threads = 2;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Result of one check.
 struct RecordingCheck {
   std::string name;             // for example "median_depth"
   std::optional<double> value;  // std::nullopt: not measurable
@@ -33,7 +31,6 @@ struct RecordingCheck {
   bool IsSound() const { return fault.empty(); }
 };
 
-// Results of all checks.
 struct RecordingReport {
   SequenceInfo info;
   int frames = 0;  // includes unreadable frames

@@ -27,8 +27,7 @@ struct TrackedRecording {
   std::optional<double> late_s;
 };
 
-// Results of reading a recording. The checks below judge them. The referenced objects must outlive
-// this object.
+// Input of the checks. The referenced objects must outlive this object.
 struct RecordingEvidence {
   const SequenceInfo& info;
   const std::vector<FrameStatistics>& frames;

@@ -8,7 +8,6 @@
 namespace surfit {
 namespace {
 
-// Maximum ratios of missing frames, repeated frames and unpaired images.
 constexpr double kMaxMissing = 0.05, kMaxRepeated = 0.05, kMaxUnpaired = 0.1;
 constexpr double kGap = 1.5;           // minimum interval with missing frames / median interval
 constexpr double kMaxApart_s = 0.015;  // maximum offset between depth and colour timestamps

@@ -10,14 +10,13 @@
 
 namespace surfit {
 
-// Statistics of a colour image. A pixel is saturated if all channels are at least 250.
+// A pixel is saturated if all channels are at least 250.
 struct ColorStatistics {
   double brightness = 0;             // mean, in [0, 1]
   double saturated_ratio = 0;        // saturated pixels / pixels
   std::optional<double> edge_width;  // EdgeWidth(); std::nullopt: too few edges
 };
 
-// Statistics of one frame of a recording.
 struct FrameStatistics {
   int index = 0;
   FrameStamps stamps;         // s, as recorded
@@ -35,7 +34,7 @@ struct FrameStatistics {
 // the image has too few edges above the noise.
 std::optional<double> EdgeWidth(const Image<Rgb8>& color);
 
-// Statistics of all frames of a recording. Add frames in order. Not thread-safe.
+// Add frames in order. Not thread-safe.
 class RecordingStatistics {
  public:
   // `depth_units_per_metre`: unit of integer depth images. Float images are in metres.

@@ -23,7 +23,7 @@ std::array<cv::Mat, 3> ChannelsOf(const Image<Rgb8>& image) {
   return channels;
 }
 
-// Sums over the compared pixels, per channel. The sums are exact, because all terms are integers.
+// The sums are exact, because all terms are integers.
 struct ChannelMoments {
   ChannelMoments(const Image<Rgb8>& image, const Image<Rgb8>& reference,
                  const PixelMask& compared) {

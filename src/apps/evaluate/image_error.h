@@ -14,7 +14,8 @@ using PixelMask = Image<std::uint8_t>;
 inline constexpr double kMaxPsnr_db = 100;
 
 // Peak signal-to-noise ratio in dB: 10 log10(255^2 / MSE), with the MSE over all channels of the
-// compared pixels. At most kMaxPsnr_db; 0 without compared pixels. Aborts if the sizes differ.
+// compared pixels. At most kMaxPsnr_db; 0 without compared pixels. All images must have the same
+// width and height. Aborts if the numbers of pixels differ.
 double Psnr(const Image<Rgb8>& image, const Image<Rgb8>& reference, const PixelMask& compared);
 
 // PSNR after multiplication of each image channel with its optimal gain
@@ -30,10 +31,9 @@ double PsnrByGain(const Image<Rgb8>& image, const Image<Rgb8>& reference,
 // (0.01 * 255)^2, C2 = (0.03 * 255)^2. 1 for equal images. Aborts if the sizes differ.
 Image<float> StructuralSimilarity(const Image<Rgb8>& image, const Image<Rgb8>& reference);
 
-// Mean over compared pixels; 0 if there are none. Aborts if the sizes differ.
+// Mean over compared pixels; 0 if there are none. Aborts if the numbers of pixels differ.
 double MeanOf(const Image<float>& values, const PixelMask& compared);
 
-// Number of compared pixels.
 std::size_t CountOf(const PixelMask& mask);
 
 }  // namespace surfit

@@ -31,9 +31,8 @@ struct SurfaceAgreement {
   ErrorStatistics icp_translation_m, icp_rotation_deg;
 };
 
-// Result of CompareAtRevisits().
 struct RevisitReport {
-  int pairs = 0;         // revisits, with skipped pairs
+  int pairs = 0;         // number of revisits, including skipped pairs
   int unregistered = 0;  // skipped pairs: no overlap or failed ICP
   int without_pose = 0;  // skipped frames: unreadable, or without estimated or true pose
   // 0 if no pair has a result.

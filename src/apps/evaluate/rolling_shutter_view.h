@@ -19,8 +19,8 @@ PinholeCamera WithRollMargin(PinholeCamera camera);
 
 // Resamples a view with margin as a rolling-shutter view. With `motion`, a static point X is at X -
 // t (turn x X + velocity) in the camera frame at time t. Colour: bilinear interpolation between
-// pixels with depth. Depth: nearest pixel. `camera`: camera without margin, in whose size the
-// result is. Pixels without depth are black.
+// pixels with depth. Depth: nearest pixel. `camera`: camera of the result, without margin. Pixels
+// without depth are black.
 BlendedView Rolled(const BlendedView& with_margin, const PinholeCamera& camera,
                    const CameraMotion& motion, const RowTimes& times);
 

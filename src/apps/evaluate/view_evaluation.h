@@ -10,7 +10,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of EvaluateViews().
 struct ViewEvaluationOptions {
   SequenceOptions sequence;  // sequence of the run, with the same options
   std::string run;           // output folder of a run, with poses.json, map.ply and summary.json
@@ -24,8 +23,8 @@ struct ViewEvaluationOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Difference between a frame and a view of the map. Black frame pixels (0, 0, 0) have no colour
-// and are not compared. The PSNR is at most 100 dB. Values without compared pixels are 0.
+// Difference between a frame and a view of the map. Black frame pixels (0, 0, 0) have no colour and
+// are not compared. Values without compared pixels are 0.
 struct ViewError {
   double psnr_covered_db = 0, ssim_covered = 0;  // over pixels covered by the map
   double psnr_db = 0, ssim = 0;                  // over all pixels; black if not covered
@@ -38,13 +37,11 @@ struct ViewError {
   double depth_error_median_m = 0, depth_error_mean_m = 0;
 };
 
-// Errors of one view.
 struct EvaluatedView {
   int frame = 0;  // index in the sequence
   ViewError error;
 };
 
-// Result of EvaluateViews().
 struct ViewEvaluation {
   bool held_out = false;  // the evaluated frames were not fused
   std::vector<EvaluatedView> views;

@@ -31,7 +31,7 @@ CameraModel ModelOf(const PinholeCamera& lens) {
   return {6, "FULL_OPENCV", parameters};
 }
 
-// Values of the files in one order, as binary or as text.
+// Binary and text writers with the same interface.
 class BinaryWriter {
  public:
   explicit BinaryWriter(std::ostream& out) : out_(out) {}

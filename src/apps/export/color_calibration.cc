@@ -26,9 +26,8 @@ constexpr int kMinViews = 4;
 constexpr int kVisibilityColumns = 160;
 constexpr int kGrain = 256;
 constexpr int kCoarseIterations = 5, kFineIterations = 8;
-constexpr int kHalvings[] = {3, 2, 1, 0};  // of the images, from coarse to fine
-// Neighbouring pixels share most of their errors. This number of observations has the weight of one
-// observation.
+constexpr int kHalvings[] = {3, 2, 1, 0};  // number of image halvings, per level
+// Number of neighbouring observations with fully correlated errors.
 constexpr double kSharedObservations = 25;
 constexpr double kBorder_px = 2;
 
@@ -112,7 +111,6 @@ struct NormalEquations {
   double Rms() const { return std::sqrt(weighted_squares / std::max(weights, 1e-9)); }
 };
 
-// Camera and latency.
 struct ColorState {
   ColorCamera camera;
   double latency_s = 0;
@@ -125,7 +123,6 @@ struct ColorState {
     camera.lens.cy += step[9];
     latency_s += step[10];
   }
-  // Increment from `given` to this state.
   ColorParameters ChangeFrom(const ColorState& given) const {
     ColorParameters change;
     const Rigid3d motion = camera.color_from_depth * given.camera.color_from_depth.Inverse();
@@ -230,7 +227,7 @@ class ColorProblem {
     const PinholeCamera& lens = state.camera.lens;
     const Rigid3d& color_from_depth = state.camera.color_from_depth;
     const Eigen::Vector3d in_depth = depth_from_world_[i] * point_in_world;
-    // The pose of the image is that of its timestamp. The point is observed `shift_s` later.
+    // The row of the point is captured `shift_s` after the pose of the image.
     const Eigen::Vector3d velocity =
         -(image.motion.angular_velocity_rad_per_s.cross(in_depth) + image.motion.velocity_m_per_s);
     double shift_s = -state.latency_s;
@@ -304,8 +301,6 @@ std::vector<SeenSurfel> SurfelsInImages(const ColorCamera& camera,
   return surfels;
 }
 
-// Diagonal of the information of the prior. The lens of registered colour and that of a separate
-// camera have the same prior.
 ColorParameters PriorInformation(const CalibrationPrior& prior) {
   const auto information = [](double sigma) { return sigma > 0 ? 1 / (sigma * sigma) : 0; };
   ColorParameters diagonal;
@@ -366,7 +361,7 @@ class ColorSolver {
     return hessian;
   }
 
-  // The ratio of the focal lengths has a prior of its own.
+  // Adds the prior of fx / fy.
   void AddAspect(ColorMatrix* hessian) const {
     if (!(prior_.aspect_relative_sigma > 0)) return;
     const double information = 1 / std::pow(prior_.aspect_relative_sigma, 2);
@@ -394,7 +389,7 @@ class ColorSolver {
       scatter += weight * weight * gradient * gradient.transpose();
     }
     const ColorMatrix inverse = HessianOf(system).inverse();
-    // The prior adds its own share to the covariance.
+    // Gradient covariance: the scatter over the images plus the information of the prior.
     ColorMatrix prior = ColorMatrix::Zero();
     prior.diagonal() = PriorInformation(prior_);
     AddAspect(&prior);

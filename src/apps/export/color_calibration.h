@@ -28,7 +28,7 @@ struct ColorCalibration {
   double rms_before = 0, rms_after = 0;
 };
 
-// Estimates the colour camera of a run from the map and at most `kImages` images. Estimates
+// Estimates the colour camera of a run from the map and at most 120 of the images. Estimates
 // color_from_depth, focal lengths, principal point and latency. Lens distortion is fixed.
 //
 // A surfel k with the position X_k has the same log brightness in all images i that show it, except
@@ -37,11 +37,13 @@ struct ColorCalibration {
 // with the depth camera pose D_i and color_from_depth C. The mean b_k is eliminated: residuals and
 // derivatives are centred per surfel. Gauss-Newton with the kernel of Geman and McClure, from
 // coarse to fine images. A point moves during the readout as in RegisterColors(). The covariance is
-// that of the sum of the gradients of the images, from their scatter (Huber 1967). The prior is
-// CalibrationPrior. The estimate is kept if its squared Mahalanobis distance from the given camera
-// exceeds its mean by more than three standard deviations.
+// computed from the scatter of the gradients over the images (sandwich estimator, Huber 1967). The
+// estimate is kept if its squared Mahalanobis distance from the given camera exceeds its mean by
+// more than three standard deviations.
 //
-// Keeps the given camera if fewer than ten images or too few surfels can be used.
+// Keeps the given camera if there are fewer than ten images, or fewer than 500 surfels that at
+// least four images show. `progress` must not be empty. It receives the number of images read so
+// far. Throws InputError if an image cannot be read.
 ColorCalibration EstimateColorCamera(const ColorCamera& given, const CalibrationPrior& prior,
                                      const SequenceOptions& sequence,
                                      const std::vector<ColorImage>& images, const SurfelMap& map,

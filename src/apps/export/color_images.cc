@@ -131,7 +131,7 @@ std::vector<ColorImage> ChooseImages(const std::vector<ColorImage>& images, int 
     const Rigid3d step = images[i - 1].world_from_depth.Inverse() * images[i].world_from_depth;
     path[i] = path[i - 1] + step.translation.norm() / kUsualDepth_m + RotationAngle(step.rotation);
   }
-  // A frame counts in addition to its motion. A camera at rest therefore gets images too.
+  // Each frame adds a tenth of the mean motion, so that a camera at rest gets images too.
   const double by_frame = 0.1 * path.back() / static_cast<double>(count) + 1e-9;
   for (std::size_t i = 0; i < count; ++i) path[i] += by_frame * static_cast<double>(i);
   const auto choose = [&](std::size_t parts) {
@@ -145,7 +145,7 @@ std::vector<ColorImage> ChooseImages(const std::vector<ColorImage>& images, int 
     best.erase(std::remove(best.begin(), best.end(), count), best.end());
     return best;
   };
-  // Parts without an image make room for more parts.
+  // Some parts have no image. Searches the largest number of parts with at most `most` images.
   std::vector<std::size_t> chosen = choose(most);
   std::size_t low = most, high = 16 * count;
   while (high - low > 1) {

@@ -14,10 +14,10 @@
 
 namespace surfit {
 
-// Colour camera of a run. Its pixels are those of the recorded colour images.
+// Colour camera of a run. The image size is the size of the recorded images.
 struct ColorCamera {
   PinholeCamera lens;        // with distortion; fy > 0
-  Rigid3d color_from_depth;  // from the depth camera, whose poses the run has
+  Rigid3d color_from_depth;  // transform from the depth camera
   double readout_s = 0;      // rolling-shutter readout
 };
 
@@ -43,13 +43,15 @@ struct UnusedFrames {
 ColorCamera GivenColorCamera(const SequenceInfo& info, const RecordedRun& run);
 
 // Reads all frames of the run, and returns their colour images with poses. An image that repeats
-// the previous image has another capture time than its timestamp, and is not used.
+// the previous image has another capture time than its timestamp, and is not used. `progress` must
+// not be empty. It receives the number of images so far. Adds the numbers of other frames to
+// `unused`, which must not be null. Throws InputError if the sequence cannot be opened.
 std::vector<ColorImage> ListColorImages(const SequenceOptions& sequence, const RecordedRun& run,
                                         const std::function<void(int)>& progress,
                                         UnusedFrames* unused);
 
-// Chooses at most `most` images; 0: all. Divides the path of the camera into parts of equal image
-// motion, and takes the sharpest image of each part.
+// `most` 0: all. Divides the path of the camera into parts of equal image motion, and takes the
+// sharpest image of each part.
 std::vector<ColorImage> ChooseImages(const std::vector<ColorImage>& images, int most);
 
 // Calls `call` with the position in `images` and the recorded colour image, in ascending order.

@@ -36,7 +36,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kExportJson = "export.json";
 
-// Relative paths of the results. Images of a former export are only those beside its export.json.
+// Relative paths of the results. Numbered images belong to a former export only if the folder has
+// an export.json.
 std::vector<std::string> FormerFiles(const std::string& folder) {
   std::vector<std::string> files = {kExportJson,
                                     "transforms.json",

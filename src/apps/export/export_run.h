@@ -29,7 +29,7 @@ struct ExportOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Results of ExportRun(). The lines are also in the file export.json.
+// Results of ExportRun().
 struct ExportSummary {
   std::vector<std::string> messages;  // one line each, for the user
   std::vector<std::string> warnings;

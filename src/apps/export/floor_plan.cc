@@ -16,8 +16,8 @@ constexpr double kHalfThickness_m = 0.04;
 constexpr double kMaxGap_m = 0.15;
 constexpr double kMinHeight_m = 0.4;  // vertical extent of a wall in the band
 constexpr double kAngleGate_rad = 10 * kPi / 180;
-// Points about a line that do not make lines of their own: noise of the surface, and flat objects
-// on it.
+// Points within these distances of a line are removed before the next line is searched: surface
+// noise, and flat objects on the wall.
 constexpr double kUsedDistance_m = 0.12;
 constexpr double kUsedAngle_rad = 35 * kPi / 180;
 
@@ -30,7 +30,7 @@ struct WallPoint {
 // One point per cube, so that the density of surfels does not matter.
 std::vector<WallPoint> WallPoints(const UprightMap& map, const OccupancyGrid& grid) {
   constexpr double kEdge_m = 0.02;
-  constexpr float kMaxVertical = 0.2f;  // of the normal
+  constexpr float kMaxVertical = 0.2f;  // vertical component of the normal
   std::vector<std::pair<std::array<std::int64_t, 3>, std::size_t>> cubes;
   for (std::size_t i = 0; i < map.surfels.size(); ++i) {
     const Surfel& surfel = map.surfels[i];

@@ -11,7 +11,6 @@
 
 namespace surfit {
 
-// State of a cell of an occupancy grid.
 enum class CellState : std::uint8_t { kUnknown, kFree, kOccupied };
 
 // Occupancy of a band of heights. Row 0 has the smallest y.

@@ -284,8 +284,7 @@ void HttpServer::Wake() {
   asio::post(state_->io, [state = state_.get()] { state->WakeAll(); });
 }
 
-// Replaces the server thread by a new thread of normal priority. A thread cannot raise its own
-// priority.
+// A thread cannot raise its own priority, so a new server thread replaces the old one.
 void HttpServer::TakePriority() {
   std::promise<void> handed_over;
   std::thread other;

@@ -57,8 +57,7 @@ class LiveData {
   bool UpdatePath(const LivePath& path, bool must);
   // Pictures of the same frame get the same number.
   bool UpdatePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool must);
-  // Returns the result of MapSample::Update(); std::nullopt if the update was skipped. `slots`:
-  // number of updated slots.
+  // Returns the result of MapSample::Update(); std::nullopt if the update was skipped.
   std::optional<bool> UpdateMap(const SurfelMap& map, std::size_t slots);
   // Replaces the sample by the final map. Waits for the lock.
   void ResetMap(const SurfelMap& map);
@@ -78,7 +77,6 @@ class LiveData {
   Text Map(const SamplePlace& place, std::size_t most);
   // Call for each request, so that IsRequested() is true for 8 s.
   void RecordRequest(Shown what);
-  // Marks the state as changed.
   void MarkChanged() { ++number_; }
 
  private:

@@ -25,7 +25,6 @@ class RateLimiter {
  public:
   RateLimiter(double min_gap_s, double share) : min_gap_(min_gap_s), share_(share) {}
 
-  // Calls act() if it is due, or if `must` is true.
   template <typename Act>
   void ActIfDue(bool must, const Act& act) {
     const Clock::time_point begin = Clock::now();
@@ -101,12 +100,11 @@ class LiveRun {
   void Stop();
   bool is_paused() const { return pauses_ && !is_at_result_; }
   bool is_interrupted() const { return interrupted_; }
-  // Returns whether the next frame may be processed.
   bool MayContinue() const { return !pauses_ || steps_ || interrupted_; }
 
   // Functions for the thread of the run only.
   const SlamRunProgress& progress() const { return progress_; }  // without frame
-  FrameState state() const { return state_; }                    // state of the last frame
+  FrameState state() const { return state_; }
   bool is_lost() const { return state_ == FrameState::kLost; }
   bool is_at_result() const { return is_at_result_; }
   bool is_done() const { return is_done_; }
@@ -114,7 +112,7 @@ class LiveRun {
   const std::vector<Advice>& advice() const { return advice_; }
   const Trajectory& path() const { return path_; }  // with all corrections so far
   const std::vector<LoopSegment>& loops() const { return loops_; }
-  // Frame indices of the last loop closure.
+  // frame indices
   const std::optional<std::pair<int, int>>& last_loop() const { return last_loop_; }
   // Image of the last frame with a pose.
   const Image<Rgb8>& last_good() const { return last_good_; }

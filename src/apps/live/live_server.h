@@ -10,7 +10,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of the live web page.
 struct ServeOptions {
   int port = -1;  // -1: no web page; 0: any free port
   // IP address to listen on; 0.0.0.0: all network interfaces.

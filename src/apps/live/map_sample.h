@@ -17,7 +17,7 @@ namespace surfit {
 //   confidence   uint8: WeightByte
 using PackedSurfel = std::array<std::uint8_t, 16>;
 
-// Packs a surfel. Values outside of the ranges are clamped.
+// Values outside of the ranges are clamped.
 PackedSurfel PackSurfel(const Surfel& surfel);
 
 // Position of a page in the stream of changes. A round goes through all slots and transfers

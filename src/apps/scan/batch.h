@@ -17,7 +17,6 @@ class OptionVisitor;
 //   table.csv, summary.json, report.html    ReportBatch()
 // All functions throw InputError with the name of the file or option.
 
-// Options of PlanBatch().
 struct BatchOptions {
   std::string sequences;  // folder of the sequences
   std::string output;     // folder of the batch, created if missing
@@ -28,7 +27,6 @@ struct BatchOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Run of one sequence.
 struct BatchRun {
   // File name of the sequence. Characters except letters, digits, '.', '-' and '_' are
   // replaced by %XX.
@@ -54,7 +52,7 @@ struct BatchRow {
   std::string digest, error;  // empty: none
 };
 
-// `batch`: folder of the batch. Writes table.csv, summary.json and report.html.
+// Writes table.csv, summary.json and report.html.
 std::vector<BatchRow> ReportBatch(const std::string& batch);
 
 // Deletes receipts, so that the workflow repeats these runs: runs with missing output and, with

@@ -312,7 +312,7 @@ std::vector<std::string> LinkFiles(const std::string& scan) {
   return paths;
 }
 
-// Names of files in the folder that earlier graph jobs wrote.
+// Files of earlier graph jobs.
 std::vector<std::string> GraphFiles(const std::string& folder) {
   std::vector<std::string> names = {"graph.json", "tiles.json"};
   for (const char* const ending : {".txt", ".png"}) {

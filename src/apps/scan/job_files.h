@@ -39,7 +39,7 @@ struct JobReceipt {
   std::string Rule() const { return job.substr(0, job.find('_')); }
 };
 
-// Path of the receipt of a job. Reading throws InputError if the receipt is missing or invalid.
+// Reading throws InputError if the receipt is missing or invalid.
 std::string ReceiptPath(const std::string& folder, const std::string& job);
 JobReceipt ReadReceipt(const std::string& path);
 

@@ -37,8 +37,7 @@ struct FragmentLinks {
 void WriteLinks(const FragmentLinks& pair, const std::string& path);
 FragmentLinks ReadLinks(const std::string& path);
 
-// `scan`: folder of the scan. Returns std::nullopt for a failed fragment, which has no
-// places.bin.
+// Returns std::nullopt for a failed fragment, which has no places.bin.
 std::optional<RunPlaces> PlacesOf(const std::string& scan, const ScanFragment& fragment,
                                   PlacesPart part);
 

@@ -8,8 +8,8 @@
 namespace surfit {
 
 // Error of a measured relative pose of two keyframes, which are given by index in
-// RunPlaces::keyframes. Interpolates the ground truth at their timestamps. Returns std::nullopt
-// without ground truth for both.
+// RunPlaces::keyframes. Interpolates the ground truth at their timestamps, with the default limits
+// of MatchOptions. Returns std::nullopt if one of the keyframes has no ground truth.
 std::optional<PoseError> ErrorOfLink(const Trajectory& ground_truth, const RunPlaces& source,
                                      int source_keyframe, const RunPlaces& target,
                                      int target_keyframe, const Rigid3d& target_from_source);

@@ -11,8 +11,8 @@ namespace surfit {
 namespace {
 
 constexpr int kNoPart = -1;
-// Information matrix between two poses of the same frame in two fragments. Both poses are
-// identical. LoopInformation() adds the noise of loop closures.
+// Nearly infinite information, for two fragments that share a frame. LoopInformation() adds the
+// noise of loop closures.
 const Matrix6d kExact = 1e12 * Matrix6d::Identity();
 
 std::vector<int> FrameOfKeyframe(const RunPlaces& places) {

@@ -31,13 +31,13 @@ struct GraphLink {
 class ScanGraph {
  public:
   // `fragments`: std::nullopt if missing. `recordings`: index of the recording per fragment.
-  // Consecutive fragments of a recording share frames. Both have one value per fragment of the
-  // scan, in order.
+  // Consecutive fragments of a recording share frames. Both vectors have one value per fragment, in
+  // the order of the scan.
   ScanGraph(std::vector<std::optional<RunPlaces>> fragments, std::vector<int> recordings,
             std::vector<GraphLink> links, const LoopOptions& options);
 
-  // Optimises the largest connected part, and rejects outliers. Call once. Returns false if the
-  // solver fails. Then nothing changes.
+  // Optimises the largest connected part, and rejects outliers. Call once. Returns false, without
+  // changes, if the solver fails.
   bool Solve();
 
   // std::nullopt: missing fragment.
@@ -64,8 +64,7 @@ class ScanGraph {
 
   std::vector<Connection> Connections() const;
   std::optional<Connection> Joint(std::size_t a, std::size_t b) const;
-  // Returns the connected part of each fragment. `world_from_fragment` receives the poses of
-  // the fragments, chained along a spanning forest.
+  // `world_from_fragment` receives the poses of the fragments, chained along a spanning forest.
   std::vector<int> Parts(const std::vector<Connection>& connections,
                          std::vector<Rigid3d>* world_from_fragment) const;
   int LargestPart(const std::vector<int>& parts) const;

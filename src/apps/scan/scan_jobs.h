@@ -27,7 +27,6 @@ class OptionVisitor;
 // equal output. All functions throw InputError with the name of the file or option. A fragment
 // without places.bin has failed and is skipped.
 
-// Options of FindCandidates().
 struct CandidatesOptions {
   std::string scan;  // folder of the plan
   // Output folder for A_B.json, created if missing. Other .json files in this folder are
@@ -52,7 +51,6 @@ struct CandidatesResult {
 // verify them.
 CandidatesResult FindCandidates(const CandidatesOptions& options);
 
-// Options of LinkFragments().
 struct LinkOptions {
   std::string scan;        // folder of the plan
   std::string candidates;  // file of the candidates, from FindCandidates()
@@ -72,7 +70,6 @@ struct ScanLink {
 // Throws InputError if a fragment has no places.bin.
 std::vector<ScanLink> LinkFragments(const LinkOptions& options);
 
-// Options of BuildScanGraph().
 struct GraphOptions {
   std::string scan;    // folder of the plan
   std::string output;  // output folder, created if missing
@@ -103,7 +100,6 @@ struct GraphResult {
 // - trajectory_R.png
 GraphResult BuildScanGraph(const GraphOptions& options);
 
-// Options of FuseTile().
 struct TileOptions {
   std::string scan;       // folder of the plan
   std::string tile;       // tile name in graph/tiles.json
@@ -120,13 +116,12 @@ struct TileOptions {
 std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interrupted,
                      const std::function<void(int frames)>& progress);
 
-// Options of ReportScan().
 struct ScanReportOptions {
   std::string scan;  // folder of the plan
 
   void Visit(OptionVisitor& visitor);
 };
-// Result of one recording. Unknown errors are std::nullopt.
+// Unknown errors are std::nullopt.
 struct ScannedRecording {
   std::string sequence;
   int frames_total = 0, frames = 0;  // frames: with a pose
@@ -145,7 +140,7 @@ struct ScanSummary {
 // for several recordings). Deletes trajectories and tiles of a former plan. Without graph.json,
 // all values of the graph are 0 or empty.
 ScanSummary ReportScan(const ScanReportOptions& options);
-// Reads summary.json. `scan`: folder of the scan.
+// Reads summary.json.
 ScanSummary ReadScanSummary(const std::string& scan);
 
 // Deletes receipts, so that the workflow repeats these jobs: successful jobs without their

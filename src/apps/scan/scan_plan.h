@@ -59,8 +59,8 @@ std::vector<ScanFragment> CutIntoFragments(int first, int frame_count, int strid
 // camera_R.flags is written only if camera_frames is positive.
 ScanPlan PlanScan(const ScanPlanOptions& options);
 
-// Reads plan.json, and sets the cameras that are already calibrated. `scan`: folder of the scan.
-// Throws InputError with the file name if the plan is missing or invalid.
+// Reads plan.json, and sets the cameras that are already calibrated. Throws InputError with the
+// file name if the plan is missing or invalid.
 ScanPlan ReadScanPlan(const std::string& scan);
 
 }  // namespace surfit

@@ -7,7 +7,6 @@
 
 namespace surfit {
 
-// Point cloud for registration.
 struct PreparedCloud {
   PointCloud cloud;                 // finite points with given or estimated normals
   PointSet points;                  // without duplicates
@@ -21,8 +20,8 @@ struct PreparedCloud {
 PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what, const CloudSensor& sensor,
                            const CloudNormalOptions& normals, double floor_sigma_m);
 
-// Reads and prepares a file. Coordinates are relative to `cloud.origin`. The viewpoint is in the
-// frame of the file. Throws InputError with the name of the file.
+// Coordinates are relative to `cloud.origin`. The viewpoint is in the frame of the file. Throws
+// InputError with the name of the file.
 PreparedCloud ReadCloudFile(const std::string& path, const CloudSensor& sensor,
                             const CloudNormalOptions& normals, double floor_sigma_m);
 

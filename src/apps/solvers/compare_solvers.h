@@ -117,7 +117,6 @@ struct CompareProgress {
   double elapsed_s = 0;
 };
 
-// Results of CompareSolvers().
 struct Comparison {
   std::vector<ComparisonRow> rows;
   std::vector<SlamComparisonRow> slam;

@@ -9,7 +9,6 @@
 
 namespace surfit {
 
-// One solve from one perturbed pose.
 struct ComparedRun {
   int problem = 0;  // index in PoseProblems
   PerturbationCell cell;
@@ -19,7 +18,6 @@ struct ComparedRun {
   std::optional<bool> converged;
 };
 
-// All solves of one combination.
 struct ComparedRuns {
   SolverCombination combination;
   int threads = 0;
@@ -37,7 +35,7 @@ ComparisonRow RowOf(const ComparedRuns& runs);
 std::optional<double> ConvergedRatio(const ComparedRuns& runs, const PerturbationCell& cell);
 
 // Runs SLAM with each combination. Results are in <output>/slam. If interrupted, returns the rows
-// so far.
+// so far. `progress` must not be empty.
 std::vector<SlamComparisonRow> CompareSlam(
     const CompareOptions& options, const std::atomic<bool>& interrupted,
     const std::function<void(const CompareProgress&)>& progress);

@@ -13,8 +13,7 @@ PerturbationCell ShownStart(const CompareOptions& options) {
   return has_second ? PerturbationCell{1, 1} : PerturbationCell{0, 0};
 }
 
-// Ratios of converged runs. Rows: initial rotation errors. Columns: initial translation errors.
-// null without ground truth.
+// Rows: initial rotation errors. Columns: initial translation errors. null without ground truth.
 Json SharesOf(const ComparedRuns& runs, const CompareOptions& options) {
   if (!runs.runs.front().converged) return nullptr;
   Json shares = Json::array();

@@ -36,7 +36,7 @@ std::vector<PerturbationCell> AllCells(int rotations, int translations) {
 
 Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double translation_m,
                   std::uint64_t seed) {
-  // The unperturbed pose has no rounding errors.
+  // Avoids the rounding errors of LeftIncrement().
   if (rotation_rad == 0 && translation_m == 0) return target_from_source;
   std::mt19937_64 rng(seed);
   Eigen::Matrix<double, 6, 1> increment;

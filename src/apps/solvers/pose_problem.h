@@ -17,8 +17,8 @@ inline constexpr char kPlaneResidual[] = "planes";
 inline constexpr char kTexturedResidual[] = "planes_and_textures";
 
 // Selected combinations, ordered by association and residual. Throws InputError for unknown names,
-// and if a named solver does not support a named residual. Other unsupported
-// combinations are omitted.
+// and if a named solver does not support a named residual. Other unsupported combinations are
+// omitted.
 std::vector<SolverCombination> SolverCombinations(const CompareOptions& options);
 
 // Returns whether a combination is slow and runs on few problems only.
@@ -34,7 +34,7 @@ struct PerturbationCell {
   }
 };
 
-// All pairs of indices, by rotations.
+// All pairs of indices, ordered by the rotation.
 std::vector<PerturbationCell> AllCells(int rotations, int translations);
 
 // Perturbed pose: rotation about the origin of the target, then translation. Random axes, which
@@ -42,7 +42,6 @@ std::vector<PerturbationCell> AllCells(int rotations, int translations);
 Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double translation_m,
                   std::uint64_t seed);
 
-// Result of one solve.
 struct SolveOutcome {
   Rigid3d target_from_source;
   std::string termination;
@@ -85,7 +84,6 @@ PoseProblem FramePairProblem(FramePyramid source, FramePyramid target,
 // Sets solver, residual and association, and the linear solver if it is named.
 void SetCombination(const SolverCombination& combination, IcpOptions* icp);
 
-// Sets the medians of the times.
 void SetTimes(const std::vector<SolveReport>& reports, SolveOutcome* outcome);
 
 // Outcome of ICP. `points`: source points on the finest level, `total_ms`: duration of the call.

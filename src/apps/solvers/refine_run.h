@@ -13,7 +13,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of RunRefinement().
 struct RefineRunOptions {
   SequenceOptions sequence;  // sequence of the run, with the same options
   std::string trajectory;    // trajectory of the run: TUM format, pose convention of the sequence
@@ -31,14 +30,13 @@ struct RefineRunOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Results. refinement.json contains them as well.
 struct RefineRunSummary {
   RefinementSummary refinement;
-  // Input and estimated calibration of the undistorted, downsampled images, with fy > 0. Equal
-  // after a failure.
+  // Input and estimated calibration of the undistorted, downsampled images, with fy > 0. Both are
+  // equal if the refinement failed.
   DepthCalibration given, calibration;
   std::size_t poses = 0, keyframes = 0;
-  int frames_without_pose = 0;  // frames without a pose in the trajectory
+  int frames_without_pose = 0;
   int frames_unreadable = 0;
   // Errors before and after refinement; std::nullopt without ground truth.
   std::optional<TrajectoryEvaluation> before, after;

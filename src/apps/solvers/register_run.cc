@@ -83,7 +83,7 @@ std::optional<Rigid3d> ReadStartPose(const std::string& text) {
   std::string rest;
   ThrowIf(!file || file >> rest, text, ": must contain the 16 numbers of a 4 x 4 matrix");
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
-  constexpr double kTolerance = 1e-3;  // of matrices that were written with few digits
+  constexpr double kTolerance = 1e-3;  // rounding error of a matrix that is written with few digits
   const bool is_rigid = matrix.allFinite() && rotation.determinant() > 0 &&
                         (rotation * rotation.transpose()).isIdentity(kTolerance) &&
                         matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), kTolerance);
@@ -129,7 +129,6 @@ void MoveOrigins(const Eigen::Vector3d& source_center, const Eigen::Vector3d& ta
   for (Vector6d& direction : icp->degenerate_directions) direction = moved * direction;
 }
 
-// Registers about the centres of the clouds.
 CloudRegistration RegisterAboutCenters(const PreparedCloud& source, const PreparedCloud& target,
                                        const RegisterRunOptions& options) {
   const Eigen::Vector3d source_center = CenterOf(source), target_center = CenterOf(target);

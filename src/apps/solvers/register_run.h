@@ -14,7 +14,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of RunAlign().
 struct AlignRunOptions {
   SequenceOptions sequence;  // first, last and stride are not used
   int source = 0;            // frame index
@@ -28,7 +27,7 @@ struct AlignRunOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Result of RunAlign(). The errors belong also to a rejected registration.
+// Result of RunAlign(). A rejected registration has errors, too.
 struct AlignRunResult {
   GlobalRegistrationResult registration;
   // Errors of the identity and of the result; std::nullopt without ground truth.
@@ -44,7 +43,6 @@ AlignRunResult RunAlign(const AlignRunOptions& options);
 
 class OptionVisitor;
 
-// Options of RunRegister().
 struct RegisterRunOptions {
   std::string source;  // clouds: PLY or PCD, m
   std::string target;
@@ -52,8 +50,8 @@ struct RegisterRunOptions {
   CloudStartOptions start;
   // File with a 4 x 4 matrix target_from_source, or tx,ty,tz,qx,qy,qz,qw. Empty: none.
   std::string start_pose;
-  CloudSensor sensor = DefaultSensor();  // sensor of both clouds
-  bool single_view = false;              // both clouds were observed from sensor.viewpoint
+  CloudSensor sensor = DefaultSensor();
+  bool single_view = false;  // both clouds were observed from sensor.viewpoint
   CloudNormalOptions normals;
   RegisterCloudsOptions registration = DefaultRegistration();
   int threads = 2;
@@ -74,7 +72,6 @@ struct RegisteredCloud {
   double normal_radius_m = 0;      // minimum radius of normal estimation; 0: normals of the file
 };
 
-// Result of RunRegister().
 struct RegisterRunResult {
   CloudRegistration registration;  // in the frames of the files
   RegisteredCloud source, target;
@@ -85,6 +82,7 @@ struct RegisterRunResult {
 // estimated normals, the deviation of the neighbours from their plane is added in quadrature.
 // Registration is computed about the centres of the clouds, so that coordinates of a survey keep
 // their precision.
+//
 // Files in the output folder:
 //   transform.txt            target_from_source, 4 x 4
 //   registration.json        target_from_source, its covariance, the verification result, and the

@@ -7,12 +7,11 @@
 
 namespace surfit {
 
-// Writes refinement.json: summary and options. Unknown values are null. Throws InputError with the
-// file name.
+// Unknown values are null. Throws InputError with the file name.
 void WriteRefinementJson(const RefineRunSummary& summary, const RefineRunOptions& options,
                          const std::string& path);
 
-// Writes registration.json: result and options. Throws InputError with the file name.
+// Throws InputError with the file name.
 void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOptions& options,
                            const std::string& path);
 

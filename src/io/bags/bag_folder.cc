@@ -32,7 +32,7 @@ class BagFolder : public MessageLog {
   }
 
  private:
-  // Origin of a part: file index, and MessageLocation::part inside this file.
+  // File index, and MessageLocation::part inside this file.
   struct Origin {
     std::size_t file = 0;
     int part = -1;

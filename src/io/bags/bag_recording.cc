@@ -40,7 +40,7 @@ class FrameTree {
   }
 
  private:
-  // Map from each ancestor to the transform ancestor_from_frame. Includes the frame itself.
+  // Transforms ancestor_from_frame, including the frame itself.
   std::map<std::string, Rigid3d> Ancestors(const std::string& frame) const {
     std::map<std::string, Rigid3d> found{{frame, Rigid3d()}};
     Rigid3d pose;
@@ -89,12 +89,12 @@ std::array<double, 5> Distortion(const CameraInfo& info, const std::string& name
   return distortion;
 }
 
-// One axis of the images of a topic, from the full image of its CameraInfo.
+// Converts intrinsics of the full image to the image of a topic, for one axis.
 struct ImageAxis {
   std::uint32_t full = 0, offset = 0, part = 0, binning = 0;  // CameraInfo; part 0: full
 
   int SizePx() const { return static_cast<int>((part == 0 ? full : part) / std::max(1U, binning)); }
-  // Pixel centres are integers in both images.
+  // Pixel centres have integer coordinates in both images.
   double Center(double full_px) const {
     if (binning <= 1) return full_px - offset;
     return (full_px - offset + 0.5) / binning - 0.5;
@@ -160,7 +160,7 @@ class BagRecording : public Recording {
   }
 
   const std::vector<std::string>& warnings() const { return warnings_; }
-  int unpaired_images() const { return unpaired_images_; }  // OpenedRecording
+  int unpaired_images() const { return unpaired_images_; }  // see OpenedRecording
   bool has_depth_unit() const { return FindDepthUnit(*log_, topics_.depth) != nullptr; }
 
   // Camera parameters that the options set. The bag can lack these parameters.
@@ -296,14 +296,14 @@ class BagRecording : public Recording {
     const Topic* const topic = FindDepthUnit(*log_, topics_.depth);
     if (topic == nullptr) return 1000;
     const std::string name = Concat(log_->path(), ": ", topic->name);
-    // Six digits: the unit is a decimal number that was rounded to a float.
+    // Prints six digits to undo the rounding of a decimal unit to float.
     const double unit_m =
         FiniteNumber(Concat(ReadFloat(log_->Read(topic->messages[0]), *topic, name)));
     ThrowIf(!(unit_m > 0), name, ": Depth_Units is ", unit_m, ", must be positive");
     return 1 / unit_m;
   }
   // Intrinsics of an image topic; std::nullopt if no CameraInfo has them. `is_known`: the options
-  // replace them, so that a distortion of another model is no error.
+  // replace the intrinsics, so a distortion of another model is no error.
   std::optional<PinholeCamera> Pinhole(const ImageTopic& image, bool is_known,
                                        std::string* from) const {
     const Topic* const topic = FindCameraInfo(*log_, image);

@@ -65,7 +65,7 @@ std::string ListTypes(const MessageLog& log) {
   return list.empty() ? "no messages" : list;
 }
 
-// Candidates of one kind. Compressed topics are omitted if they also exist uncompressed.
+// Compressed topics are omitted if they also exist uncompressed.
 std::vector<Candidate> OfKind(const std::vector<Candidate>& candidates, ImageKind kind) {
   std::vector<Candidate> chosen;
   for (const Candidate& c : candidates) {

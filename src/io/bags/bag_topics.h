@@ -19,11 +19,11 @@ struct BagTopics {
   ImageTopic color;  // without colour, `topic` is null
 };
 
-// Finds the depth and colour topics of a bag. Prefers raw to compressed images and colour to grey.
-// `depth`, `color`: topic names; empty: automatic; `color` "none": no colour. Throws InputError
-// with path, topics and option if a named topic does not exist, there is no depth topic, or several
-// topics are possible. The topics refer to `log`. Topics without messages are ignored. Reads the
-// first message of each image topic, and throws InputError if it is unreadable.
+// Prefers raw to compressed images and colour to grey. `depth`, `color`: topic names; empty:
+// automatic; `color` "none": no colour. Throws InputError with path, topics and option if a named
+// topic does not exist, there is no depth topic, or several topics are possible. The topics refer
+// to `log`. Topics without messages are ignored. Reads the first message of each image topic, and
+// throws InputError if it is unreadable.
 BagTopics FindTopics(const MessageLog& log, const std::string& depth, const std::string& color);
 
 // CameraInfo topic of an image topic, by the names of image_transport and of the RealSense

@@ -34,20 +34,22 @@ class ChunkedLog : public MessageLog {
   };
 
   const BinaryFile& file() const { return file_; }
-  // Adds a chunk. Calls `take` with its number and the decompressed bytes until no bytes are left.
-  // `name` names the bytes in error messages. If
-  // decompression or `take` throws InputError, skips the remaining messages of the chunk with a
-  // warning. The warning names byte `at`, the position of the record in the file.
+  // Adds a chunk. Calls `take` repeatedly with the chunk number and a cursor over the decompressed
+  // bytes, until no bytes are left. Each call must read at least one byte. The cursor is valid
+  // during the call. `name` is the name of the bytes in error messages. If decompression or `take`
+  // throws InputError, skips the remaining messages of the chunk with a warning. The warning
+  // contains `at`, the position of the record in the file, bytes.
   void AddChunk(const Chunk& chunk, std::uint64_t at, const std::string& name,
                 const std::function<void(int, Cursor*)>& take);
   // Adds a message with the given bytes at position `at` of the part. Stores position, size and the
   // first 16 bytes (MessageLocation).
   void AddMessage(std::size_t topic, std::int64_t recorded_ns, int part, std::uint64_t at,
                   std::string_view bytes);
-  // Index of a topic, which is added if it does not exist.
+  // Index in topics() of the topic with this name, type and serialisation. The topic is added if it
+  // does not exist.
   std::size_t AddTopic(const std::string& name, const std::string& type,
                        Serialization serialization);
-  // Adds a warning: the path, then `sentence`, which begins with a colon or a space.
+  // Adds the warning "<path><sentence>". `sentence` begins with a colon or a space.
   void Warn(const std::string& sentence) { warnings_.push_back(path() + sentence); }
 
  private:

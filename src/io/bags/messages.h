@@ -34,7 +34,7 @@ struct ImageMessage {
   std::string data;
   bool is_compressed = false;
 };
-// Reads a whole message, see MessageLog::Read().
+// `bytes`: result of MessageLog::Read().
 ImageMessage ReadImageMessage(const std::string& bytes, const Topic& topic,
                               const std::string& name);
 
@@ -46,11 +46,10 @@ struct CameraInfo {
   std::vector<double> distortion;       // coefficients of distortion_model; may be empty
   std::array<double, 9> intrinsics{};   // K of the raw image, row-major
   std::array<double, 12> projection{};  // P of the rectified image, row-major
-  // Part of the full image that was read out, px of the full image; size 0: all.
+  // Binning, then the region of interest in px of the full image. Size 0: full image.
   std::uint32_t binning_x = 0, binning_y = 0;  // full pixels per image pixel; 0: 1
   std::uint32_t roi_x = 0, roi_y = 0, roi_width = 0, roi_height = 0;
 };
-// Reads a whole message.
 CameraInfo ReadCameraInfo(const std::string& bytes, const Topic& topic, const std::string& name);
 
 // std_msgs/Float32.

@@ -49,13 +49,13 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 };
 
-// Header of a PLY file. Big-endian files are not supported.
+// Header of a PLY file.
 struct PlyHeader {
   bool ascii = false;  // false: binary
   std::vector<PlyElement> elements;
   std::size_t size = 0;  // bytes of the header, including the line end_header
   int line_count = 0;
-  bool big_endian = false;  // byte order of a binary file
+  bool big_endian = false;  // byte order of a binary file; false: little endian
 };
 
 // Throws InputError with `path`, line and reason. `file`: whole file; only the header is read.
@@ -74,7 +74,7 @@ using PlyNames = std::array<const char*, 3>;
 using PlyColumns = std::array<std::size_t, 3>;
 // Columns of three scalar properties; std::nullopt if one is missing.
 std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNames& names);
-// Vector of three columns of a row of ReadPlyElement().
+// `row`: row of ReadPlyElement().
 inline Eigen::Vector3f VectorAt(const double* row, const PlyColumns& c) {
   return Eigen::Vector3d(row[c[0]], row[c[1]], row[c[2]]).cast<float>();
 }
@@ -94,11 +94,10 @@ class PointReader {
 
 std::string FormatPlyHeader(const std::vector<PlyElement>& elements);
 
-// Calls `row` for each row of the first element with this name. The argument has one value per
-// property in file order; the value of a list is 0. `begin` is called before the first row, after
-// the file size has been checked. Throws InputError with `path`, element and row if the body is
-// truncated or invalid. Without such an element, calls nothing. The argument of `row` is valid
-// during the call.
+// Calls `row` for each row of the first element `name`. The argument has one value per property in
+// file order; the value of a list is 0. `begin` is called before the first row, after the file size
+// has been checked. Throws InputError with `path`, element and row if the body is truncated or
+// invalid. Without such an element, calls nothing. The argument of `row` is valid during the call.
 void ReadPlyElement(std::string_view file, const PlyHeader& header, const std::string& name,
                     const std::string& path, const std::function<void()>& begin,
                     const std::function<void(const double*)>& row);
@@ -126,8 +125,8 @@ void WritePlyVertices(const std::string& path, std::size_t count,
                       const std::vector<PlyProperty>& properties,
                       const std::function<void(std::size_t, PlyRow*)>& fill);
 
-// Parses a PCD file. Reads x y z of any type, normal_x normal_y normal_z if all exist, and rgb or
-// rgba of four bytes. VIEWPOINT is not applied. Throws InputError with `path` and reason.
+// Reads x y z of any type, normal_x normal_y normal_z if all exist, and rgb or rgba of four bytes.
+// VIEWPOINT is not applied. Throws InputError with `path` and reason.
 PointCloud ParsePcd(std::string_view file, const std::string& path,
                     std::optional<Eigen::Vector3d>* origin);
 

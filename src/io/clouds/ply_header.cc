@@ -46,7 +46,7 @@ bool IsSameLetter(char a, char b) {
   return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
 }
 
-// Compares names without regard to upper and lower case.
+// Ignores upper and lower case.
 bool IsSameName(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), IsSameLetter);
 }

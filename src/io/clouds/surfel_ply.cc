@@ -18,7 +18,7 @@ constexpr std::array<std::string_view, 13> kNames = {
     "green", "blue", "radius", "confidence", "first_seen", "last_seen"};
 using Columns = std::array<std::size_t, kNames.size()>;
 
-// Clamps a value to the range of T. NaN becomes 0.
+// NaN becomes 0.
 template <typename T>
 T WithinRange(double value) {
   const double low = std::numeric_limits<T>::min(), high = std::numeric_limits<T>::max();

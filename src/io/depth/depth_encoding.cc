@@ -43,7 +43,7 @@ Samples SamplesOf(const std::vector<FrameImages>& images) {
   return samples;
 }
 
-// Number of samples of each value above 0.
+// Ignores the value 0.
 std::map<double, std::size_t> CountValues(const Samples& samples) {
   std::map<double, std::size_t> counts;
   for (const auto& image : samples) {
@@ -59,7 +59,7 @@ std::size_t Total(const std::map<double, std::size_t>& counts) {
   return total;
 }
 
-// Median of the values, which must not be empty.
+// `counts` must not be empty.
 double MedianValue(const std::map<double, std::size_t>& counts) {
   std::size_t left = Total(counts) / 2;
   for (const auto& [value, count] : counts) {
@@ -129,7 +129,7 @@ bool Changes(const Samples& samples, double fill) {
 }
 
 bool IsFrequentInMostImages(const Samples& samples, double fill) {
-  constexpr double kMinRatio = 0.01;  // of the pixels with depth
+  constexpr double kMinRatio = 0.01;  // minimum ratio of fill values to pixels with depth
   constexpr std::size_t kMinImages = 3;
   std::size_t images = 0;
   for (const auto& image : samples) {

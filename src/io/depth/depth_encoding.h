@@ -15,7 +15,7 @@ namespace surfit {
 struct DepthEncoding {
   bool has_swapped_bytes = false;  // of 16-bit counts
   bool is_rotated = false;         // 16-bit counts, rotated left by 3 bits as in SUN3D
-  double float_unit_m = 1;         // of float images
+  double float_unit_m = 1;         // unit of float images, m
   // Value of pixels without a measurement, after the other corrections. std::nullopt: only the
   // values that RawDepth names.
   std::optional<double> fill_value;
@@ -26,12 +26,12 @@ struct DepthEncoding {
 };
 
 // Detects the encoding of the first images, which belong to one recording. Adds a warning for each
-// detected property. Images of a disparity camera are plain.
+// detected property. Images of a disparity camera are not examined.
 // - Swapped bytes: neighbouring pixels are much more similar with swapped bytes.
 // - Rotated: counts are multiples of 8, and the depth is plausible only without the rotation.
 // - Floats in mm: the median is above 100, which no depth camera measures in m.
-// - Fill value: the smallest or largest value of all images is much more frequent than its
-//   neighbours, in most images of a moving camera.
+// - Fill value: the smallest or largest value is much more frequent than neighbouring values. It
+//   occurs in most images, and the camera moves.
 DepthEncoding DetectDepthEncoding(const std::vector<FrameImages>& images, const RgbdCamera& camera,
                                   std::vector<std::string>* warnings);
 

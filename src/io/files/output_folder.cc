@@ -29,8 +29,7 @@ std::string OwnerIn(int lock) {
   return owner;
 }
 
-// True if `path` is still the opened file. A previous owner can remove the path while it is being
-// opened.
+// False if another process has removed or replaced `path` since it was opened.
 bool IsStillAt(const std::string& path, int file) {
   struct stat opened {};
   struct stat there {};

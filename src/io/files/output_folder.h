@@ -15,6 +15,7 @@ class OutputFolder {
  public:
   // Creates the folder if it is missing. Removes `former_files` (paths relative to the folder) and
   // their partially written versions.
+  //
   // Throws InputError in these cases:
   // - The folder cannot be created, or another process has locked it.
   // - A subfolder of a former file is a symbolic link. Its target is not changed.

@@ -57,7 +57,7 @@ class Unpacker {
   Unpacker(std::string bytes, std::string from)
       : bytes_(std::move(bytes)), from_(std::move(from)) {}
 
-  // Reads the file signature. `what`: content of the file, for the error message.
+  // `what`: content of the file, for the error message.
   void TakeMagic(const std::string& magic, const char* what) {
     if (bytes_.compare(0, magic.size(), magic) != 0)
       Fail(Concat("does not begin with the signature of a file of ", what));

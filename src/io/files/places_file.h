@@ -21,7 +21,6 @@ struct RunPlaces {
 // InputError with the path if writing fails.
 void WritePlaces(const RunPlaces& places, const std::string& path);
 
-// Parts of the views to read: images and features, or features only.
 enum class PlacesPart { kAll, kFeatures };
 
 // Throws InputError with the path if the file cannot be read or is invalid. A damaged file cannot

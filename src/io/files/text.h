@@ -11,7 +11,6 @@
 
 namespace surfit {
 
-// Line of a text file.
 struct TextRow {
   std::string place;  // "file:line", for error messages
   std::vector<std::string> columns;
@@ -38,7 +37,7 @@ double ParseNumber(const std::string& text, const std::string& place);
 
 // Rigid transform from tx ty tz qx qy qz qw, translation in m. Normalises the quaternion. Throws
 // InputError if its norm differs from 1 by more than 1 %, or a coordinate exceeds 1e9 m (squared
-// errors would lose all precision). Seven numbers.
+// errors would lose all precision).
 Rigid3d RigidFromNumbers(const double* numbers);
 
 // Rigid transform from a 4 x 4 matrix, translation in m. Throws InputError with the place unless
@@ -58,8 +57,7 @@ struct ParsedRigid {
 // not a number; nan and inf are numbers.
 ParsedRigid ParseRigid(const std::vector<std::string>& words, const std::string& place);
 
-// ParseRigid() of the rows [first, first + 4). Throws InputError unless these are four rows of four
-// numbers.
+// Parses the rows [first, first + 4). Throws InputError unless these are four rows of four numbers.
 ParsedRigid ParseRigid(const std::vector<TextRow>& rows, std::size_t first,
                        const std::string& path);
 

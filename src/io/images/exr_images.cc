@@ -22,7 +22,7 @@ enum class ExrNumber { kUint, kHalf, kFloat };
 struct ExrChannel {
   std::string name;
   ExrNumber number = ExrNumber::kFloat;
-  bool is_sampled = false;  // not one number per pixel
+  bool is_sampled = false;  // fewer values than pixels
 
   std::size_t bytes() const { return number == ExrNumber::kHalf ? 2 : 4; }
 };

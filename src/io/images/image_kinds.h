@@ -56,7 +56,7 @@ bool IsPnm(const std::string& bytes);
 // Image size from the header of a PGM or PPM file.
 ImageSize PnmSize(const std::string& bytes, const std::string& path);
 
-// Errors with the path and the constraint. The caller throws them. `bits`: per channel.
+// The caller throws the errors. `bits`: per channel.
 InputError NotADepthImage(int channels, int bits, const std::string& path);
 InputError NotAConfidenceImage(int channels, int bits, const std::string& path);
 InputError DamagedImage(const std::string& path);

@@ -37,7 +37,7 @@ void UndoPaeth(Bytes above, std::size_t count, std::uint8_t* row) {
   }
 }
 
-// Undoes the filter of a row in place. Returns false for an unknown filter type.
+// Returns false for an unknown filter type.
 template <int kSize>
 bool UndoFilter(int filter, Bytes above, std::size_t count, std::uint8_t* row) {
   switch (filter) {

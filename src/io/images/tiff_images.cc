@@ -99,8 +99,7 @@ class TiffFile {
     if (!holds) throw DamagedImage(path_);
   }
 
-  // Value of a tag. A missing tag has the default of the TIFF specification, or 0 if there is no
-  // default.
+  // A missing tag has the default of the TIFF specification, or 0 if there is no default.
   template <typename T>
   T Tag(std::uint32_t tag) const {
     T value = 0;

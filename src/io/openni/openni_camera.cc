@@ -102,7 +102,7 @@ class FrameQueue {
     came_.notify_one();
   }
 
-  // Drops the oldest frame. Its counts of dropped frames and pauses are added to the next frame.
+  // Adds the counts of dropped frames and pauses to the next frame.
   void DropOldest() {
     CameraFrame& oldest = queue_.front();
     late_.Tell(Concat("frame ", oldest.index, " was dropped: processing is too slow"));
@@ -218,7 +218,7 @@ class OpenNiCamera : public RawFrames {
   const std::string name_;
   const bool has_color_;
   std::unique_ptr<FrameQueue> queue_;
-  CameraFrame last_;       // last frame from the queue
+  CameraFrame last_;
   bool is_first_ = false;  // last_ is the first frame and was not returned by Next() yet
 };
 

@@ -15,7 +15,7 @@ namespace surfit {
 // Depth image or colour image of a device; the other image is empty.
 struct DeviceImage {
   std::uint64_t stamp_us = 0;  // device clock
-  int number = 0;              // of the stream, in steps of 1; repeats in each loop of a recording
+  int number = 0;              // number within the stream; starts again in each loop of a recording
   Image<std::uint16_t> depth;  // counts of the device, 1 or 0.1 mm; 0: missing
   Image<Rgb8> color;
 
@@ -39,7 +39,7 @@ class OpenNiDevice {
   void SetUp(const SequenceOptions& options);
   // Configures a recording: images are played on request, in an endless loop. Call before Start().
   void PlayOnRequest(const SequenceOptions& options);
-  // Starts the streams. Call once.
+  // Call once.
   void Start();
 
   const OniDeviceInfo& info() const { return info_; }

@@ -17,7 +17,7 @@
 namespace surfit {
 namespace {
 
-// YAML node with its name for error messages. The node may be missing.
+// The node may be missing. Its name is for error messages.
 class Node {
  public:
   Node(const YamlNode* node, const std::string& name) : node_(node), name_(name) {}

@@ -27,7 +27,7 @@ std::vector<std::size_t> PartBounds(const std::vector<double>& stamps_s) {
   return bounds;
 }
 
-// Sets the images for frames without one. Each part of both is in ascending order of time.
+// Changes only frames without an image. Each part of both lists is in ascending order of time.
 void MatchByTime(const std::vector<StampedFile>& images, const std::string& source,
                  std::vector<FrameFiles>* frames) {
   std::vector<double> image_s, frame_s;
@@ -85,7 +85,7 @@ NamedImages ListNamedImages(const std::string& folder) {
 }
 
 // Confidence range of the recording, from up to eight images of the first 120 frames. Unreadable
-// images are skipped. Reading of their frames reports the error.
+// images are skipped. The error is reported when the frame is read.
 int RangeOfFirst(const std::vector<FrameFiles>& frames) {
   constexpr std::size_t kImages = 8, kMaxApart = 15;
   std::vector<std::string> paths;

@@ -11,7 +11,7 @@ namespace surfit {
 // range of the values is decided once per recording, so that a frame without high values has the
 // same limit as all other frames.
 
-// Folder of the confidence images. It may not exist.
+// The folder may not exist.
 std::string ConfidenceFolder(const std::string& folder);
 
 // Sets the confidence image of each frame, and its range. Images are matched to depth
@@ -24,13 +24,13 @@ std::string ConfidenceFolder(const std::string& folder);
 void AddConfidence(const std::string& folder, bool has_clock, std::vector<FrameFiles>* frames,
                    std::vector<std::string>* warnings);
 
-// Sets the confidence image of each frame by its name. The first match is used:
+// Sets the confidence image of each frame by the name of the image. The first match is used:
 // - name of the depth image, except the ending
 // - if `has_clock`: timestamp of the depth image, within kMaxBetweenImages_s
 // - number of the depth image, see NumberImages()
 //
-// Calls `twice` with a message if two images have this number. Then the first image by name is
-// used. Frames without a match stay without image. Does not set the range.
+// If two images have this number, calls `twice` with a message, and uses the image with the first
+// name. Frames without a match stay without image. Does not set the range.
 void AddNamedConfidence(const std::string& confidence_folder, bool has_clock,
                         const DuplicateCallback& twice, std::vector<FrameFiles>* frames);
 
@@ -39,8 +39,8 @@ void AddNamedConfidence(const std::string& confidence_folder, bool has_clock,
 int ConfidenceRange(const Image<std::uint8_t>& confidence);
 
 // Removes depth with a confidence below a third of the range. An image of another size is resampled
-// by nearest neighbour. Throws InputError that names the file if it cannot be read. It must have
-// the aspect ratio of depth, and no value above the range. Removed depth is 0. Also sets
+// by nearest neighbour. Throws InputError naming the file for an unreadable file, an aspect ratio
+// unlike that of depth, or a value above the range. Removed depth is 0. Also sets
 // FrameImages::low_confidence. `files` must have a confidence image and a range.
 void RemoveLowConfidence(const FrameFiles& files, FrameImages* images);
 

@@ -7,11 +7,10 @@
 
 namespace surfit {
 
-// Reads the images of a frame, and removes depth of low confidence. Throws InputError naming the
-// file that cannot be read.
+// Removes depth of low confidence. Throws InputError naming the file that cannot be read.
 FrameImages ReadFrameFiles(const FrameFiles& files);
 
-// Recording of these frames. Opens no files before Recording::Read().
+// Opens no files before Recording::Read().
 std::unique_ptr<Recording> MakeFolderRecording(std::vector<FrameFiles> frames);
 
 }  // namespace surfit

@@ -41,7 +41,8 @@ class KlgRecording : public Recording {
   int claimed_count() const { return claimed_count_; }
   // True if bytes after the last complete frame were not read.
   bool has_rest() const { return file_.Has(end_, 1); }
-  const std::string& unit_warning() const { return unit_warning_; }  // empty for us
+  // Empty if timestamps are in us.
+  const std::string& unit_warning() const { return unit_warning_; }
   int frame_count() const override { return static_cast<int>(frames_.size()); }
   FrameStamps stamps(int index) const override {
     const double stamp_s = second_ * static_cast<double>(frames_[index].stamp);
@@ -58,9 +59,9 @@ class KlgRecording : public Recording {
   }
 
  private:
-  // Reads the frame headers. Stops at the first invalid or truncated frame. A logger that was
-  // killed leaves a count below the number of frames, usually 0 or -1. The frames after the count
-  // must have depth, because padding of zeros is no frame.
+  // Stops at the first invalid or truncated frame. After a crash of the logger, the count in the
+  // file is too small, usually 0 or -1. Therefore frames after the count are read too, if they have
+  // depth. Zero padding has no depth.
   void Index() {
     constexpr std::uint64_t kHeader = 16;  // bytes before the images of a frame
     const std::string count = file_.Read(0, sizeof(claimed_count_));

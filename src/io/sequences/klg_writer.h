@@ -9,7 +9,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Encoding of the images of a .klg file.
 struct KlgOptions {
   bool compress_depth = true;  // true: zlib, false: raw
   int jpeg_quality = 95;       // colour, 1 to 100; 0: raw
@@ -17,7 +16,6 @@ struct KlgOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Statistics of a written file.
 struct KlgSummary {
   int frames_written = 0;
   int frames_skipped = 0;                // unreadable frames

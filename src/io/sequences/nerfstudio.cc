@@ -81,7 +81,8 @@ const NerfJson& WithIntrinsics(const NerfJson& json) {
   return json.contains("fl_x") ? json : json.at("frames").at(0);
 }
 
-// Adds a warning if frames have other focal lengths than the first frame, as phones have them.
+// Adds a warning if the focal length changes between frames, for example by the autofocus of a
+// phone.
 void WarnOfOtherLenses(const NerfJson& json, const std::string& path,
                        std::vector<std::string>* warnings) {
   constexpr double kMaxRatio = 0.002;

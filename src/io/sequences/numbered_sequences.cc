@@ -93,7 +93,6 @@ StampedImages ListStamped(const std::string& folder, std::vector<std::string>* w
   return SortedByTime(folder, numbered, ParseTimes(words, folder, warnings));
 }
 
-// Pairs depth and colour images by timestamp.
 std::vector<FrameFiles> PairStamped(const StampedImages& depth, const StampedImages& color,
                                     int* unpaired_images) {
   std::vector<FrameFiles> frames;
@@ -125,7 +124,7 @@ SequenceFiles PairByNames(const StampedImages& depth, const std::string& color_f
   return files;
 }
 
-// Times beside the numbers of the names; empty if a name has no time.
+// Times in the names of numbered images; empty if a name has no time.
 StampedImages TimesBesideNumbers(const std::string& folder, const NumberedImages& images) {
   std::vector<std::string> names, words;
   for (const auto& [number, image] : images) {
@@ -153,9 +152,9 @@ double LongestBetween(const NumberedImages& depth, const StampedImages& depth_ti
   return longest_s;
 }
 
-// Frames of names with number and time, if images of the same number have different times.
-// Recorders number the images of each stream, and can lose images of one stream. std::nullopt if
-// the numbers fit, or if the names have no times.
+// Pairs images with a number and a time in their names by time, if images of the same number have
+// different times. Recorders number the images of each stream, and can lose images of one stream.
+// std::nullopt if times of equal numbers agree. Also std::nullopt if the names have no times.
 std::optional<SequenceFiles> PairByTimesBesideNumbers(const std::string& depth_folder,
                                                       const std::string& color_folder) {
   if (color_folder.empty()) return std::nullopt;
@@ -177,8 +176,8 @@ std::optional<SequenceFiles> PairByTimesBesideNumbers(const std::string& depth_f
   return files;
 }
 
-// File name of the image with this number. If it is missing: the expected name, from the name in
-// the other folder and the file extension of this folder.
+// File name of the image with this number. For a missing image: the name in `others` with the file
+// extension of `images`.
 std::string NameOf(long number, const NumberedImages& images, const NumberedImages& others) {
   const auto it = images.find(number);
   if (it != images.end()) return it->second.name;
@@ -187,13 +186,12 @@ std::string NameOf(long number, const NumberedImages& images, const NumberedImag
   return other.substr(0, other.rfind('.')) + some.substr(some.rfind('.'));
 }
 
-// Pose with its number in a file.
 struct NumberedPose {
   long number = 0;
   ParsedRigid parsed;
 };
 
-// Assigns poses to frames, see FramesOfPoses().
+// Uses FramesOfPoses().
 Trajectory AssignPoses(std::vector<NumberedPose> poses, const std::vector<long>& frame_numbers,
                        const std::string& path, SequenceFiles* files) {
   std::stable_sort(poses.begin(), poses.end(), [](const NumberedPose& a, const NumberedPose& b) {
@@ -247,7 +245,6 @@ std::vector<NumberedPose> ReadMatrixLines(const std::string& path) {
   return poses;
 }
 
-// Numbers of the frames by the names of their depth images.
 std::vector<long> DepthNumbers(const std::vector<FrameFiles>& frames) {
   std::vector<std::string> names;
   names.reserve(frames.size());

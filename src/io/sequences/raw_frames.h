@@ -13,7 +13,6 @@
 
 namespace surfit {
 
-// Frame without its images.
 struct RawFrame {
   ReadResult head;     // index, times and counts; an error if the frame has no images
   FrameStamps stamps;  // as recorded
@@ -28,7 +27,8 @@ class RawFrames {
   // Images of up to eight frames, beginning with the first readable frame. Call it before Next().
   // Throws InputError if no frame can be read.
   virtual std::vector<FrameImages> FirstImages() = 0;
-  // Next frame, or std::nullopt at the end.
+  // Next frame, or std::nullopt at the end. Live frames are waited for. Throws InputError if a
+  // camera or a watched folder fails.
   virtual std::optional<RawFrame> Next() = 0;
   // Images of the frame that Next() returned. Call it at most once per frame, and only for frames
   // without an error. Throws InputError naming the file that cannot be read.
@@ -48,8 +48,8 @@ struct RawSequence {
   RgbdFrame MakeFrame(const RawFrame& raw, FrameImages images) const;
 };
 
-// Capture times of the images: the timestamp minus latency_s, for colour also minus
-// color_latency_s. In s. Latencies are positive if images are captured before their timestamp.
+// Capture times: timestamps minus latency_s, and for colour also minus color_latency_s. A positive
+// latency means that an image is captured before its timestamp.
 FrameStamps CaptureTimes(const FrameStamps& stamps, const RgbdCamera& camera);
 
 // Throws InputError naming the image and both sizes if a size differs from the camera's.
@@ -67,7 +67,7 @@ RawSequence OpenRawSequence(const SequenceOptions& options);
 RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
                         const std::atomic<bool>& stop);
 
-// Opens the frames of WatchFolder(). Requires valid options.
+// Implements WatchFolder(). Requires valid options.
 RawSequence OpenWatchedFolder(const SequenceOptions& options, const std::atomic<bool>& stop);
 
 // Opens the OpenNI2 camera `options.path`, with a queue of `capacity` frames. Throws InputError

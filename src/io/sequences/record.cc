@@ -132,8 +132,7 @@ class RecordedFolder {
   std::unique_ptr<AppendedFile> depth_list_, color_list_, pair_list_;
 };
 
-// Reads the images of a frame and updates the summary. Returns std::nullopt, with a warning, for an
-// unreadable frame.
+// Returns std::nullopt, with a warning, for an unreadable frame.
 std::optional<FrameImages> ReadImages(const RawFrame& frame, RawFrames* frames,
                                       RepeatedWarning* skipped, RecordSummary* summary) {
   summary->frames_dropped += frame.head.dropped_before;

@@ -11,7 +11,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of RecordSequence().
 struct RecordOptions {
   SequenceOptions sequence;  // `downsample` and `max_depth_m` must have their default values
   std::string output;        // folder, created if missing; must not contain depth.txt
@@ -23,7 +22,6 @@ struct RecordOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Statistics of a recording.
 struct RecordSummary {
   int frames_written = 0;
   int frames_skipped = 0;                // unreadable frames

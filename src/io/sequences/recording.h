@@ -24,7 +24,7 @@ struct FrameStamps {
 // Maximum time between colour and depth of one frame.
 constexpr double kMaxBetweenImages_s = 0.02;
 
-// Pixels with depth that are removed from an image because of low confidence.
+// Statistics of the removal of depth with low confidence.
 struct LowConfidence {
   int range = 0;            // largest confidence value of the recording; 0: no confidence image
   std::int64_t depths = 0;  // pixels with depth before the removal
@@ -47,8 +47,7 @@ class Recording {
   virtual ~Recording() = default;
   virtual int frame_count() const = 0;
   virtual FrameStamps stamps(int index) const = 0;
-  // Reads the images of a frame. Throws InputError naming the file or the frame that cannot be
-  // read.
+  // Throws InputError naming the file or the frame that cannot be read.
   virtual FrameImages Read(int index) const = 0;
 };
 
@@ -63,17 +62,15 @@ struct SourceCamera {
 // Returns the camera that a recording or device contains. Empty function: it contains none.
 using CameraReader = std::function<SourceCamera()>;
 
-// Open recording: frames, ground truth and camera.
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
   Trajectory ground_truth;            // in the convention of the files
   bool has_clock = false;             // SequenceInfo::has_clock
   std::vector<std::string> warnings;  // SequenceInfo::warnings
-  int unpaired_images = 0;            // number of images without a partner for a frame
+  int unpaired_images = 0;            // number of images that belong to no frame
   CameraReader read_camera = {};      // valid as long as `frames`
 };
 
-// Files of one frame.
 struct FrameFiles {
   FrameStamps stamps;
   std::string depth_path;
@@ -122,13 +119,14 @@ SequenceFiles ListIclNuimSequence(const std::string& folder);
 SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_per_second);
 
 // Lists a Redwood folder: numbered images in depth/, and in the folder of FindColorFolder(). Poses
-// are in trajectory.log. The first number of a pose is the index of its frame. Timestamps are index
-// / frames_per_second. Timestamps are position / frames_per_second.
+// are in trajectory.log. FramesOfPoses() assigns them to frames. Timestamps are (number - first
+// number) / frames_per_second.
 //
 // If all file names in depth/ are times (1763820000.134.png, or integers in ms, us or ns), these
-// are the timestamps. Colour is then paired by time, and poses are in groundtruth.txt or
-// trajectory.log. If names have a number and a time (0000012-000000366699.png), images are paired
-// by number. They are paired by time if images of one number are from different times.
+// are the timestamps. The number of a frame is then its position, from 0. Colour is paired by time,
+// and poses are in groundtruth.txt or trajectory.log. If names have a number and a time
+// (0000012-000000366699.png), images are paired by number. They are paired by time if images of one
+// number are from different times.
 SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second);
 
 // Lists the frames of transforms.json of nerfstudio that have a depth image, in the order of the
@@ -141,14 +139,14 @@ SequenceFiles ListNerfstudioSequence(const std::string& folder, double frames_pe
 SourceCamera ReadNerfstudioCamera(const std::string& folder);
 
 // Lists a Replica folder as rendered for NICE-SLAM: results/frameN.jpg and results/depthN.png, and
-// the pose of a frame in a line of traj.txt, see FramesOfPoses(). Timestamps are
-// N / frames_per_second.
+// the pose of a frame in a line of traj.txt, see FramesOfPoses(). Timestamps are N /
+// frames_per_second.
 SequenceFiles ListReplicaSequence(const std::string& folder, double frames_per_second);
 
 // Pairs the images of two folders by the numbers in their names, in ascending order. Both
-// timestamps are the number. If one image of a frame is missing, the list has its expected name,
-// and reading the frame reports this name. Empty color_folder: no colour. Throws InputError if two
-// images of a folder have the same number.
+// timestamps are the number. A missing image is listed with its expected name, which the read error
+// reports. Empty color_folder: no colour. Throws InputError if two images of a folder have the same
+// number.
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
                                            const std::string& color_folder);
 
@@ -180,22 +178,23 @@ OpenedRecording OpenKlg(const std::string& path, ImageSize size);
 //   uint64 sizes of colour and of depth in bytes
 //   colour, depth
 // If the timestamps of one stream are not ascending, for example all 0, the timestamps of the other
-// stream are used. A clock that starts again is an exception. If neither are ascending, timestamps
-// are index / frames_per_second. Inertial data after the frames is ignored. A truncated file gives
-// its complete frames and a warning. Throws InputError naming the file and the error.
+// stream are used. A stream with several parts (FindClockStarts()) is used. If neither are
+// ascending, timestamps are index / frames_per_second. Inertial data after the frames is ignored. A
+// truncated file gives its complete frames and a warning. Throws InputError naming the file and the
+// error.
 OpenedRecording OpenSens(const std::string& path, double frames_per_second);
 
-// Reads the camera in the header of a .sens file. Throws like OpenSens().
+// Throws like OpenSens().
 RgbdCamera ReadSensCamera(const std::string& path);
 
 // Opens a ROS bag of this format, or a folder of bags. Depth and colour messages are paired by
-// their timestamps. Throws InputError naming the file, and the topic or option at fault. The limit
-// is kMaxBetweenImages_s. If no message of a topic has a timestamp, recording times are used, with
-// a warning.
+// their timestamps, within kMaxBetweenImages_s. Throws InputError naming the file, and the topic or
+// option at fault. If no message of a topic has a timestamp, recording times are used, with a
+// warning.
 OpenedRecording OpenBag(const SequenceOptions& options, const std::string& format, bool is_folder);
 
-// Opens a recording of OpenNI2 (.oni). Its intrinsics are computed from the field of view. Throws
-// InputError naming the file, also in a build without OpenNI2.
+// The intrinsics are computed from the field of view. Throws InputError naming the file, also in a
+// build without OpenNI2.
 OpenedRecording OpenOni(const SequenceOptions& options);
 
 }  // namespace surfit

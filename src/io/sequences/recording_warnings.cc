@@ -36,7 +36,7 @@ std::vector<std::uint16_t> ValidCounts(const Image<std::uint16_t>& depth) {
   return valid;
 }
 
-// Quantile of the counts, which must not be empty.
+// `counts` must not be empty.
 double Quantile(std::vector<std::uint16_t> counts, double share) {
   const auto at =
       counts.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(counts.size()));
@@ -92,8 +92,8 @@ constexpr int kGiven = 7;       // index of scale 1
 constexpr float kJump = 0.08F;  // minimum relative depth difference at a depth edge
 constexpr std::size_t kFewestJumps = 200, kEnoughJumps = 2000;  // depth edge pixels per frame
 // Minimum score margin of an alignment over the given registration. The unit is the standard
-// deviation of all scores. kMarginOfHalf is the minimum for each half of the frames. Both halves
-// must agree. With different capture times, fast rotation shifts colour in changing directions.
+// deviation of all scores. kMarginOfHalf is the minimum for each half of the frames. Different
+// capture times of colour and depth shift colour in changing directions. Then the halves disagree.
 constexpr double kMargin = 1, kMarginOfHalf = 0.5;
 
 struct Pixel {

@@ -27,14 +27,14 @@ struct RegistrationFit {
   bool is_doubtful = false;  // all frames, and both halves of them, contradict the registration
 };
 
-// Estimates the alignment from raw or rectified images. `depth_camera`: camera of these images.
-// Frames are ignored without colour, with colour of another size, or with few depth edges. Returns
-// std::nullopt without usable frames.
+// Estimates the alignment from raw or rectified images. Frames are ignored without colour, with
+// colour of another size, or with few depth edges. Returns std::nullopt without usable frames.
 std::optional<RegistrationFit> FitRegistration(const std::vector<FrameImages>& frames,
                                                const PinholeCamera& depth_camera);
 
 // Checks the registration of colour to depth. Returns a warning with approximate intrinsics of the
 // colour camera if the registration is probably wrong, otherwise std::nullopt.
+//
 // Most depth edges are object boundaries, where colour changes as well. So the mean colour gradient
 // at depth edges is largest with correct registration. Tests scales of 0.8 to 1.25 and shifts of up
 // to 5 % of the image width. Frames with few depth edges are not used.

@@ -166,7 +166,7 @@ class SensRecording : public Recording {
     }
   }
 
-  // Reads the frame headers. Stops at the first truncated frame.
+  // Stops at the first truncated frame.
   void Index() {
     constexpr std::uint64_t kHeader = 64 + 4 * 8;  // bytes before the images of a frame
     std::uint64_t at = header_.size;

@@ -129,7 +129,7 @@ RgbdCamera ReadInfoText(const std::string& path) {
   return camera;
 }
 
-// The layout of 7-Scenes is common, so its preset is a guess unless the format is set.
+// Other cameras use the layout of 7-Scenes too, so the preset is a guess unless the format is set.
 SourceCamera SevenScenesCamera(const SequenceOptions& options) {
   const std::string info = options.path + "/_info.txt";
   if (HasFile(info)) return {ReadInfoText(info), info, false, true};
@@ -137,7 +137,8 @@ SourceCamera SevenScenesCamera(const SequenceOptions& options) {
   return Guessed(CameraPreset("seven_scenes"));
 }
 
-// Any camera may have numbered frames. Only a ground-truth file *.gt.freiburg proves ICL-NUIM.
+// The preset is certain only with a file *.gt.freiburg, because many recordings have numbered
+// frames.
 SourceCamera IclNuimCamera(const SequenceOptions& options) {
   const auto names = NamesIn(options.path);
   const bool is_named = std::any_of(names.begin(), names.end(), [](const std::string& name) {
@@ -222,7 +223,7 @@ void OverrideColor(const SequenceOptions& options, RgbdCamera* camera) {
   if (options.color_from_depth) camera->color_from_depth = *options.color_from_depth;
 }
 
-// Validates all camera values. Unknown image sizes (0 x 0) are accepted.
+// Unknown image sizes (0 x 0) are accepted.
 void ValidateFigures(RgbdCamera camera) {
   for (PinholeCamera* c : {&camera.depth, &camera.color}) {
     if (c->width == 0 && c->height == 0) c->width = c->height = 1;
@@ -241,8 +242,7 @@ std::string OwnCameraFile(const SequenceOptions& options, const std::string& for
   return options.path + (is_file ? ".yaml" : "/camera.yaml");
 }
 
-// Text with the sources of intrinsics and depth scale. Values of the options take precedence over
-// `base`.
+// Values of the options take precedence over `base`.
 std::string OriginWithFigures(const SequenceOptions& options, const SourceCamera& base) {
   const bool scale = options.depth_units_per_metre.has_value();
   if (options.intrinsics && scale) return "the options";

@@ -18,7 +18,7 @@ bool ResolveCamera(const SequenceOptions& options, const CameraReader& tell, Seq
 // "525 525 319.5 239.5 px, 1000 depth units per metre", with distortion coefficients if not 0.
 std::string FormatDepthCamera(const RgbdCamera& camera);
 
-// True if image size, intrinsics and distortion are equal.
+// Compares image size, intrinsics and distortion.
 bool HaveEqualIntrinsics(const PinholeCamera& a, const PinholeCamera& b);
 
 // Comma-separated names of the presets with this image size. Empty if there are none.

@@ -66,7 +66,8 @@ void RequirePixelUnits(const PinholeCamera& camera, const char* whose, const std
                    " images: multiply fx and cx by the width, fy and cy by the height");
 }
 
-// SequenceInfo::low_confidence_ratio. The range is that of the recording, or 0 without confidence.
+// Returns SequenceInfo::low_confidence_ratio. *range: confidence range of the recording, or 0
+// without confidence images.
 std::optional<double> LowConfidenceRatio(const std::vector<FrameImages>& images, int* range) {
   LowConfidence sum;
   for (const FrameImages& image : images) {

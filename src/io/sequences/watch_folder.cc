@@ -51,8 +51,8 @@ class WatchedFolder {
 
   // Adds new frames to waiting_.
   void List();
-  // Reads the images of a frame. A missing confidence image is an error, except in the last try.
-  // Throws InputError that names the file.
+  // A missing confidence image is an error, except in the last try. Throws InputError that names
+  // the file.
   FrameImages Read(FrameFiles files, bool is_last_try);
   // Removes and returns the first waiting frame if it is complete. After the timeout, or if a later
   // frame was already read, returns an error instead. Otherwise, returns std::nullopt. `ended`: no
@@ -64,7 +64,7 @@ class WatchedFolder {
   const std::atomic<bool>& stop_;
   const bool confidence_;     // use the images in confidence/, if this folder exists
   int confidence_range_ = 0;  // ConfidenceRange() of the first image; 0: no image yet
-  // Frames without a confidence image. A pointer, because RepeatedWarning cannot be moved.
+  // A pointer, because RepeatedWarning cannot be moved.
   std::unique_ptr<RepeatedWarning> without_confidence_ =
       std::make_unique<RepeatedWarning>("frames without a confidence image");
   std::optional<std::string> color_folder_;  // set by the first frame; "": frames without colour
@@ -130,7 +130,7 @@ std::optional<Arrival> WatchedFolder::TakeFirst(bool ended) {
 
 std::optional<Arrival> WatchedFolder::Next() {
   while (!stop_) {
-    // Checked before the frames are listed, so that no frame before `done` is missed.
+    // Must precede List(), so that no frame before `done` is missed.
     const bool ended = IsFile(path_ + "/done");
     List();
     if (auto arrival = TakeFirst(ended)) return arrival;

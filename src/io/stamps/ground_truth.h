@@ -10,8 +10,7 @@
 
 namespace surfit {
 
-// Ground-truth poses of a file. Counts poses that are not finite or not rigid, instead of rejecting
-// the recording.
+// Counts poses that are not finite or not rigid, instead of rejecting the recording.
 class GroundTruthPoses {
  public:
   explicit GroundTruthPoses(std::string source) : source_(std::move(source)) {}
@@ -21,7 +20,8 @@ class GroundTruthPoses {
   // Counts a pose that belongs to no frame.
   void AddWithoutFrame() { ++without_frame_; }
 
-  // Returns the poses in ascending order of time. Adds a warning for poses that are left out.
+  // Returns the valid poses in ascending order of time. Adds a warning with the counts of omitted
+  // poses.
   Trajectory Take(std::vector<std::string>* warnings);
 
  private:

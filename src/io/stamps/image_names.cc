@@ -98,7 +98,8 @@ std::optional<std::size_t> TimeColumn(const Alike& alike, std::size_t number) {
   return std::nullopt;
 }
 
-// Pose numbers in one convention: number - pose_origin is the number of a frame, or its position.
+// Numbering convention: pose number - pose_origin equals frame number - frame_origin, or the
+// position of the frame.
 struct NumberingTrial {
   long pose_origin = 0, frame_origin = 0;
   bool by_position = false;

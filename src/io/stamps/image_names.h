@@ -6,14 +6,14 @@
 
 namespace surfit {
 
-// Image of a folder. The number and the time are parts of its name.
+// Number and time are parts of the name.
 struct NamedImage {
   std::string name;
   long number = 0;
   std::string time;  // digits of the time beside the number; empty: none
 };
 
-// Numbers the images of a folder by their names. Images without a digit in the name are left out.
+// Images without a digit in the name are left out.
 //
 // A name can have several integers, for example d435i_000012.png or 0000012-000000366699.png. The
 // number is the integer that differs most often between the names. Among equals it is the first

@@ -14,7 +14,7 @@ namespace {
 constexpr int kUnits[] = {0, 3, 6, 9};  // decimals of s, ms, us, ns
 constexpr const char* kDigits = "0123456789";
 
-// Intervals of the sorted numbers, without repeated numbers.
+// Sorts the numbers. Repeated numbers give no interval.
 std::vector<double> Intervals(std::vector<double> numbers) {
   std::sort(numbers.begin(), numbers.end());
   std::vector<double> intervals;
@@ -29,9 +29,9 @@ double MedianOf(std::vector<double> values) {
   return *middle;
 }
 
-// True for integers that count frames instead of milliseconds: in steps of one number, or in
-// irregular steps as of selected frames. Milliseconds of a camera have nearly equal steps, which
-// are rounded differently.
+// True for frame numbers: integers whose steps are multiples of the smallest step, or irregular
+// (selected frames). Timestamps of a camera in ms have steps that are nearly equal, but rounded up
+// or down.
 bool AreFrameNumbers(const std::vector<double>& stamps, const std::vector<double>& intervals,
                      double usual) {
   constexpr double kMinClock = 1e11;  // ms since 1970 are above, frame numbers are below
@@ -58,8 +58,8 @@ std::string_view Fraction(std::string_view word) {
   return word.substr(point + 1);
 }
 
-// Adds leading zeros to the fractions, if all fractions can be integers. Integers have different
-// lengths and no leading zero. Empty for other words.
+// Adds the leading zeros that are missing if fractions were written as integers. Such fractions
+// have different lengths, and no leading zero. Empty for other words.
 std::vector<std::string> Padded(const std::vector<std::string>& words) {
   std::size_t shortest = std::string::npos, longest = 0;
   for (const std::string& word : words) {
@@ -89,7 +89,7 @@ double Irregularity(const std::vector<double>& numbers) {
   return sum / static_cast<double>(intervals.size());
 }
 
-// Numbers in the unit 10^-decimals s, rounded once.
+// Converts numbers in units of 10^-decimals s to s, with a single rounding.
 std::vector<double> InSeconds(const std::vector<std::string>& words, int decimals) {
   std::vector<double> stamps_s;
   stamps_s.reserve(words.size());
@@ -104,7 +104,7 @@ std::vector<double> InSeconds(const std::vector<std::string>& words, int decimal
   return stamps_s;
 }
 
-// Adds the leading zeros of fractions that were written as integers.
+// Uses Padded() if it makes the intervals more regular.
 std::vector<std::string> PadFractions(const std::vector<std::string>& words,
                                       const std::string& source,
                                       std::vector<std::string>* warnings) {

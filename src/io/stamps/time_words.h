@@ -6,40 +6,41 @@
 
 namespace surfit {
 
-// Units of timestamps: stamps are in 10^-decimals s. 0: s, 3: ms, 6: us, 9: ns.
+// Name of the unit 10^-decimals s. 0: s, 3: ms, 6: us, 9: ns.
 const char* TimeUnitName(int decimals);
 
 // Detects the unit of the timestamps of one camera by their median interval: the only unit in which
 // it is between 8 ms and 3 s. Returns std::nullopt if there is no such unit, or fewer than two
-// different timestamps. Small integers in equal or irregular steps are frame numbers, and have no
-// unit either.
+// different timestamps. Also returns std::nullopt for frame numbers: integers with equal or
+// irregular steps.
 std::optional<int> DetectTimeUnit(const std::vector<double>& stamps);
 
 // Timestamps of one list of images.
 struct Times {
   std::vector<double> stamps_s;
-  int decimals = 0;  // unit of the words
+  int decimals = 0;  // unit of the words: 10^-decimals s
 };
 
 // Parses the timestamps of one list of images, in the order of the list:
-// - Words without leading zeros of the fraction are detected, because seconds and nanoseconds were
-//   written as two integers: 12.5000000 is 12.005 s.
-// - The unit is that of DetectTimeUnit(), and s without one.
+// - Missing leading zeros of fractions are added: 12.5000000 is 12.005 s if seconds and nanoseconds
+//   were written as two integers.
+// - The unit is detected by DetectTimeUnit(). If that fails, the unit is s.
 //
-// Both are added to `warnings`, with `source` as the name of the list. The words must be numbers:
-// throws InputError for others.
+// Adds a warning for both cases, with `source` as the name of the list. Throws InputError for words
+// that are not numbers.
 Times ParseTimes(const std::vector<std::string>& words, const std::string& source,
                  std::vector<std::string>* warnings);
 
-// Parses the timestamps of ground truth. Detects missing zeros like ParseTimes(). The unit is s.
-// The unit of the images is used if only then timestamps are in the time of the images. It is added
-// to `warnings`.
+// Parses the timestamps of ground truth. Adds missing zeros like ParseTimes(). The unit is s. If
+// the time ranges of poses and images overlap only in the unit of the images, uses this unit and
+// adds a warning.
 std::vector<double> ParseTruthTimes(const std::vector<std::string>& words, const Times& images,
                                     const std::string& source, std::vector<std::string>* warnings);
 
-// Splits the timestamps of a list, in its order, where the clock starts again. Returns the first
-// index of each part, {0} for one part. An unsorted list is one part. Its parts do not overlap in
-// time, or it goes back by a few intervals only.
+// Finds restarts of the clock in a list of timestamps. Returns the first index of each part, {0}
+// for one part. A restart is a step back of more than five intervals. Lists with fewer than five
+// timestamps per part, and lists whose parts do not overlap in time, are unsorted lists: they are
+// one part.
 std::vector<std::size_t> FindClockStarts(const std::vector<double>& stamps_s);
 
 }  // namespace surfit

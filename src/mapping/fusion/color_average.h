@@ -9,7 +9,7 @@
 
 namespace surfit {
 
-// Depth image with its camera. `depth_m`: m, 0: no depth. Does not own the references.
+// `depth_m` 0: no depth. Does not own the references.
 struct DepthPicture {
   const Image<float>& depth_m;
   const PosedCamera& camera;

@@ -20,7 +20,7 @@ class PointAverage {
   explicit PointAverage(float max_radius_m)
       : max_radius_m_(max_radius_m), radius_m_(max_radius_m) {}
 
-  // Adds a point with its weight (PointWeights()), which must be positive.
+  // `weight`: from PointWeights(), must be positive.
   void Add(const MeasuredPoint& point, float weight) {
     const bool has_shape = !point.at_edge & (point.radius_m < max_radius_m_);
     const float shape_weight = has_shape ? weight : 0.f;
@@ -64,7 +64,6 @@ class PointAverage {
   bool at_edge_ = true;
 };
 
-// Observations of the surfels of a map in one frame.
 class FrameObservations {
  public:
   // Number of assigned points, and of surfels that have points.

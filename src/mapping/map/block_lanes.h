@@ -25,7 +25,7 @@ inline std::uint64_t MaskOf(const PerSurfel<std::uint8_t>& flags) {
   return mask;
 }
 
-// Mask of all surfels. The block must not be empty.
+// The block must not be empty.
 inline std::uint64_t MaskOfAll(const SurfelBlock& block) {
   return ~std::uint64_t{0} >> (SurfelBlock::kCapacity - block.count);
 }
@@ -44,7 +44,6 @@ void ForEachBit(std::uint64_t mask, const F& f) {
   for (; mask != 0; mask &= mask - 1) f(__builtin_ctzll(mask));
 }
 
-// Minimum of the values.
 inline float LeastOf(const PerSurfel<float>& numbers) {
   float least[8];
   for (int j = 0; j < 8; ++j) least[j] = numbers[j];
@@ -55,7 +54,7 @@ inline float LeastOf(const PerSurfel<float>& numbers) {
   return least[0];
 }
 
-// Sets the bounds of the positions. The block must not be empty.
+// The block must not be empty.
 inline void BoundPositions(SurfelBlock* block) {
   WithInstructions([&](auto) {
     const PerSurfel<float>* const positions[] = {&block->x, &block->y, &block->z};

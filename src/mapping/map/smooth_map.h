@@ -13,8 +13,9 @@ namespace surfit {
 // Surfel i moves by the average of h_j with the weights
 //   c_j exp(-2 d_j^2 / R^2 - h_j^2 / s^2) max(0, 1 - (1 - n_i . n_j) / 0.1),
 //   R = min(3 r_i, 3 cm),   s = 1 mm + sigma_i / sqrt(c_i) + sigma_j / sqrt(c_j).
-// The confidence c is at least 1 in s. The radius r of a surfel determines its depth z = r f /
-// sqrt(2), at which the sensor has the noise sigma. Steps and creases above the noise remain.
+// In the formula of s, confidences below 1 are replaced by 1. The radius r of a surfel determines
+// its depth z = r f / sqrt(2), at which the sensor has the noise sigma. Steps and creases above the
+// noise remain.
 //
 // Neighbours at depth edges are ignored, because their normals come from other pixels. The
 // algorithm makes two passes. The result is bitwise identical for any number of threads. Surfels

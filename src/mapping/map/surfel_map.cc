@@ -160,7 +160,7 @@ std::vector<std::int32_t> SurfelMap::Strays() const {
   return strays;
 }
 
-// Removes the marked surfels of a cell. The last unmarked surfel of the cell fills each gap.
+// The last unmarked surfel of the cell fills each gap.
 void SurfelMap::RemoveMarked(SurfelCell* cell) {
   for (std::size_t b = 0; b < cell->blocks.size(); ++b) {
     SurfelBlock& hole = block(cell->blocks[b]);

@@ -71,7 +71,7 @@ std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera,
   return MaskOf(seen) & MaskOfAll(block);
 }
 
-// Computes the shapes of the discs. Bit k of the result is set if disc k faces the camera.
+// Bit k of the result is set if disc k faces the camera.
 std::uint64_t FindShapes(const SurfelBlock& block, const PosedCamera& camera,
                          const RenderOptions& options, BlockDiscs* discs) {
   BlockNormals n;

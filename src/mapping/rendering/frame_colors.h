@@ -35,8 +35,8 @@ struct ColorBatch {
 };
 
 // Colours of points from the colour image of a frame. Points are in the camera frame of the pose at
-// RgbdFrame::stamp_s. The motion between this time and the capture time of a colour row is
-// corrected, t later: instead of X, the colour camera sees the point
+// RgbdFrame::stamp_s. A colour row is captured t later. At that time, the point X is in the camera
+// frame at
 //   X - t (turn x X + velocity).
 // The weight of a colour is
 //   (n / 500)^2 |cos a| / (1 + b^2)^2

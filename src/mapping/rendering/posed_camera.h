@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// Pinhole camera with its pose, in float precision.
 struct PosedCamera {
   PosedCamera(const PinholeCamera& camera, const Rigid3d& world_from_camera)
       : rotation(world_from_camera.Inverse().rotation.toRotationMatrix().cast<float>()),
@@ -45,7 +44,6 @@ struct BlockCentres {
   alignas(32) PerSurfel<float> rho, u, v;
 };
 
-// Computes the centres for all places of a block.
 inline void FindCentres(const SurfelBlock& block, const PosedCamera& camera, BlockCentres* c) {
   const Eigen::Matrix3f r = camera.rotation;
   const Eigen::Vector3f t = camera.translation;
@@ -68,12 +66,10 @@ inline void FindCentres(const SurfelBlock& block, const PosedCamera& camera, Blo
   }
 }
 
-// Surfel normals of a block in the camera frame.
 struct BlockNormals {
   alignas(32) PerSurfel<float> x, y, z;
 };
 
-// Computes the normals for all places of a block.
 inline void FindNormals(const SurfelBlock& block, const PosedCamera& camera, BlockNormals* n) {
   const Eigen::Matrix3f r = camera.rotation;
   const float r00 = r(0, 0), r01 = r(0, 1), r02 = r(0, 2);

@@ -8,9 +8,9 @@
 
 namespace surfit {
 
-// Writers of mesh formats. Null texture: vertices have colours, if the mesh has any. `material`:
-// name of the .mtl file in the same folder; not used without texture. They write to memory or a
-// file stream, whose errors the caller checks.
+// Null texture: vertices have colours, if the mesh has any. `material`: name of the .mtl file in
+// the same folder; not used without texture. The functions write to memory or a file stream, whose
+// errors the caller checks.
 void WriteObjMesh(const TriangleMesh& mesh, const MeshTexture* texture, const std::string& material,
                   std::ostream& out);
 // Writes a material with the image `picture`, without shading.

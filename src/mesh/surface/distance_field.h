@@ -40,9 +40,8 @@ class DistanceField {
   static constexpr int kWide = kSide + 2;
   using WideBlock = std::array<float, kWide * kWide * kWide>;
 
-  // Requires surfels in cubes of kSide cells. `done` is called from several threads. Each call
-  // passes the fraction of the work completed since the previous call. The fractions add up to 1.
-  // `done` must be thread-safe. Does not keep `surfels`.
+  // Requires surfels in cubes of kSide cells. `done` as for SmoothSurfels(). Does not keep
+  // `surfels`.
   DistanceField(const SurfelCubes& surfels, float cell_m, const std::function<void(double)>& done);
 
   float cell_m() const { return cell_m_; }

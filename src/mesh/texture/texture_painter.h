@@ -8,7 +8,7 @@
 
 namespace surfit {
 
-// Paints the charts of a mesh into a texture. Not thread-safe.
+// Not thread-safe.
 class TexturePainter {
  public:
   // Keeps references to the mesh, which must have colours, and to the layout. The charts must be

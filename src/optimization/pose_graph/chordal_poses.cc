@@ -9,15 +9,14 @@ namespace {
 using RowsOf3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 constexpr int kHeld = -1;
 
-// Information of the rotation or of the translation of an edge.
 double Weight(const PoseGraph& graph, const PoseGraphEdge& edge, bool of_rotation) {
   const auto diagonal = edge.information.diagonal();
   if (of_rotation) return graph.planar ? diagonal[2] : diagonal.head<3>().mean();
   return diagonal.tail<3>().mean();
 }
 
-// Adds the first pose of each set that edges of positive weight connect, if no pose of the set is
-// held. Sets the poses of these sets as undetermined.
+// Returns the fixed poses, and the first pose of each connected set without a fixed pose. Edges of
+// positive weight connect poses. Appends the poses of sets without a fixed pose to `undetermined`.
 std::vector<bool> Anchors(const PoseGraph& graph, const std::vector<bool>& fixed, bool of_rotation,
                           std::vector<std::size_t>* undetermined) {
   const std::size_t count = graph.poses.size();

@@ -66,8 +66,8 @@ struct ClassSums {
 
 // Probability of an error in TestFit() for correct results.
 constexpr double kSignificance = 1e-3;
-// Largest factor between the calibrations of odometry and of loop closures. It is 0.5 to 2.1 for 12
-// public graphs without wrong loops. It is above 10 at wrong minima, where odometry is bent.
+// Maximum ratio of the variance factors (ClassSums::Ratio()) of odometry and loop closures. The
+// ratio is 0.5 to 2.1 for 12 public graphs without wrong loops, and above 10 at wrong minima.
 constexpr double kMostContrast = 4;
 
 // Returns whether the ratio of `large` is significantly above kMostContrast times the ratio of
@@ -81,10 +81,9 @@ bool Exceeds(const ClassSums& large, const ClassSums& small) {
   return f > 1 && std::erfc(z / std::sqrt(2)) / 2 < kSignificance;
 }
 
-// Criteria of doubt. The information matrices of public graphs are often too large or too small by
-// a common factor. Therefore a large chi-square alone is no reason if it is spread evenly. Wrong
-// loop closures that are accepted bend the odometry, whose residuals grow beyond those of loop
-// closures.
+// Information matrices of public graphs are often wrong by a common factor. Therefore a large
+// chi-square is no reason for doubt if odometry and loop closures contribute equally. Accepted
+// wrong loop closures increase the residuals of odometry.
 std::string ReasonForDoubt(const PoseGraph& graph, const PoseGraphSummary& summary,
                            const PoseGraphFit& fit, const ClassSums& odometry,
                            const ClassSums& loops) {

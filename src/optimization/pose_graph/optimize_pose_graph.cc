@@ -13,7 +13,7 @@
 namespace surfit {
 namespace {
 
-// Rotation error of an edge from which the ridge of the rotation vector at pi is near, rad.
+// Maximum initial rotation error for the error kRotationVector, whose cost has a ridge at pi, rad.
 constexpr double kLargeRotation = 1;
 
 StartPoses GivenPoses(const PoseGraph& graph) {
@@ -78,7 +78,6 @@ PoseGraphTermination Solve(const PoseGraph& graph, const PoseGraphOptions& optio
   return SolveRobustly(graph, options, is_near ? kNearMinimum : kFarFromMinimum, problem, summary);
 }
 
-// Result of one method and one start.
 struct Attempt {
   PoseGraphSummary summary;
   std::vector<Rigid3d> world_from_pose;

@@ -65,10 +65,10 @@ struct StartPoses {
 // Chordal initial poses from two linear systems. They do not depend on the drift. First, the
 // matrices R_i minimise the sum of k |R_b - R_a R_ab|^2 over all edges, and are then projected to
 // rotations. Second, the translations minimise the sum of k' |t_b - t_a - R_a t_ab|^2. k and k' are
-// the mean information of rotation and translation. Poses of `fixed` do not move. The first pose of
-// each set without a fixed pose that edges with positive k (k') connect keeps its given rotation
-// (translation). Returns std::nullopt if a system cannot be solved. Carlone et al.: Initialization
-// techniques for 3D SLAM, ICRA 2015, IV.B.
+// the mean information of rotation and translation. Poses of `fixed` do not move. Edges with
+// positive k (k') divide the poses into connected sets. In a set without a fixed pose, the first
+// pose keeps its given rotation (translation). Returns std::nullopt if a system cannot be solved.
+// Carlone et al.: Initialization techniques for 3D SLAM, ICRA 2015, IV.B.
 std::optional<StartPoses> ChordalPoses(const PoseGraph& graph, const std::vector<bool>& fixed);
 
 // Moves each component with priors and without a fixed pose as a rigid body. The target is its
@@ -95,7 +95,7 @@ struct LoopLoss final : ceres::LossFunction {
 // Rotation part of the error of edges.
 enum class RotationError {
   kRotationVector,  // documented error
-  kQuaternion,      // ChordalRelativePose, for starts with large errors
+  kQuaternion,      // ChordalRelativePose, for initial poses with large errors
 };
 
 class PoseGraphProblem {
@@ -133,7 +133,7 @@ class PoseGraphProblem {
     Eigen::SparseMatrix<double> jacobian;
     std::vector<int> first_column;  // of each pose; -1: held, or without measurements
     std::vector<int> first_row;     // of each edge; -1: left out
-    int edge_rows = 0;              // number of rows per edge
+    int edge_rows = 0;
   };
   Linearization Linearize(const std::vector<bool>& used_edges);
 
@@ -153,12 +153,13 @@ class PoseGraphProblem {
   ceres::Problem problem_;  // last member: points to other members
 };
 
-// Poses that are held and that start a component, number of components: parts of the summary.
+// Sets held_count and component_sizes of the summary. component_sizes must be empty.
 void DescribeGraph(const PoseGraph& graph, const ChainedPoses& chained, PoseGraphSummary* summary);
 
+// Indices of the loop closures in graph.edges, ascending.
 std::vector<std::size_t> LoopsOf(const PoseGraph& graph);
 
-// Half the sum of squared errors without some edges.
+// Half the sum of squared errors of all edges except `left_out` (edge indices), and of all priors.
 double CountedCost(const PoseGraphProblem& problem, const std::vector<std::size_t>& left_out);
 // Half the sum of squared errors, where loop closures have the kernel min(s, c^2).
 double TruncatedCost(const PoseGraph& graph, const PoseGraphProblem& problem,

@@ -50,8 +50,8 @@ bool FindWrongLoops(const PoseGraph& graph, const PoseGraphOptions& options,
   const auto solve = [&] {
     return problem->Minimize(round, kFarFromMinimum, summary) != PoseGraphTermination::kFailed;
   };
-  // The paper starts from the minimum with all weights 1. From odometry, the first weights come
-  // from the errors of odometry.
+  // The paper starts from the minimum with all weights 1. With the start "odometry", the errors of
+  // the odometry poses give the first weights.
   const bool from_odometry =
       ValueOf("start", options.start, kPoseGraphStarts) == PoseGraphStart::kOdometry;
   if (!from_odometry && !solve()) return false;

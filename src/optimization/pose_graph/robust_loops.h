@@ -9,13 +9,15 @@
 namespace surfit {
 
 // Minimises the cost with the kernel of options.loop_robustness, which is not "auto", from the
-// current poses of the problem. Sets the outliers of the summary.
+// current poses of the problem. `graph` is the graph of the problem. `initial_radius` is the
+// trust-region radius for "none"; other methods use kFarFromMinimum. Sets the outliers of the
+// summary, and appends iterations and rounds. Returns kFailed if a solver run fails.
 PoseGraphTermination SolveRobustly(const PoseGraph& graph, const PoseGraphOptions& options,
                                    double initial_radius, PoseGraphProblem* problem,
                                    PoseGraphSummary* summary);
 
-// Lowers the truncated cost: solves without the outliers and classifies the loop closures anew,
-// until their classes repeat.
+// Lowers the truncated cost: solves without the outliers and classifies the loop closures again,
+// until the outliers do not change, or after 20 rounds. Results are as for SolveRobustly().
 PoseGraphTermination PolishTruncated(const PoseGraph& graph, const PoseGraphOptions& options,
                                      PoseGraphProblem* problem, PoseGraphSummary* summary);
 
@@ -60,6 +62,7 @@ class LoopWeights {
   bool all_fit_ = false;  // no initial error exceeds c^2: all weights stay 1
 };
 
+// True if all weights are 0 or 1, also without weights.
 inline bool AreBinary(const std::vector<double>& weights) {
   return std::all_of(weights.begin(), weights.end(), [](double w) { return w == 0 || w == 1; });
 }

@@ -21,13 +21,13 @@ using CalibrationRow = Eigen::Matrix<double, kCalibrationSize, 1>;
 template <int kUnknowns>
 using SurfelRow = Eigen::Matrix<double, kUnknowns, 1>;
 
-// Parameters of a surfel. They are eliminated from the joint problem.
+// Surfel parameters, which are eliminated from the joint problem.
 struct SurfelParameters {
   double displacement = 0;                            // m, along its normal
   Eigen::Vector2d texture = Eigen::Vector2d::Zero();  // intensity differences, in sigmas
 };
 
-// Residual with Jacobian rows. The pose perturbation is (w, v) of ProductPoseManifold.
+// The pose perturbation is (w, v) of ProductPoseManifold.
 struct JointRow {
   double residual = 0;
   PoseRow by_pose;
@@ -142,7 +142,6 @@ class TextureResidual {
     return inverse_sigma_ * Eigen::Vector2d(Intensity(1, displacement) - center,
                                             Intensity(2, displacement) - center);
   }
-  // Differences() minus the texture of the surfel.
   Eigen::Vector2d Residuals(const SurfelParameters& surfel) const {
     return Differences(surfel.displacement) - surfel.texture;
   }

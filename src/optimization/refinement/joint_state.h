@@ -50,13 +50,11 @@ inline void CalibrationFromBlock(const double* block, DepthCalibration* calibrat
   calibration->readout_s = block[kReadout];
 }
 
-// Robust kernels of all residuals. The photometric weight W scales the texture residuals and their
-// kernel width k by sqrt(W). This is a weight of the cost: W rho(s) = rho(W s), with the squared
-// residual s.
+// The photometric weight W scales the texture residuals and their kernel width k by sqrt(W). This
+// is a weight of the cost: W rho(s) = rho(W s), with the squared residual s.
 struct JointKernels {
   RobustKernel plane, texture;
 
-  // Kernels with widths times `growth`.
   JointKernels Widened(double growth) const {
     JointKernels wide = *this;
     wide.plane.width *= growth;
@@ -65,7 +63,7 @@ struct JointKernels {
   }
 };
 
-// Kernels of an error model. Without photometric residuals, `texture` has no effect.
+// Without photometric residuals, `texture` has no effect.
 inline JointKernels KernelsOf(const ErrorModel& model) {
   JointKernels kernels = {model.kernel, model.intensity_kernel};
   if (model.UsesIntensities()) kernels.texture.width *= std::sqrt(model.photometric_weight);

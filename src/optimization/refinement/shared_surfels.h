@@ -38,8 +38,7 @@ struct SharedSurfel {
 // frame, m.
 std::array<Eigen::Vector3d, 3> TexturePoints(const SharedSurfel& surfel);
 
-// All surfels with their observations. The observations of a surfel are contiguous and ordered by
-// keyframe.
+// The observations of a surfel are contiguous and ordered by keyframe.
 struct SharedSurfels {
   std::vector<SharedSurfel> surfels;
   std::vector<PlaneObservation> observations;

@@ -14,7 +14,6 @@ struct AxisRange {
   double begin, end;
 };
 
-// Ranges of both axes of a chart.
 struct AxisRanges {
   AxisRange x, y;
 };

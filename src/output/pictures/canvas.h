@@ -23,7 +23,6 @@ struct PixelBox {
   double left, top, right, bottom;
 };
 
-// Size, alignment and colour of a text.
 struct TextStyle {
   double height_px = 18;  // line height
   double justify = 0;  // alignment; 0: text starts at the point, 0.5: centred, 1: ends at the point
@@ -33,7 +32,6 @@ struct TextStyle {
 // OpenCV header of the image. Shares the pixels, so the image must outlive it.
 cv::Mat AsMat(Image<Rgb8>* image);
 
-// Width of a text, px.
 double TextWidth(const std::string& text, const TextStyle& style);
 
 // Drawing functions, clipped to the image, except DrawImage(). Lines, discs and text are

@@ -30,7 +30,6 @@ class PictureSheet {
 
   // Fills a cell by area averaging. `finer` has kSupersampling times the size of the cell.
   void SetCell(int cell, const Image<Rgb8>& finer);
-  // Draws the caption of a cell.
   void DrawCaption(int cell, const std::string& text);
 
   Image<Rgb8>* image() { return &image_; }

@@ -27,7 +27,7 @@ struct UprightWorld {
   int horizontal_planes = 0, walls = 0;  // used for the direction of gravity
   double horizontal_area_m2 = 0;
   double floor_area_m2 = 0;      // area of the plane at z = 0
-  bool walls_give_axes = false;  // false: x and y are only projections of the axes of the run
+  bool walls_give_axes = false;  // false: x is the projection of an axis of the run
 };
 
 // Result of FindUpright(). Without a world, `reason` has the missing evidence.
@@ -46,8 +46,8 @@ struct UprightResult {
 // The standard deviation is computed from the scatter of the planes, and is at least 0.1 degrees.
 //
 // The floor is the lowest large plane that faces up, below most cameras. It is at z = 0. The x and
-// y axes are along the walls; the signs are those of the rotation about z that is nearest to the
-// run. The world origin of the run stays on the z axis.
+// y axes are along the walls, with the smallest rotation about z from the axes of the run. The
+// world origin of the run stays on the z axis.
 //
 // Gives no world if the cameras have no common upward direction, or if the standard deviation is
 // above 1 degree. At least 0.3 m2 of horizontal planes are necessary. `surfels` must be free of

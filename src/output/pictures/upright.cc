@@ -109,8 +109,9 @@ std::optional<Plane> FitPlane(const std::vector<WeightedPoint>& points, Plane pl
   return plane;
 }
 
-// Peaks of the distribution of offsets along a direction, of the points whose normal is within
-// `gate_rad` of it. Largest first. A point belongs to one peak.
+// Finds parallel planes, the largest first. Uses points whose normal is within `gate_rad` of
+// `direction`. The planes are the peaks of a histogram of the offsets along `direction`. A point
+// belongs to one plane.
 std::vector<Plane> PlanesAlong(const std::vector<WeightedPoint>& points,
                                const Eigen::Vector3d& direction, double gate_rad) {
   constexpr double kBin_m = 0.02;
@@ -163,7 +164,7 @@ std::vector<Plane> PlanesAlong(const std::vector<WeightedPoint>& points,
   return planes;
 }
 
-// Narrows a direction to the mean of the normals about it. `cosines`: gates.
+// Replaces a direction repeatedly by the mean of the normals around it, with decreasing angles.
 Eigen::Vector3d Narrow(const std::vector<WeightedPoint>& points, Eigen::Vector3d direction) {
   for (const double gate_deg : {45., 30., 20., 12., 8., 5., 5.}) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -226,7 +227,7 @@ WallAzimuth FindWallAzimuth(const std::vector<WeightedPoint>& points, const Eige
   if (!(area > 0)) return result;
   result.strength = std::hypot(sum_cos, sum_sin) / area;
   result.azimuth_rad = std::atan2(sum_sin, sum_cos) / 4;
-  // Again without surfaces that are not along the axes.
+  // Repeats the estimate without surfaces that are oblique to the axes.
   for (const double gate_deg : {15., 8., 5.}) {
     const double before = result.azimuth_rad;
     sum_cos = sum_sin = area = 0;
@@ -248,7 +249,7 @@ class TiltEquations {
     axes_.col(1) = up.cross(axes_.col(0));
   }
 
-  // A plane constrains the normal across each of its axes by the lever of its points.
+  // Adds the rows of a plane. The extent of its points determines the weight.
   void Add(const Plane& plane, bool is_horizontal) {
     // g = up + axes t. Horizontal: (n x g) = 0 along both axes of the plane. Wall: n . g = 0.
     Eigen::Vector3d normal = plane.normal;
@@ -257,7 +258,7 @@ class TiltEquations {
       AddRow(plane.long_axis, normal, WeightOf(plane.long_m2));
       AddRow(plane.short_axis, normal, WeightOf(plane.short_m2));
     } else {
-      // Tilt of the wall: the lever is its vertical extent.
+      // The vertical extent of a wall constrains its tilt.
       const double vertical_m2 = std::pow(plane.long_axis.dot(up_), 2) * plane.long_m2 +
                                  std::pow(plane.short_axis.dot(up_), 2) * plane.short_m2;
       AddRow(normal, Eigen::Vector3d::Zero(), WeightOf(vertical_m2));
@@ -273,7 +274,7 @@ class TiltEquations {
     const Eigen::Matrix2d inverse = hessian_.inverse();
     if (!inverse.allFinite()) return solution;
     Eigen::Vector2d tilt = Eigen::Vector2d::Zero();
-    // Robust: planes that are not level have less weight.
+    // Robust weights: tilted planes have less weight.
     Eigen::Matrix2d hessian = hessian_;
     double chi2 = 0;
     for (int pass = 0; pass < 10; ++pass) {
@@ -307,7 +308,8 @@ class TiltEquations {
     double value, weight;
   };
 
-  // A plane with a lever of some metres is level within kPlaneSigma_rad, a smaller one less well.
+  // The standard deviation of the tilt is kPlaneSigma_rad for an extent of some metres, and larger
+  // for a smaller extent.
   static double WeightOf(double lever_m2) {
     constexpr double kPointSigma_m = 0.004;  // systematic error across a plane
     const double by_lever = kPointSigma_m * kPointSigma_m / std::max(lever_m2, 1e-6);
@@ -353,7 +355,7 @@ RoomPlanes FindPlanes(const std::vector<WeightedPoint>& points, const Eigen::Vec
   return planes;
 }
 
-// Height of the floor: that of the lowest large plane that faces up.
+// Lowest large plane that faces up.
 const Plane* FindFloor(const std::vector<Plane>& level, const Eigen::Vector3d& up,
                        const Trajectory& cameras) {
   std::vector<double> heights;
@@ -378,7 +380,7 @@ const Plane* FindFloor(const std::vector<Plane>& level, const Eigen::Vector3d& u
 }  // namespace
 
 UprightResult FindUpright(const std::vector<Surfel>& surfels, const Trajectory& cameras) {
-  constexpr double kMinCommonUp = 0.5;  // mean length of the upward axes of the cameras
+  constexpr double kMinCommonUp = 0.5;  // minimum length of the mean upward axis of the cameras
   if (surfels.empty() || cameras.empty()) return {{}, "the map is empty"};
   Eigen::Vector3d camera_up = Eigen::Vector3d::Zero();
   for (const StampedPose& pose : cameras) {
@@ -436,7 +438,7 @@ UprightResult FindUpright(const std::vector<Surfel>& surfels, const Trajectory& 
   rotation.row(0) = x;
   rotation.row(1) = up.cross(x);
   rotation.row(2) = up;
-  // The floor is at its height below the mean of its points.
+  // The centre of the floor is at z = 0.
   world.upright_from_world = Rigid3d(rotation, {0, 0, -floor->center.dot(up)});
   return {world, ""};
 }

@@ -17,12 +17,13 @@ struct RunAlignment {
   double rms_m = 0;       // of the position differences after alignment
 };
 
-// Aligns two runs by the positions of poses with equal timestamps. For an unobservable rotation
-// (straight path), uses the pose pair in the middle. Returns std::nullopt for fewer than three
-// equal timestamps.
+// Aligns two runs by the positions of poses at the same time. Poses of `target` are interpolated at
+// the timestamps of `source`, with the default limits of MatchOptions. For an unobservable rotation
+// (straight path), uses the pose pair in the middle. Returns std::nullopt for fewer than three pose
+// pairs.
 std::optional<RunAlignment> AlignRuns(const Trajectory& source, const Trajectory& target);
 
-// Distance of each surfel centre to the disc of the nearest map surfel, m; at most kFarFromMap.
+// Upper limit of DistancesFromMap(), m.
 constexpr float kFarFromMap = 0.5f;
 // Distance of each surfel centre to the disc of the map surfel with the nearest centre, m. At most
 // kFarFromMap, also for an empty map and for non-finite positions.

@@ -8,7 +8,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of WriteReport().
 struct ReportOptions {
   // output folders of RunSlam() or RunRefinement(), shown side by side
   std::vector<std::string> runs;

@@ -10,10 +10,10 @@
 namespace surfit {
 namespace {
 
-constexpr int kSeeds = 1000;             // the best matches
-constexpr int kFittedMatches = 30;       // per seed
-constexpr int kLeastCompatible = 3;      // compatible matches of a seed
-constexpr float kMaxAngleCosine = 0.3f;  // difference of the cosines of normals
+constexpr int kSeeds = 1000;             // maximum number of seeds: the best matches
+constexpr int kFittedMatches = 30;       // maximum number of fitted matches per seed
+constexpr int kLeastCompatible = 3;      // minimum number of compatible matches of a seed
+constexpr float kMaxAngleCosine = 0.3f;  // maximum difference of the cosines of the normal angles
 
 // Compatibility graph of the matches, one row of bits per match.
 class MatchGraph {

@@ -14,7 +14,7 @@ namespace surfit {
 namespace {
 
 constexpr int kKeysPerBlock = 64;
-constexpr double kNormalCells = 2.5;  // radius of the neighbourhood of a normal, in cells
+constexpr double kNormalCells = 2.5;  // neighbourhood radius for normals, in cells
 constexpr std::size_t kLeastKeyNeighbors = 5;
 
 using Cell = std::array<std::int64_t, 3>;

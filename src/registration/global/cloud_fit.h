@@ -42,8 +42,8 @@ class CloudComparison {
   std::unique_ptr<const Data> data_;
 };
 
-// Ranges of a cloud that was observed from one viewpoint, on the six faces of a cube. A direction
-// is free up to the range of the first point in its pixel and the pixels around it.
+// Ranges of a cloud that was observed from one viewpoint, on the six faces of a cube. Free space
+// ends at the smallest range in a pixel and its neighbours.
 class RangeImage {
  public:
   RangeImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3d& viewpoint,

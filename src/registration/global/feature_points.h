@@ -12,7 +12,6 @@
 
 namespace surfit {
 
-// Features of an image with 3D positions and descriptors.
 struct FeaturePoints {
   std::vector<Eigen::Vector3d> points;  // in the camera frame, m
   std::vector<double> sigmas_m;         // isotropic standard deviation

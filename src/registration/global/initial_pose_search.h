@@ -20,7 +20,7 @@ struct DescentOptions {
   double damping = 3e-3;  // relative to the information of a well constrained direction
 };
 
-// Options of one linearisation, see DescentOptions.
+// See DescentOptions for the members.
 struct JointOptions {
   double max_distance_m = 0.4;
   bool use_brightness = true;
@@ -54,7 +54,6 @@ JointSystem LinearizeJointly(const ViewLevel& source, const ViewLevel& target,
 Rigid3d Descend(const ViewLevel& source, const ViewLevel& target, const Rigid3d& start,
                 const DescentOptions& options);
 
-// Pose with its score.
 struct CandidatePose {
   Rigid3d target_from_source;
   double score = 0;  // ViewFit::Score() on the level of the search

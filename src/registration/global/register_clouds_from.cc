@@ -17,13 +17,13 @@ namespace {
 
 constexpr double kGateSpacings = 4;          // distance gate of the finest level
 constexpr double kSigmaSpacings = 0.1;       // smallest standard deviation of a point
-constexpr double kPointSigmaSpacings = 0.5;  // as above, if in-plane distances are residuals
+constexpr double kPointSigmaSpacings = 0.5;  // kSigmaSpacings for residuals with in-plane distances
 constexpr double kNoiseSigmas = 3;
-constexpr double kOnSurfaceCells = 0.35;  // distance of key points on a surface from its plane
-constexpr double kNearCells = 2.5;        // distance of key points from a surface near them
+constexpr double kOnSurfaceCells = 0.35;  // maximum distance from the other surface
+constexpr double kNearCells = 2.5;        // maximum distance from the other key points
 
 constexpr double kKeyCount = 4000;   // wanted number of key points
-constexpr double kLeastKeys = 1500;  // the cells shrink below this number
+constexpr double kLeastKeys = 1500;  // with fewer key points, the cells shrink
 constexpr double kFpfhCells = 5;     // radius of the histograms, in cells
 constexpr double kKeyToleranceCells = 1.5;
 constexpr double kKeySigmaCells = 0.2;
@@ -37,7 +37,6 @@ Eigen::Vector3d MeanOf(const std::vector<Eigen::Vector3f>& points) {
   return points.empty() ? sum : Eigen::Vector3d(sum / static_cast<double>(points.size()));
 }
 
-// Turns the normals towards the viewpoint.
 void FaceViewpoint(const Eigen::Vector3d& viewpoint, PointSet* set) {
   for (std::size_t i = 0; i < set->size(); ++i) {
     if (set->normals[i].cast<double>().dot(viewpoint - set->points[i].cast<double>()) < 0) {
@@ -185,8 +184,8 @@ class CloudRegistrar {
                : GlobalRegistrationReason::kAccepted;
   }
 
-  // Looks for rivals of a pose that was not found by matches. A large overlap with few deviations
-  // is unique without this search.
+  // Searches other poses by matches, for the score margin. A large overlap with few deviations is
+  // unique without this search.
   void CompareWithMatches(CloudRegistration* result) const {
     constexpr double kUniqueOverlap = 0.5, kUniqueInliers = 0.85;
     if (!result->accepted()) return;

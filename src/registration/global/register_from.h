@@ -7,17 +7,16 @@
 
 namespace surfit {
 
-// Input view of a global registration. Each pyramid needs at least one level. References must
-// outlive the registration.
+// Each pyramid needs at least one level. References must outlive the registration.
 struct GlobalView {
   const FramePyramid& pyramid;  // registered from all initial poses
-  // For the final registration of the best pose. No final registration if it is `pyramid` itself.
+  // For the final registration of the best pose. The same object as `pyramid`: no final
+  // registration.
   const FramePyramid& finest;
   ViewLevel level;  // for the score of fits
   bool has_color = false;
 };
 
-// Options of RegisterFrom().
 struct GlobalRegistrationOptions {
   IcpOptions icp_from_start;  // on `pyramid`; the error model also scores fits
   IcpOptions icp;             // on `finest`
@@ -29,6 +28,7 @@ struct GlobalRegistrationOptions {
 // 2. final registration on the finest level,
 // 3. score margin over other poses: other initial poses, and shifts along the weakest direction,
 // 4. backward registration.
+//
 // The result extends `verdict`, which has the feature counts. Without initial poses, the reason is
 // kNotRegistered.
 GlobalRegistrationResult RegisterFrom(const std::vector<Rigid3d>& starts, const GlobalView& source,

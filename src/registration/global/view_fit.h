@@ -10,7 +10,6 @@
 
 namespace surfit {
 
-// Brightness of one pyramid level.
 struct BrightnessLevel {
   Image<float> value;   // 0: black, 1: white
   Image<float> detail;  // value minus its local mean: edges and texture without shading
@@ -106,7 +105,7 @@ inline BilinearSample SampleAt(const Image<float>& image, float u, float v) {
           (1 - b) * (upper[1] - upper[0]) + b * (lower[1] - lower[0]), below - on_top};
 }
 
-// Height above a surface, in sigmas, from which a point is a free-space violation.
+// Minimum distance of a free-space violation from the surface, in sigmas.
 inline constexpr double kFreeSpaceSigmas = 5;
 
 // Ratio of free-space violations of the source in the target view. A source point p' violates free
@@ -120,7 +119,6 @@ inline constexpr double kFreeSpaceSigmas = 5;
 double FreeSpaceViolationRatio(const FrameLevel& source, const FrameLevel& target,
                                const ErrorModel& error_model, const Rigid3d& target_from_source);
 
-// Sums for the correlation of two images a and b.
 struct CorrelationSums {
   double count = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 

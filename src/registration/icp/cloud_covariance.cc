@@ -94,11 +94,11 @@ Matrix6d SpreadOf(std::vector<PairGradient>* gradients) {
 }
 
 // Steps of numerical derivatives, in standard deviations of the residuals. The robust kernel is
-// nearly quadratic within kLocalSigmas. kNoiseSigmas is the extent of the noise.
+// nearly quadratic within kLocalSigmas. kNoiseSigmas is the size of the noise.
 constexpr double kNoiseSigmas = 1, kLocalSigmas = 0.3;
 
 // Derivative of the gradient by central differences, in the coordinates of `motions`: its columns
-// move the points by about 1 m. Symmetric up to the noise of correspondences, which is removed.
+// move the points by about 1 m. The result is symmetrised, because correspondences have noise.
 Matrix6d DerivativeOf(const Matrix6d& motions, double step_m,
                       const std::function<Vector6d(const Vector6d&)>& gradient_at) {
   Matrix6d changes;

@@ -28,8 +28,9 @@ struct CloudCovariance {
 //   C = J^-1 B J^-T,  B = sum over the cells c of g_c g_c^T,
 // with g_c the gradient of the points in cell c. B contains the noise of points and normals, and
 // errors that points in a cell share. J is the derivative of the gradient. It is numerical, with
-// new correspondences at each pose. J does not count directions along which correspondences move
-// with the pose, and no information from noise of normals.
+// new correspondences at each pose. So J is small along directions in which the correspondences
+// move with the pose, and does not contain information from noise of normals.
+//
 // Directions in which J is not positive are degenerate. They are tested over the extent of the
 // noise too, because a local slope of noise is no constraint. There is no covariance with
 // degenerate directions, or with fewer than 12 cells.

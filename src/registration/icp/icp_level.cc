@@ -76,8 +76,8 @@ class LevelRun {
     return state.step.system.pair_count < std::max({least_pairs, least_share, kLeastPairs});
   }
 
-  // The threshold is the convergence tolerance. A larger RMSE with more inliers is not an increase,
-  // because the pose may still improve.
+  // Ignores increases within the convergence tolerance, and increases with more inliers, because
+  // the pose may still improve.
   bool RmseIncreased(const PoseState& best, const PoseState& state) const {
     return options_.stop_at_rmse_increase &&
            state.JointRmse() > (1 + options_.min_relative_rmse_change) * best.JointRmse() &&

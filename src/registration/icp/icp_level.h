@@ -36,8 +36,8 @@ NormalSystem Linearize(const Association& association, const Rigid3d& target_fro
 PhotometricSystem Linearize(const IntensityPairs& pairs, const PhotometricTerm& term);
 PhotometricSystem Linearize(const PhotometricTerm& term, const Rigid3d& target_from_source);
 
-// Kernel of the error model. With estimate_scale, the width is multiplied by the estimated standard
-// deviation of these pairs, at least 1e-3.
+// With estimate_scale, the width is multiplied by the estimated standard deviation of these pairs,
+// at least 1e-3.
 template <typename S>
 RobustKernel KernelFor(const Pairs<S>& pairs, ResidualType residual, const ErrorModel& error_model);
 
@@ -50,14 +50,14 @@ struct IcpLevel {
   double focal_px = 0;  // px, for min_coarse_step_px; 0: not an image
 };
 
-// Options of the pose solver of a level. During the iterations only the rounding threshold of
-// eigenvalues applies. Correspondences are few then, and normals differ by more than noise. The
+// Options of the pose solver of a level. During the iterations, only the rounding threshold of
+// eigenvalues applies: correspondences are few, and their normals differ by more than noise. The
 // convergence tolerance of iterative solvers follows from the tolerance of the level.
 PoseSolverOptions SolverOptions(const IcpOptions& options, const ErrorModel& error_model);
 
 // Iterates from result->target_from_source until termination, and extends `result`. On the finest
-// level, degenerate directions are handled after that. The motion since the start along these
-// directions is undone, and the iterations continue along the constrained directions.
+// level, the motion along degenerate directions is then undone, and the iterations continue along
+// the constrained directions.
 void RunLevel(const IcpLevel& level, const IcpOptions& options, IcpResult* result);
 
 }  // namespace surfit

@@ -7,8 +7,7 @@
 
 namespace surfit {
 
-// Input of an IntensityFinder. Keeps a reference to the target, which has intensities and vertices
-// of the size of its camera.
+// Keeps a reference to the target, which has intensities and vertices of the size of its camera.
 struct IntensitySearch {
   const FrameLevel& target;
   Rigid3d target_from_source;

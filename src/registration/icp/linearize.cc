@@ -41,7 +41,7 @@ void LoadIntensities(const IntensityPairs& pairs, const Exposure& exposure, int 
   values->slope_u = load(pairs.slope_u), values->slope_v = load(pairs.slope_v);
 }
 
-// Selection of sums over pairs. kBesides: all sums except products of Jacobian rows.
+// Selection of sums over pairs. kBesides: without products of Jacobian rows.
 enum class Sums { kAll, kBesides };
 
 // Sums of a NormalSystem per vector lane, without products of Jacobian rows.

@@ -33,7 +33,6 @@ struct TexturedPoints {
   std::vector<float> x, y, z, intensity;
 };
 
-// Maximum ratio of the exposures of two images.
 inline constexpr double kMaxGain = 1.5;
 
 // Exposure correction from source to target intensities: gain * J + offset.

@@ -43,7 +43,6 @@ void RegisterLevel(const SearchablePoints& source, const SearchablePoints& targe
   RunLevel({association, *solver, level, start}, icp, result);
 }
 
-// Median standard deviation of the residuals of points, m.
 double MedianSigma(const PointSet& set) {
   std::vector<float> sigmas = set.sigma_m;
   if (sigmas.empty()) return 0;

@@ -27,7 +27,7 @@ V Dot(const V* a, const V* b) {
 // Sets the row [a r] of a residual r with the derivative g by p. The left increment (w, v) moves p
 // to p + w x p + v. Therefore a = [p x g, g], because g . (w x p) = w . (p x g).
 //
-// kNormalRatio of the row types is the variance of the row direction relative to the variance of a
+// kNormalRatio of the row types: variance of the row direction relative to the variance of a
 // normal, see SpuriousInformation().
 template <typename V>
 void SetRow(const V* p, const V* g, const V& r, V* row) {

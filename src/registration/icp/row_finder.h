@@ -75,7 +75,7 @@ class LanePacking<Avx2Instructions> {
 };
 #endif
 
-// Input of a RowFinder. Keeps references.
+// Keeps references.
 struct ProjectiveSearch {
   const FrameLevel& source;
   const FrameLevel& target;
@@ -101,7 +101,7 @@ class RowFinder {
     const bool gates_normals = gates.max_normal_angle_rad > 0;
     if (gates.max_distance_m > 0) max_distance2_ = V(gates.max_distance_m * gates.max_distance_m);
     if (gates_normals) min_cosine_ = V(std::cos(gates.max_normal_angle_rad));
-    // Normals have length 1 or 0.
+    // Valid normals have length 1, missing normals have length 0.
     if (gates_normals || search.needed_normals != NeededNormals::kNone)
       min_target_normal2_ = V(0.5);
     if (gates_normals || search.needed_normals == NeededNormals::kBoth)

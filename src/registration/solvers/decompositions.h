@@ -12,10 +12,9 @@ namespace surfit {
 // Solves matrix * x = right_side for a symmetric matrix by LDLT.
 Vector6d SolveLdlt(const Matrix6d& matrix, const Vector6d& right_side);
 Eigen::Vector3d SolveLdlt3(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right_side);
-// Solves matrix * x = right_side by LU decomposition.
 Vector6d SolveLu(const Matrix6d& matrix, const Vector6d& right_side);
 
-// Inverse of a symmetric matrix. The result of SymmetricInverse() is exactly symmetric.
+// Require a symmetric matrix. The result of SymmetricInverse() is exactly symmetric.
 Matrix6d InverseByLdlt(const Matrix6d& matrix);
 Matrix6d SymmetricInverse(const Matrix6d& matrix);
 
@@ -23,11 +22,10 @@ Matrix6d SymmetricInverse(const Matrix6d& matrix);
 // finite.
 std::optional<Vector6d> EigenvaluesOf(const Matrix6d& matrix);
 
-// Solutions x (columns) of matrix x = mu metric x in ascending order of mu. Both matrices are
-// symmetric.
+// Solutions of matrix x = mu metric x in ascending order of mu. Both matrices are symmetric.
 struct GeneralizedEigen {
-  Vector6d values;
-  Matrix6d vectors;
+  Vector6d values;   // mu
+  Matrix6d vectors;  // columns x, with x^T metric x = 1
 };
 // Returns std::nullopt if a matrix is not finite, or if the metric is not positive definite.
 std::optional<GeneralizedEigen> EigenOf(const Matrix6d& matrix, const Matrix6d& metric);
@@ -36,7 +34,8 @@ std::optional<GeneralizedEigen> EigenOf(const Matrix6d& matrix, const Matrix6d& 
 // `distance_m` by about 1 m. std::nullopt if the information is not finite.
 std::optional<Vector6d> WeakestIncrement(const Matrix6d& information, double distance_m);
 
-// Largest standard deviation in any direction. Infinite if the covariance is not finite.
+// Largest standard deviation in any direction, in the unit of the covariance's square root.
+// Infinite if the covariance is not finite.
 double LargestSigma(const Eigen::Matrix3d& covariance);
 
 // Rotation nearest to the matrix: U diag(1, 1, det(U V^T)) V^T. The sign prevents a reflection for

@@ -20,7 +20,6 @@ namespace surfit {
 // already transformed. The pose starts at the identity, so the estimated pose is the left
 // increment.
 
-// 1 / sigma of each value 1 / sigma^2.
 template <typename S>
 RawVector<S> InverseSigmas(RawVector<S> information) {
   ParallelFor(0, static_cast<int>(information.size()), 4096, [&](int begin, int end) {

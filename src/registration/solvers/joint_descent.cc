@@ -13,7 +13,7 @@ namespace surfit {
 
 namespace {
 
-// Standard deviation of surface errors at coarse levels, in addition to sensor noise.
+// Standard deviation of surface errors at coarse levels, added to the sensor noise.
 constexpr float kSurfaceSigmaM = 0.02f;
 constexpr float kBrightnessSigma = 0.05f;  // includes reflections that differ between distant views
 constexpr float kBrightnessKernelWidth = 3;  // in sigmas

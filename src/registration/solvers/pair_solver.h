@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// Wall time since construction.
 class Stopwatch {
  public:
   double Milliseconds() const {

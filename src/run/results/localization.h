@@ -19,7 +19,7 @@ class LocalizationFile {
 
   // Call once per frame, in order. Throws InputError with the path if writing fails.
   void Add(const FrameReport& report);
-  // Statistics of the frames so far. Medians are 0 without a covariance.
+  // Medians are 0 without a covariance.
   Localization Summary() const;
 
  private:

@@ -7,8 +7,8 @@
 
 namespace surfit {
 
-// Bias of a continuous-wave range by light over one other visible surface (TofOptions). The
-// visible surfaces are sampled by a coarse grid of patches.
+// Bias of a continuous-wave range by light that one other visible surface reflects (TofOptions).
+// The visible surfaces are sampled by a coarse grid of patches.
 class Multipath {
  public:
   Multipath(const ExactView& exact, const TofOptions& options);

@@ -53,7 +53,7 @@ void RangeNoise::Visit(OptionVisitor& v) {
 
 void TofOptions::Visit(OptionVisitor& v) {
   v.AddPart(noise, "noise", "noise of a range");
-  v.Add(multipath_gain, "multipath_gain", "factor of the light over other surfaces",
+  v.Add(multipath_gain, "multipath_gain", "factor of the indirect light from other surfaces",
         ZeroIs("no multipath"));
   v.Add(modulation_hz, "modulation_hz", "frequency of the modulated light", Positive());
   v.Add(flying_ratio, "flying_ratio", "ratio of flying pixels beside depth edges", Share());
