@@ -33,10 +33,10 @@ struct Option {
   }
 
   double FlagUnit() const;   // field value for a flag value of 1; degrees for angles
-  std::string Help() const;  // help text with choices, unit and the meaning of zero
+  std::string Help() const;  // help text with choices, unit, bounds and the meaning of zero
 
-  std::string name, help;  // name and help text of the field or part
-  double min = -std::numeric_limits<double>::infinity();
+  std::string name, help;                                 // name and help text of the field or part
+  double min = -std::numeric_limits<double>::infinity();  // bounds in the unit of the field
   double max = std::numeric_limits<double>::infinity();
   bool above_min = false, below_max = false;  // the bound is excluded
   std::string zero, unit;                     // meaning of 0, unit; empty: none
