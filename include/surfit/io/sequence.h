@@ -25,9 +25,9 @@ struct SequenceOptions {
   // is:
   //   1. camera.yaml in the folder, or F.yaml for a file F such as a.klg
   //   2. the recording. tum: the name freiburg1, 2 or 3 in the head of rgb.txt or depth.txt.
-  //     redwood: camera_intrinsic.json or intrinsic.json. replica: cam_params.json. nerfstudio:
-  //     transforms.json. seven_scenes: _info.txt. sens: the file header. bag, db3, mcap: CameraInfo
-  //     and tf. openni2: the field of view.
+  //     redwood, watch: camera_intrinsic.json, intrinsic.json or transforms.json. replica:
+  //     cam_params.json. nerfstudio: transforms.json. seven_scenes: _info.txt. sens: the file
+  //     header. bag, db3, mcap: CameraInfo and tf. oni, openni2: the field of view.
   //   3. the default camera of the format
   std::string camera;
 
