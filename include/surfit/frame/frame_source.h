@@ -13,7 +13,7 @@ namespace surfit {
 // Properties of a sequence, available before the first frame is read.
 struct SequenceInfo {
   std::string format;  // a format of SequenceOptions, never "auto"
-  // Camera of the files; fy can be negative. latency_s is 0 without a clock.
+  // Camera of the files; fy can be negative. For the latency see `has_clock`.
   RgbdCamera camera;
   std::string camera_from;         // source of the camera, for messages: file, preset or option
   bool camera_is_guessed = false;  // no source: a common camera is assumed
@@ -27,8 +27,8 @@ struct SequenceInfo {
   // Sensor model of the frames.
   DepthSensor sensor() const { return {pinhole, camera.noise, camera.readout_s, camera.prior}; }
   int frame_count = 0;  // number of frames of Next(); -1: unknown, as for OpenLive()
-  // True if timestamps are clock times. False for frame numbers, and if the files assign poses to
-  // frames. RgbdCamera::latency_s applies to clock times only.
+  // True if timestamps are clock times. False for frame numbers, for sens (its poses have the times
+  // of frames) and for openni2. If false, RgbdCamera::latency_s is 0, except for openni2.
   bool has_clock = false;
   // Ratio of depth and colour images without a partner of similar time. 0 if the recording stores
   // pairs.
