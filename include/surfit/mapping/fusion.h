@@ -62,9 +62,9 @@ struct FusionReport {
 };
 
 // Point-based fusion of frames into a surfel map (Keller et al., 3DV 2013). Surfels are projected
-// into the frame. Each point merges with the nearest surfel, which may be occluded by another
-// surfel. Surfels that were not observed for max_inactive_frames fused frames are noise if their
-// confidence is low. Not thread-safe.
+// into the frame. Each point merges with the nearest matching surfel of 3 x 3 pixels, which may be
+// occluded by another surfel. Surfels that were not observed for max_inactive_frames fused frames
+// are noise if their confidence is low. Not thread-safe.
 class Fusion {
  public:
   // Throws InputError for invalid options.

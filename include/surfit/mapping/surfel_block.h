@@ -147,9 +147,9 @@ struct SurfelBlock {
 
   // Averages surfel k (confidence w) with an observation of weight a. The confidence becomes w + a,
   // at most max_confidence. Position and normal move by the ratio shape_weight / (w + a). The
-  // radius becomes the minimum of both, unless shape_weight is 0. The colour is averaged by the
-  // colour weights. The at_edge bit is cleared unless the observation is at an edge. Does not
-  // update the bounds or last_seen.
+  // radius becomes the minimum of both, unless shape_weight is 0. Requires w + a > 0. The colour is
+  // averaged by the colour weights. The at_edge bit is cleared unless the observation is at an
+  // edge. Does not update the bounds or last_seen.
   void Merge(int k, const SurfelObservation& observation, float max_confidence);
 };
 
