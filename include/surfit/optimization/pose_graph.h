@@ -89,7 +89,8 @@ void SelectOdometry(const std::string& odometry, PoseGraph* graph);
 void ChainPosesOf(PoseGraph* graph);
 
 // Returns (w, v)^T information (w, v) of the error of an edge. It has a chi-square distribution
-// with 6 degrees of freedom if the information is correct. Requires valid indices of poses.
+// with 6 degrees of freedom (3 in SE(2)) if the information is correct. Requires valid indices of
+// poses.
 double SquaredError(const PoseGraph& graph, const PoseGraphEdge& edge);
 
 double SquaredError(const PoseGraph& graph, const PoseGraphPrior& prior);

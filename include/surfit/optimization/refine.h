@@ -179,8 +179,8 @@ struct RefinementSummary {
 // `keyframes` must be in the order of time. `given`: input calibration, the mean of the prior.
 // `start`: initial calibration, for example of tracking. Both must have the size of the keyframe
 // images, which is not checked. The result is the same for any number of threads. `progress` must
-// not be empty. It is called after each round, on the calling thread. Throws InputError for invalid
-// options.
+// not be empty. It is called after each round, on the calling thread. Its exceptions are passed on,
+// with the poses of the last round. Throws InputError for invalid options.
 RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& given,
                          const DepthCalibration& start, std::vector<RefinementKeyframe>* keyframes,
                          const std::function<void(const RefinementRound&)>& progress);
