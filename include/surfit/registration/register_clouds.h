@@ -43,9 +43,8 @@ struct RegisterCloudsOptions {
 //
 // `covariance` includes the noise of points and normals, and correlated errors of neighbouring
 // points. It also includes errors that source points share through a common target point.
-// `information` is its inverse. If the clouds do not constrain the pose, `covariance` is
-// std::nullopt, `degenerate_directions` has the directions, and `information` is that of
-// Register(). Assumptions:
+// `information` is its inverse. `covariance` is std::nullopt along `degenerate_directions`, and
+// with fewer than 12 independent regions. `information` is then that of Register(). Assumptions:
 // - The errors of points more than kErrorSpacings point spacings apart are independent.
 // - Both clouds show the same rigid surfaces.
 // - The sensor has no systematic error.
