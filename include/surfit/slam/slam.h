@@ -122,17 +122,17 @@ class Slam {
   void OnPose(std::function<void(const FrameReport&)> call);
 
   // Sets a callback for each frame whose tracking and global registration have failed, also if it
-  // then begins a submap. Not called before the first pose, and for frames that only the check of
-  // two motions rejects. It runs on the thread of Process(). References in LostFrame are valid
-  // during the call.
+  // then begins a submap. Not called before the first pose in an empty map, and for frames that
+  // only the check of two motions rejects. It runs on the thread of Process(). References in
+  // LostFrame are valid during the call. It must not throw or call this object.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
   // Replaces FindLoops() for loop closure. Aborts if loops are disabled or a frame has a pose, also
   // in a continued state.
   void UseLoopFinder(LoopFinder finder);
 
-  // Sets a callback for each new keyframe, called by the thread of Process(). Throws InputError if
-  // loops are disabled.
+  // Sets a callback for each new keyframe, called by the thread of Process(). It must not throw or
+  // call this object. Throws InputError if loops are disabled.
   void OnKeyframe(KeyframeCall call);
 
   // Replaces SlamOptions::map_period for the following frames. Use a longer period if frames arrive
