@@ -210,9 +210,10 @@ struct SlamRunSummary {
 // (WatchFolder()). Unreadable frames are skipped and counted.
 //
 // `progress` must not be empty. It is called on the calling thread after every frame and refinement
-// round, and for every frame of the final map. Frame times exclude it. If `interrupted` becomes
-// true, the current frame is completed and all results are written. A run over a recording has at
-// least one frame. `finished`, if not empty, is called on the calling thread after success only.
+// round, and for every frame of the final map. Frame times exclude it. Its exceptions end the run.
+// If `interrupted` becomes true, the current frame is completed and all results are written. A run
+// over a recording has at least one frame. `finished`, if not empty, is called on the calling
+// thread after success only.
 //
 // Throws InputError for invalid options, for an output folder that another run is writing to, and
 // if no frame can be read. Later errors (out of memory, full disk, read error) end the run: all
