@@ -23,8 +23,8 @@ struct ShapeHit {
   int face = -1;                                     // number of the flat face, or Shape::kCurved
 };
 
-// Solid in its own frame, m. Rays intersect it from outside only: a ray that starts inside does not
-// intersect.
+// Solid in its own frame, m. Const functions must be thread-safe. Rays intersect it from outside
+// only: a ray that starts inside does not intersect.
 class Shape {
  public:
   static constexpr int kCurved = -1;
