@@ -54,7 +54,7 @@ struct WorldCorrection {
   bool moves = false;                            // false: the corrections are the identity
   FrameCorrections corrections{0, {Rigid3d()}};  // by frame index
   Rigid3d new_from_old_now;                    // correction of the camera pose and of later frames
-  std::vector<int> joined;                     // target frames of new inlier loops, by index
+  std::vector<int> joined;                     // frame indices of the targets of new inlier loops
   std::optional<Recalibration> recalibration;  // change of the calibration for later frames
 };
 
