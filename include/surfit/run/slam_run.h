@@ -28,7 +28,8 @@ struct SlamRunOptions {
   // Pose world_from_camera of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw (m,
   // unit quaternion).
   std::string initial_pose = "identity";
-  // track, or groundtruth: fuse at the ground-truth poses without tracking, other frames are lost
+  // track, or groundtruth: fuse at the ground-truth poses without tracking, other frames are lost.
+  // Must be track with loop closure.
   std::string poses = "track";
   int threads = 2;         // maximum number of computing threads
   int queue_capacity = 8;  // maximum number of queued input frames
@@ -49,7 +50,9 @@ struct SlamRunOptions {
   // must not have a session, except with one of the next two options. Empty: none.
   std::string session;
   // Continues an existing session. The camera is relocalised, or tracked from the last pose if the
-  // recording follows within 1 s.
+  // recording follows within 1 s. If the session already has frames of this recording, the run
+  // starts after the last of them. LoopOptions::new_map_after is 10 instead of 0. Without a
+  // session in the folder, a new session begins.
   bool continue_session = false;
   // Localises the camera in an existing session, which does not change.
   bool localize = false;
