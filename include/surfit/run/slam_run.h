@@ -51,7 +51,7 @@ struct SlamRunOptions {
   std::string session;
   // Continues an existing session. The camera is relocalised, or tracked from the last pose if the
   // recording follows within 1 s. If the session already has frames of this recording, the run
-  // starts after the last of them. LoopOptions::new_map_after is 10 instead of 0. Without a
+  // starts after the last such frame. LoopOptions::new_map_after is 10 instead of 0. Without a
   // session in the folder, a new session begins.
   bool continue_session = false;
   // Localises the camera in an existing session, which does not change.

@@ -124,8 +124,8 @@ class Slam {
   // Sets a callback for each frame whose tracking and global registration have failed, also if it
   // then begins a submap. Not called before the first pose in an empty map, and for frames that
   // only the check of two motions rejects. It runs on the thread of Process(). References in
-  // LostFrame are valid during the call. It must not call this object. Process() passes on its
-  // exceptions.
+  // LostFrame are valid during the call. It must not call this object. Process() passes on
+  // exceptions of the callback.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
   // Replaces FindLoops() for loop closure. Aborts if loops are disabled or a frame has a pose, also
