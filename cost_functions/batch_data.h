@@ -11,7 +11,7 @@
 namespace surfit {
 
 // Data of all points of one functor type (point_functor.h), as a structure of arrays with elements
-// S. Array i has the value data[i] of each point.
+// S. Array i has the value data[i] of each point. Fewer than 2^31 points.
 template <typename Functor, typename S>
 class BatchData {
  public:

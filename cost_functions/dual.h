@@ -5,8 +5,8 @@
 namespace surfit {
 
 // Dual number with N derivatives for automatic differentiation, as ceres::Jet but with SIMD lanes.
-// V: Lanes<float> or Lanes<double>. V and scalars are constants. Operations: + - * /, sqrt and
-// Select(). Comparisons compare the values only.
+// V: Lanes<float> or Lanes<double>. V and scalars are constants, with derivatives of 0. Operations:
+// + - * /, sqrt and Select(). Comparisons compare the values only.
 template <typename V, int N>
 struct Dual {
   V value;

@@ -43,11 +43,12 @@ class OwnResidual {
 };
 
 // Adds a residual with its name to ResidualTypeNames(), until the process ends. Not thread-safe:
-// call before any registration. Throws InputError if the name is empty or already used.
+// call before any registration. `residual` must not be null. Throws InputError if the name is empty
+// or already used.
 void RegisterResidual(const std::string& name, std::unique_ptr<const OwnResidual> residual);
 
-// OwnResidual of a functor (point_functor.h), which must be default-constructible. The data size of
-// the functor selects its data:
+// OwnResidual of a functor (point_functor.h), which must be default-constructible. Its residuals
+// must be distances in m times 1 / sigma. The data size of the functor selects its data:
 // - 7: p, q, 1 / sigma,
 // - 10: p, q, target normal n, 1 / sigma,
 // - 13: p, q, n, source normal m, 1 / sigma; m is rotated by the pose if kTurned is 9.

@@ -6,8 +6,8 @@ namespace surfit {
 
 // Photometric residual r = (I(u, v) - i) / sigma, one row: target intensity I minus intensity i of
 // the source point. The point R p + t, with (R, t) = target_from_source, projects to the pixel (u,
-// v) of the target. It must be in front of the camera. I is linearised at the pixel (u0, v0): I(u,
-// v) = I0 + g_u (u - u0) + g_v (v - v0).
+// v) of the target. It must be in front of the camera, which is not checked. I is linearised at the
+// pixel (u0, v0): I(u, v) = I0 + g_u (u - u0) + g_v (v - v0).
 struct Photometric : PointFunctor<Photometric, 9, 1> {
   // Intrinsics of the target camera, px.
   Photometric(double focal_u, double focal_v, double center_u, double center_v)

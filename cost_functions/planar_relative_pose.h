@@ -26,7 +26,7 @@ void LiftPlanarPose(const T* planar, T* pose) {
   pose[6] = T(0);
 }
 
-// Inverse of LiftPlanarPose(), with an angle in [-pi, pi].
+// Inverse of LiftPlanarPose(), with an angle in [-pi, pi]. Requires a rotation about z.
 inline void PlanarFromPose(const Rigid3d& pose, double* planar) {
   planar[0] = pose.translation.x();
   planar[1] = pose.translation.y();
@@ -52,8 +52,8 @@ class PlanarFunctor {
 
 // RelativePose in SE(2), three residuals. With poses (t_a, alpha) and (t_b, beta) and the
 // measurement b_from_a = (m, mu), the error is
-//   w = beta - alpha + mu, in [-pi, pi],   v = R(-alpha) (R(beta) m + t_b - t_a).
-// The residuals are U (w, v) with U^T U = information of (w, v).
+//   w = beta - alpha + mu, in [-pi, pi),   v = R(-alpha) (R(beta) m + t_b - t_a).
+// The residuals are U (w, v), in standard deviations, with U^T U = information of (w, v).
 class PlanarRelativePose {
  public:
   // Uses the rows (rotation about z, x, y) of a measurement and an information matrix in SE(3).

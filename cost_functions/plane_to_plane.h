@@ -24,8 +24,8 @@ struct PlaneToPlane : PointFunctor<PlaneToPlane, 12, 3> {
     data[9] = u(1, 1), data[10] = u(1, 2), data[11] = u(2, 2);
   }
 
-  // Covariance of a point on a plane: standard deviation sigma_m along the unit normal, and sigma_m
-  // / flatness within the plane.
+  // Covariance of a point on a plane, m^2: standard deviation sigma_m along the unit normal, and
+  // sigma_m / flatness within the plane. `flatness` must be positive.
   static Eigen::Matrix3d CovarianceOfPlane(const Eigen::Vector3d& normal, double sigma_m,
                                            double flatness) {
     const Eigen::Matrix3d across = normal * normal.transpose();

@@ -35,7 +35,7 @@ void Cross(const A* a, const B* b, T* result) {
   result[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-// result = R x - x = w 2 (u x x) + u x 2 (u x x) for the unit quaternion (u, w).
+// result = R x - x = w 2 (u x x) + u x 2 (u x x) for the unit quaternion (u, w) of the pose block.
 template <typename T, typename D>
 void TurnByPose(const T* pose, const D* x, T* result) {
   T twice[3], across[3];

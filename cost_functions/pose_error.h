@@ -21,8 +21,9 @@ inline PoseInformation InformationRoot(const PoseInformation& information) {
          eigen.eigenvectors().transpose();
 }
 
-// Residuals U e of an error transform, with e = (rotation vector [rad], translation [m]) and U =
-// InformationRoot(information): |U e|^2 = e^T information e.
+// Residuals U e of an error transform, in standard deviations, with e = (rotation vector [rad],
+// translation [m]) and U = InformationRoot(information). |U e|^2 = e^T information e for
+// semidefinite information.
 class WhitenedPoseError {
  public:
   explicit WhitenedPoseError(const PoseInformation& information)

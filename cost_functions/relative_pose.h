@@ -7,7 +7,8 @@ namespace surfit {
 // Pose graph edge with six residuals: measurement a_from_b with an information matrix (1/rad^2,
 // 1/m^2). The parameter blocks are world_from_a and world_from_b (pose.h). The error
 // (world_from_a^-1 world_from_b) a_from_b^-1 is the left perturbation (w [rad], v [m]) from the
-// measurement to the estimate, in frame a.
+// measurement to the estimate, in frame a. Residuals are in standard deviations, see
+// WhitenedPoseError.
 class RelativePose {
  public:
   RelativePose(const Rigid3d& a_from_b, const PoseInformation& information)

@@ -24,7 +24,7 @@ using TextureTaps = std::array<IntensityTap, 3>;
 // calibration block is that of plane_inverse_depth.h; only fx, fy, cx and cy are used. With (R, t)
 // = world_from_camera,
 //   (x, y, z) = R^T (p_j + d n - t),  q_j = (fx x / z + cx, fy y / z + cy).
-// I is the keyframe image, linearised at the taps.
+// I is the keyframe image, linearised at the taps. The residuals are not finite if a z is 0.
 class SurfelTexture {
  public:
   // Intensities and sigma have the same unit. Points in m.

@@ -22,16 +22,16 @@ inline RefinementOptions CoarseRefinementOptions() {
 }
 
 // Options of calibration during tracking. Refine() runs on all keyframes so far. The first run
-// needs `first_keyframes` keyframes. Each further run needs 25 % more keyframes. The result of n
-// keyframes is applied 1 + n/2 + n^2/40 frames after the run starts, on every machine. In real
-// time, it may be applied later. The input calibration is kept unless the estimate differs
-// significantly. LoopOptions::keyframes selects the keyframes, also without loop closure. A run
-// uses every second column and row of the images; px in `refinement` refer to these images.
-// RefinementOptions::prior is completed by the prior of the sensor.
+// needs `first_keyframes` keyframes. Each further run needs 25 % more keyframes, at least one more.
+// The result of n keyframes is applied 1 + n/2 + n^2/40 frames (both rounded down) after the run
+// starts, on every machine. In real time, it may be applied later. The input calibration is kept
+// unless the estimate differs significantly. LoopOptions::keyframes selects the keyframes, also
+// without loop closure. A run uses every second column and row of the images; px in `refinement`
+// refer to these images. RefinementOptions::prior is completed by the prior of the sensor.
 struct CalibrationOptions {
   bool enabled = true;
   int first_keyframes = 4;
-  int max_keyframes = 45;  // maximum number of keyframes of a run; calibration ends after it
+  int max_keyframes = 45;  // no further run if it would need more keyframes
   RefinementOptions refinement = CoarseRefinementOptions();
 
   void Visit(OptionVisitor& visitor);

@@ -14,11 +14,12 @@ namespace surfit {
 //
 // Writes directly to devices and pipes, also behind a symbolic link. Throws InputError with the
 // path for other symbolic links, and if writing fails. Exceptions of `write` are passed on.
-// Concurrent calls are safe.
+// Concurrent calls are safe: the last one determines the content.
 void WriteFileAtomically(const std::string& path, const std::function<void(std::ostream&)>& write);
 
-// File for records that are appended while a program runs. Each record is written without a buffer.
-// An incomplete record is removed, except on devices and pipes. Not thread-safe.
+// File for records that are appended while a program runs. Each record is passed to the operating
+// system at once, but not flushed to the disk. An incomplete record is removed, except on devices
+// and pipes. Not thread-safe.
 class AppendedFile {
  public:
   // Creates the file. An old file or symbolic link at `path` is deleted first. Writes directly to

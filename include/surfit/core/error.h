@@ -6,7 +6,7 @@
 
 namespace surfit {
 
-// Concatenates streamable values to a string.
+// Concatenates streamable values to a string. Numbers have 6 significant digits.
 template <typename... Parts>
 std::string Concat(const Parts&... parts) {
   std::ostringstream stream;

@@ -12,7 +12,7 @@ namespace surfit {
 template <typename T>
 struct RawAllocator : std::allocator<T> {
   using std::allocator<T>::allocator;
-  // required by the standard
+  // Replaces the rebind of std::allocator.
   template <typename U>
   struct rebind {
     using other = RawAllocator<U>;
@@ -56,8 +56,7 @@ class Image {
   std::size_t size() const { return pixels_.size(); }
   bool empty() const { return pixels_.empty(); }
 
-  // Changes the size. All pixel values are unspecified afterwards. Keeps the memory if the new size
-  // fits.
+  // Changes the size. All pixel values are unspecified and pointers invalid afterwards.
   void Resize(int width, int height) {
     width_ = width;
     height_ = height;

@@ -216,12 +216,13 @@ SURFIT_AVX2 SURFIT_INLINE_ALL auto WithAvx2Instructions(const F& f) {
 }
 #endif
 
-// True if WithInstructions() uses AVX2: the processor supports it, and the environment does not
-// have SURFIT_INSTRUCTIONS=base. The first call reads the environment.
+// True if WithInstructions() uses AVX2: an optimised x86-64 build, a processor with AVX2, and no
+// SURFIT_INSTRUCTIONS=base in the environment. Constant after the first call. Thread-safe.
 bool UsesAvx2();
 
 // Calls f(instructions) with the best instruction set, and returns the result. All functions called
-// by f are inlined. Captures and result of f must not contain Lanes.
+// by f are inlined, so they must be defined in the same file or its headers. Captures and result of
+// f must not contain Lanes.
 template <typename F>
 auto WithInstructions(const F& f) {
 #if SURFIT_HAS_AVX2

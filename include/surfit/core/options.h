@@ -33,10 +33,10 @@ struct Option {
   }
 
   double FlagUnit() const;   // field value for a flag value of 1; degrees for angles
-  std::string Help() const;  // help text with choices, unit and the meaning of zero
+  std::string Help() const;  // help text with choices, unit, bounds and the meaning of zero
 
-  std::string name, help;  // of the field; name of the table entry
-  double min = -std::numeric_limits<double>::infinity();
+  std::string name, help;                                 // name and help text of the field or part
+  double min = -std::numeric_limits<double>::infinity();  // bounds in the unit of the field
   double max = std::numeric_limits<double>::infinity();
   bool above_min = false, below_max = false;  // the bound is excluded
   std::string zero, unit;                     // meaning of 0, unit; empty: none
@@ -66,7 +66,7 @@ OptionRule InUnit(const std::string& of_value);  // unit, if the field name does
 // Adds a flag with this name, or with the field name if `as` is empty. An angle in radians (`_rad`)
 // gets a flag in degrees (`_deg`).
 OptionRule AsFlag(const std::string& as = "");
-OptionRule Everyday();    // shown by --help
+OptionRule Everyday();    // shown by --help; adds the flag if AsFlag() does not
 OptionRule Repeatable();  // each use of the flag adds a value
 // Rules for a part, which is a nested struct of options. They select its flags.
 OptionRule OnlyFlags(const std::vector<std::string>& flags);
@@ -74,16 +74,16 @@ OptionRule WithoutFlags(const std::vector<std::string>& flags);
 inline OptionRule NoFlags() { return OnlyFlags({}); }
 OptionRule OptionalPart();  // disables Required() in the part
 
-// Field of another type than those of OptionValue, as text. Valid only during the visit of the
-// field.
+// Field of another type than those of OptionValue, as text. Valid only during the visit.
 class OptionText {
  public:
   virtual ~OptionText() = default;
   virtual std::string Get() const = 0;
-  // Throws InputError with the violated constraint, without the field name.
+  // Throws InputError with the violated constraint, without the field name. The field may have
+  // changed then.
   virtual void Set(const std::string& text) = 0;
-  virtual const std::type_info& type() const = 0;
-  virtual void* field() = 0;
+  virtual const std::type_info& type() const = 0;  // of the field
+  virtual void* field() = 0;                       // never null
 };
 
 // Pointer to a field, to read or set its value.
@@ -91,8 +91,8 @@ using OptionValue =
     std::variant<bool*, int*, std::size_t*, float*, double*, std::string*, OptionText*>;
 
 // Conversion to and from text. Overloads for other types are declared with these types. Lists are
-// separated by commas. An empty text is an empty list, or std::nullopt. OptionFromText() throws
-// InputError with the constraint only, without the field name.
+// separated by commas, so names must not contain commas or be empty. An empty text is an empty
+// list, or std::nullopt. OptionFromText() throws InputError as OptionText::Set().
 std::string OptionToText(const std::vector<std::string>& names);
 std::string OptionToText(const std::vector<int>& numbers);
 std::string OptionToText(const std::vector<double>& numbers);
@@ -103,7 +103,7 @@ void OptionFromText(const std::string& text, std::vector<double>* numbers);
 std::string OptionToText(double number);
 std::string OptionToText(const std::optional<double>& number);
 void OptionFromText(const std::string& text, std::optional<double>* number);
-// Throws InputError unless the text has `count` numbers.
+// Throws InputError unless the text has `count` finite numbers, separated by commas.
 std::vector<double> NumbersFromText(const std::string& text, std::size_t count);
 
 template <std::size_t N>
@@ -148,11 +148,11 @@ class OptionVisitor {
     AddPart(part, Option(name, help, rules...));
   }
   // Adds a constraint between fields. `check` throws InputError for a violation, without the name
-  // of the part. Only the validation calls it.
+  // of the part. Only validation calls `check`, during the visit.
   virtual void Check(const std::function<void()>& /*check*/) {}
 
  protected:
-  // Called for each field, in the order of the table.
+  // Called for each field, in the order of the table. `option` is valid during the call.
   virtual void Visit(const Option& option, const OptionValue& value) = 0;
   // Called before a part. Returns true to visit its fields. Leave() follows only in this case.
   virtual bool Enter(const Option& /*part*/, const std::type_info& /*type*/, void* /*field*/) {
@@ -194,14 +194,16 @@ void Validate(Options options) {
 }
 
 // Throws InputError with `name`, the value and the constraint if the value violates a rule. A
-// switch (bool) is always valid. `in_degrees`: the message has angles in degrees.
+// switch (bool) is always valid, and an OptionText is only tested by the rules for texts.
+// `in_degrees`: the message has angles in degrees.
 void RequireOption(const std::string& name, const Option& option, const OptionValue& value,
                    bool in_degrees = false);
 
-// Flag value as text, without loss of precision. Angles are in degrees.
+// Flag value as the shortest text with the same value. Angles are rounded by the conversion to
+// degrees.
 std::string FlagText(const Option& option, const OptionValue& value);
-// Parses a text. Throws InputError with the name, the text and the constraint for an invalid text.
-// The field can then have another value.
+// Calls OptionText::Set(). Throws InputError with the name, the text and the constraint for an
+// invalid text.
 void SetText(const std::string& name, const std::string& text, OptionText* value);
 
 // Values of all flags by name, as FlagText(). Options without a flag are omitted.

@@ -9,7 +9,7 @@ namespace surfit {
 // Limits the number of computing threads of the process, including the calling thread. Applies to
 // ParallelFor() and RunInBackground() during the lifetime of the object. The smallest of several
 // limits applies. Without a limit, one thread per logical processor computes. Threads that the
-// program starts itself are not counted. Also sets OpenCV to one thread, permanently.
+// program starts itself are not counted. OpenCV uses one thread while a limit exists. Thread-safe.
 class ThreadLimit {
  public:
   // Throws InputError unless 1 <= threads <= 1024.
@@ -30,9 +30,10 @@ inline constexpr int kRowsPerBlock = 16;
 
 // Calls body(block_begin, block_end) for the blocks [begin + k * grain, ...) that cover [begin,
 // end). Blocks may run in parallel and in any order, but do not depend on the number of threads.
-// Returns when all blocks are done; at once for an empty range. Rethrows an exception of a block;
-// later blocks may not run then. Calls may be nested, and several threads may call at the same
-// time. Aborts if grain <= 0.
+// Returns when all blocks are done; at once for an empty range. Rethrows the first exception of a
+// block; other blocks may not run then. Calls may be nested, and several threads may call at the
+// same time. A waiting thread may run blocks of other loops: do not hold a lock during the call.
+// Aborts if grain <= 0.
 void ParallelFor(int begin, int end, int grain, const std::function<void(int, int)>& body);
 
 // Sum of body(block_begin, block_end) over the blocks of ParallelFor(); `zero` for an empty range.
@@ -50,14 +51,15 @@ T ParallelSum(int begin, int end, int grain, T zero, const Body& body) {
   return sum;
 }
 
-// Runs the task on another thread within the limit. Returns immediately. Aborts if ThreadCount() is
-// 1. The task must not throw. There is no function to wait for it: the caller must keep its data
-// alive and signal its end.
+// Runs the task on another thread within the limit. Returns immediately. Tasks run one at a time,
+// each with its loops on one thread. Aborts without a second thread (ThreadCount() == 1). The task
+// must not throw. There is no function to wait for a task: the caller must keep its data alive and
+// signal its end.
 void RunInBackground(std::function<void()> task);
 
 // Limits OpenMP and OpenBLAS to one thread during the lifetime of the object, so that sums do not
-// depend on the machine. The OpenMP limit applies to the calling thread, the OpenBLAS limit to the
-// process. Libraries that are not loaded are ignored.
+// depend on the machine. The OpenMP limit applies to the calling thread, which must also destroy
+// the object. The OpenBLAS limit applies to the process. Libraries that are not loaded are ignored.
 class SingleThreadedLibraries {
  public:
   SingleThreadedLibraries();

@@ -15,19 +15,19 @@ enum class RobustKernelType {
   kHuber,         // s if s <= k^2, else 2 k sqrt(s) - k^2
   kTukey,         // k^2/3 (1 - (1 - s/k^2)^3) if s < k^2, else k^2/3: weight 0
   kGemanMcClure,  // s / (1 + s/k^2)
-  kStudentT,      // k^2 log(1 + s/k^2), for a Student t distribution of scale k
+  kStudentT,      // k^2 log(1 + s/k^2), the Cauchy kernel
 };
 
-// Robust kernel rho(s) of a squared residual s in units of sigma^2.
+// Type and width of a robust kernel.
 struct RobustKernel {
   RobustKernelType type = RobustKernelType::kNone;
-  double width = 3;  // k, in sigmas; no effect for kNone
+  double width = 3;  // k in sigmas, positive; no effect for kNone
 
   void Visit(OptionVisitor& visitor);
 };
 
 // "none", "huber", "tukey", "geman_mcclure", "student_t".
 std::vector<std::string> RobustKernelNames();
-std::string ToString(RobustKernelType type);
+std::string ToString(RobustKernelType type);  // "unknown" for other values
 
 }  // namespace surfit

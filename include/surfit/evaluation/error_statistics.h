@@ -5,8 +5,8 @@
 
 namespace surfit {
 
-// Quantile of finite values, linearly interpolated between ranks as in numpy. `share` must be in
-// [0, 1], which is not checked. Returns 0 without values.
+// Quantile of finite values, linearly interpolated between ranks as in numpy. `share` in [0, 1] and
+// the values are not checked. Returns 0 without values.
 double Quantile(std::vector<double> values, double share);
 
 // Statistics of a set of errors, in the unit of the errors.
@@ -19,7 +19,8 @@ struct ErrorStatistics {
   double max = 0;
 };
 
-// Computes statistics of finite, nonnegative errors. Aborts if there are none.
+// Computes statistics of finite, nonnegative errors, which are not checked. Aborts if there are
+// none.
 ErrorStatistics Summarize(std::vector<double> errors);
 
 }  // namespace surfit

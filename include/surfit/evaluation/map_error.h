@@ -35,7 +35,7 @@ struct MapError {
 };
 
 // Computes the errors of a map. Both clouds are in the same frame, in metres: the map is not
-// aligned. `reference_normals`: one unit vector per reference point, or empty. Runs on all
+// aligned. `reference_normals`: one finite unit vector per reference point, or empty. Runs on all
 // worker threads; the result does not depend on their number. Throws InputError for invalid
 // options, and for a cloud without finite points or with more than 2^30 points. Aborts if the
 // number of normals is wrong.

@@ -32,7 +32,8 @@ struct Alignment {
 
 // Computes the rigid transform without scale that minimises sum |target_i - (R source_i + t)|^2
 // (Horn 1987; Umeyama, PAMI 1991, eq. 39-43 with c = 1). Points are in metres. R is a proper
-// rotation, even if a reflection fits better. Aborts if the sizes differ or a point is not finite.
+// rotation, even if a reflection fits better. Aborts if the sizes differ, or if one of at least 3
+// points is not finite.
 Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
                       const std::vector<Eigen::Vector3d>& target);
 
@@ -52,19 +53,19 @@ struct MatchOptions {
 // Estimated pose and ground-truth pose of the same time, both world_from_camera. The world
 // frames may differ.
 struct MatchedPose {
-  double stamp_s = 0;  // timestamp of the estimate
+  double stamp_s = 0;  // time of the estimated pose
   Rigid3d ground_truth;
   Rigid3d estimate;
 };
 
-// Associates estimated poses with ground truth, in the order of the estimate. Estimated poses
-// without ground truth at their timestamp are omitted. At equal timestamps, the ground-truth
-// pose is used unchanged. Several estimated poses can match one ground-truth pose, unlike in the
-// TUM scripts. Throws InputError for invalid options.
+// Associates estimated poses with ground truth by InterpolatePose(), in the order of the estimate.
+// Estimated poses without ground truth at their time are omitted. Ground truth must be ascending.
+// Several estimated poses can match one ground-truth pose, unlike in the TUM scripts. Throws
+// InputError for invalid options.
 std::vector<MatchedPose> MatchPoses(const Trajectory& ground_truth, const Trajectory& estimate,
                                     const MatchOptions& options);
 
-// Timestamps of the poses, s.
+// Times of the poses, s.
 std::vector<double> Stamps(const Trajectory& trajectory);
 
 // Absolute trajectory error (ATE): distances of the camera centres after rigid alignment of the
@@ -98,23 +99,24 @@ struct RelativePoseErrorOptions {
     // A time difference above 10 % of `delta` gives no pair.
     kSeconds,
   };
-  double delta = 1;  // positive; an integer for kFrames
+  double delta = 1;  // positive; an integer below 1e9 for kFrames
   Unit delta_unit = Unit::kFrames;
 
   void Visit(OptionVisitor& visitor);
 };
 
 // Relative pose error (RPE): drift over a fixed interval, for all pairs of poses i and j at this
-// interval. With the estimate P and the ground truth Q, E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) (Sturm
-// et al., IROS 2012, eq. 1; --all_pairs of evo). The TUM script inverts the relative poses: its
-// translation error differs in second order.
+// interval. With the estimate P and the ground truth Q, E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) (Sturm et
+// al., IROS 2012, eq. 1; --all_pairs of evo). The TUM script inverts the relative poses: its
+// translation error differs by up to the rotation error (rad) times the relative translation.
 struct RelativePoseError {
   ErrorStatistics translation_m;  // norm of the translation of E
   ErrorStatistics rotation_deg;   // rotation angle of E
 };
 
-// Computes the RPE. `poses` must be ordered by time. Returns std::nullopt without a pair of
-// poses at the interval `delta`. Throws InputError for invalid options.
+// Computes the RPE. For kSeconds, `poses` must be ordered by time, which is not checked. Returns
+// std::nullopt without a pair of poses at the interval `delta`. Throws InputError for invalid
+// options.
 std::optional<RelativePoseError> ComputeRelativePoseError(const std::vector<MatchedPose>& poses,
                                                           const RelativePoseErrorOptions& options);
 
@@ -128,7 +130,7 @@ struct TrajectoryEvaluationOptions {
 
 // Errors of a trajectory.
 struct TrajectoryEvaluation {
-  int expected = 0;  // number of frames with ground truth
+  int expected = 0;  // number of frames with ground truth, including lost frames
   int matched = 0;   // number of estimated poses with ground truth
   // matched / expected, at most 1; 0 without expected frames. The errors are not
   // representative if the coverage is low.
@@ -138,18 +140,19 @@ struct TrajectoryEvaluation {
 };
 
 // Computes coverage, ATE and RPE. Both trajectories must be ordered by time. `frame_stamps_s`:
-// timestamps of all frames of the recording, including lost frames. ATE and RPE are std::nullopt as
-// in their functions. Throws InputError for invalid options.
+// capture times of all frames of the recording, including lost frames. ATE and RPE are std::nullopt
+// as in their functions. Aborts if an estimated position is not finite. Throws InputError for
+// invalid options.
 TrajectoryEvaluation EvaluateTrajectory(const Trajectory& ground_truth, const Trajectory& estimate,
                                         const std::vector<double>& frame_stamps_s,
                                         const TrajectoryEvaluationOptions& options);
 
-// Returns the trajectory with `by_s` (s) added to its timestamps.
+// Returns the trajectory with `by_s` (s) added to its times.
 Trajectory WithTimeOffset(Trajectory trajectory, double by_s);
 
 // Time offset between estimate and ground truth, with its ATE.
 struct TimeOffset {
-  double offset_s = 0;  // added to the timestamps of the estimate
+  double offset_s = 0;  // added to the times of the estimate
   AbsoluteTrajectoryError ate;
 };
 
@@ -173,8 +176,8 @@ std::optional<TimeOffset> EstimateTimeOffset(const Trajectory& ground_truth,
 struct MountFit {
   Eigen::Vector3d true_body_in_estimated_m = Eigen::Vector3d::Zero();  // m, see FitMount()
   double scale = 1;  // true metres per estimated metre; 1 if not fitted
-  // False: a parameter is not observable on this path. The initial values are m = 0 and s = 1, and
-  // the steps of the fit are 0 along unobservable directions.
+  // False: a parameter is not observable on this path. The fit starts at m = 0 and s = 1, and does
+  // not move along unobservable directions.
   bool is_unique = true;
   AbsoluteTrajectoryError ate;  // residuals of the fit; alignment: R, t, always kAligned
 };
@@ -185,7 +188,7 @@ struct MountFit {
 // a position is not finite.
 std::optional<MountFit> FitMount(const std::vector<MatchedPose>& poses, bool fit_scale);
 
-// Warning text if the lever arm is longer than 5 cm or not unique. Empty otherwise.
+// Warning text if the lever arm is longer than 5 cm or the fit is not unique. Empty otherwise.
 std::string MountWarning(const MountFit& fit);
 
 }  // namespace surfit

@@ -17,13 +17,14 @@ struct CameraMotion {
 };
 
 // Constant velocity of a camera that moves from the first to the second pose in `seconds`. The
-// vectors are in the camera frame at half of the rotation. Zero if seconds <= 0. A pose does
-// not contain full turns, so the rotation is at most 180 degrees.
+// vectors are in the camera frame at half of the rotation, which is at most 180 degrees. Zero if
+// seconds <= 0.
 CameraMotion MotionOver(const Rigid3d& first_from_second, double seconds);
 
 // Velocity at the pose with the time `stamp_s` (within 1e-5 s), by MotionOver() from its previous
 // to its next pose. The pose itself replaces a missing neighbour. Neighbours more than max_gap_s
-// from the pose are missing. Zero without a pose at this time, and without neighbours.
+// from the pose are missing. The trajectory must be ascending, which is not checked. Zero without a
+// pose at this time, and without neighbours.
 CameraMotion MotionAt(const Trajectory& trajectory, double stamp_s, double max_gap_s = 0.1);
 
 }  // namespace surfit

@@ -35,8 +35,8 @@ struct VectorImage {
 };
 
 // Vertex and normal map of one resolution, in the camera frame. All images have the size of
-// `camera`, except an empty `intensity`. `noise`: noise of the depth sensor. In a model view, noise
-// of the sensor that is registered to the view.
+// `camera`, except an empty `intensity`. `noise`: noise of the depth sensor, in a model view of the
+// sensor that is registered to the view.
 struct FrameLevel {
   PinholeCamera camera;
   DepthNoise noise;
@@ -48,7 +48,8 @@ struct FrameLevel {
   DepthSensor sensor() const { return {camera, noise}; }
 };
 
-// Level 0 is the finest. Each further level has half the width and height, rounded down.
+// Level 0 is the finest. Each further level has half the width and height, rounded down. Can be
+// empty.
 struct FramePyramid {
   std::vector<FrameLevel> levels;
 };
@@ -60,7 +61,7 @@ struct ModelView {
 
   Rigid3d world_from_view;
   FrameLevel surface;                // in the camera frame of the view
-  Image<std::int32_t> surfel_index;  // ids in the map; kNoSurfel: no surface
+  Image<std::int32_t> surfel_index;  // ids in the map until its next change; kNoSurfel: no surface
 };
 
 // Grey value from 0 (black) to 1 (white), with the weights of ITU-R BT.601.
@@ -72,7 +73,7 @@ inline float GreyOf(Rgb8 color) {
 Image<float> HalfResolution(const Image<float>& fine);
 
 // Sets the intensities of all levels from a colour image of the finest level. (0, 0, 0) is a
-// missing colour and becomes NaN. Does nothing for an empty image. Aborts on other sizes.
+// missing colour and becomes NaN. Does nothing for an empty image. Aborts if a size is wrong.
 void AddIntensity(const Image<Rgb8>& color, FramePyramid* pyramid);
 
 }  // namespace surfit

@@ -13,9 +13,9 @@ namespace surfit {
 // Properties of a sequence, available before the first frame is read.
 struct SequenceInfo {
   std::string format;  // a format of SequenceOptions, never "auto"
-  // Camera of the files; fy can be negative. latency_s is 0 without a clock.
+  // Camera of the files; fy can be negative. For the latency see `has_clock`.
   RgbdCamera camera;
-  std::string camera_from;         // source of the camera: file, preset or option
+  std::string camera_from;         // source of the camera, for messages: file, preset or option
   bool camera_is_guessed = false;  // no source: a common camera is assumed
   // Ratio of depth values that are removed from the first images because of low confidence.
   // std::nullopt without confidence images, see SequenceOptions::confidence.
@@ -27,18 +27,18 @@ struct SequenceInfo {
   // Sensor model of the frames.
   DepthSensor sensor() const { return {pinhole, camera.noise, camera.readout_s, camera.prior}; }
   int frame_count = 0;  // number of frames of Next(); -1: unknown, as for OpenLive()
-  // True if timestamps are clock times. False for frame numbers, and if the files assign poses to
-  // frames. Latencies apply to clock times only.
+  // True if timestamps are clock times. False for frame numbers, for sens (its poses have the times
+  // of frames) and for openni2. If false, RgbdCamera::latency_s is 0, except for openni2.
   bool has_clock = false;
   // Ratio of depth and colour images without a partner of similar time. 0 if the recording stores
   // pairs.
   double unpaired_ratio = 0;
-  // True if the image y axis of the files points up (fy < 0). Frames and ground truth are then
+  // True if the camera y axis of the files points up (fy < 0). Frames and ground truth are then
   // mirrored by S = diag(1, -1, 1): a pose becomes S pose S. Mirrored() converts poses back to the
   // convention of the files.
   bool mirrored = false;
-  // Ground-truth poses world_from_camera, mirrored if `mirrored` is true; may be empty. Timestamps
-  // are those of the frames if the files assign poses to frames, otherwise those of the pose file.
+  // Ground-truth poses world_from_camera, mirrored if `mirrored` is true; may be empty. Times are
+  // those of the frames if the files assign poses to frames, otherwise those of the pose file.
   Trajectory ground_truth;
   // Warnings about camera, depth scale, colour registration and confidence, already logged.
   std::vector<std::string> warnings;
@@ -68,10 +68,11 @@ class FrameSource {
   // Valid as long as the source. Does not change after construction. Thread-safe, also during
   // Next().
   virtual const SequenceInfo& info() const = 0;
-  // Returns the next frame, or std::nullopt at the end, also in later calls. The frame owns its
-  // images. An unreadable frame is a result without `frame`, and the sequence continues. Live
-  // sources wait for the next frame. Throws InputError if a camera or a watched folder fails. Do
-  // not call Next() again after an exception.
+  // Returns the next frame, or std::nullopt at the end, also in later calls. Frames are in the
+  // order of the recording: stamp_s decreases if its clock is set back. The frame owns its images.
+  // An unreadable frame is a result without `frame`, and the sequence continues. Live sources wait
+  // for the next frame. Throws InputError if a camera or a watched folder fails. Do not call Next()
+  // again after an exception.
   virtual std::optional<ReadResult> Next() = 0;
 };
 

@@ -15,13 +15,14 @@ class OptionVisitor;
 //
 // A depth edge separates neighbouring pixels whose inverse depth differs by more than
 //   3 sigma + tan(max_slant_rad) / (f z),
-// with the sigma of DepthNoise, the focal length f in px, and the depth z of the pixel.
+// with sigma = DepthNoise::inverse_depth_sigma, the focal length f in px, and the depth z of the
+// pixel.
 struct PreprocessOptions {
   int filter_radius_px = 2;     // half width of the filter window; 0: no filter
   double filter_cutoff = 4;     // larger differences have no filter weight, in sigmas of 1/z
   int normal_radius_px = 3;     // maximum pixel offset for the normals
-  double max_slant_rad = 1.45;  // surfaces with a larger angle of normal and ray are depth edges
-  int pyramid_levels = 4;       // maximum number of levels; no level is smaller than 40 x 30 pixels
+  double max_slant_rad = 1.45;  // larger angles of normal and ray give depth edges; below 1.57
+  int pyramid_levels = 4;       // maximum number of levels; coarser levels have at least 40 x 30 px
 
   void Visit(OptionVisitor& visitor);
 };
@@ -40,8 +41,8 @@ VectorImage VertexMap(Image<float> depth_m, const PinholeCamera& camera);
 // is not checked. A plane n . X = d has the inverse depth
 //   r = (n_x (u - cx)/fx + n_y (v - cy)/fy + n_z) / d,
 // so n ~ (fx r_u, fy r_v, r - (u - cx) r_u - (v - cy) r_v). The gradient (r_u, r_v) is the
-// least-squares slope of symmetric differences up to normal_radius_px, or up to a depth edge.
-// (0, 0, 0) if a direct neighbour is missing, outside the image or beyond a depth edge.
+// least-squares slope of symmetric differences up to normal_radius_px, or up to a depth edge. (0,
+// 0, 0) if one of the four direct neighbours is missing, outside the image or beyond a depth edge.
 VectorImage NormalMap(const VectorImage& vertex, const DepthSensor& sensor,
                       const PreprocessOptions& options);
 
@@ -59,7 +60,8 @@ FrameLevel HalfResolution(const FrameLevel& fine, const PreprocessOptions& optio
 FramePyramid BuildPyramid(FrameLevel finest, const PreprocessOptions& options);
 
 // Filter, vertex map, normal map and pyramid of a depth image in m. The pyramid has no intensities.
-// The image must have the size of the camera, which is not checked.
+// The image must have the size of the camera, which is not checked. Readout and prior of the sensor
+// have no effect.
 FramePyramid PreprocessDepth(const Image<float>& depth_m, const DepthSensor& sensor,
                              const PreprocessOptions& options);
 

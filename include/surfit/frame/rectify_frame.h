@@ -20,7 +20,7 @@ using RawDepth = std::variant<Image<std::uint16_t>, Image<float>>;
 
 // Selection of pixels and depths.
 struct RectifyOptions {
-  int downsample = 1;      // keep every downsample-th column and row
+  int downsample = 1;      // keep every downsample-th column and row; 1 to 16
   double max_depth_m = 8;  // larger depths are treated as missing
 
   void Visit(OptionVisitor& visitor);
@@ -37,13 +37,15 @@ class FrameRectifier {
   FrameRectifier(FrameRectifier&&) noexcept;
   ~FrameRectifier();
 
-  // Camera of the frames: undistorted depth camera, subsampled by `downsample`.
+  // Camera of the frames: undistorted depth camera, subsampled by `downsample`. Valid as long as
+  // the object.
   const PinholeCamera& pinhole() const;
 
-  // Returns a frame without index and timestamps. `depth` has the size of the depth camera. `color`
+  // Returns a frame with index and times of 0. `depth` has the size of the depth camera. `color`
   // has the size of the colour camera, or of the depth camera if colour is registered; it may be
   // empty. Aborts on other sizes. Depth is the nearest pixel, because interpolation invents values
-  // at edges. Colour is bilinear.
+  // at edges. Colour is bilinear, and has no occlusion test: background near depth edges can get
+  // the colour of the foreground.
   RgbdFrame Rectify(const RawDepth& depth, Image<Rgb8> color) const;
 
  private:
@@ -51,8 +53,9 @@ class FrameRectifier {
   std::unique_ptr<const Tables> tables_;
 };
 
-// Corrects a depth image (m) of an undistorted camera by the field. 0 (missing) stays 0. Depth
-// becomes 0 if the corrected inverse depth is at most InverseDepthField::kMinInverse.
+// Corrects a depth image (m) of an undistorted camera by the field. The image must have the size of
+// the camera, which is not checked. 0 (missing) stays 0. Depth becomes 0 if the corrected inverse
+// depth is at most InverseDepthField::kMinInverse.
 void CorrectDepth(const PinholeCamera& camera, const InverseDepthField& field,
                   Image<float>* depth_m);
 

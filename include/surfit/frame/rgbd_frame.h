@@ -7,7 +7,7 @@ namespace surfit {
 // Depth and colour image with the same pixels, of an undistorted pinhole camera. `color` is empty
 // if the sequence has no colour.
 struct RgbdFrame {
-  int index = 0;  // position in the sequence, from 0
+  int index = 0;  // ReadResult::index; in a session plus SessionRun::shift
   // Capture times, s. Depth: timestamp - RgbdCamera::latency_s; the pose of the frame refers to
   // this time. Colour: timestamp - latency_s - color_latency_s; unspecified without colour.
   double stamp_s = 0;

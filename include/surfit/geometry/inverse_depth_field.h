@@ -14,7 +14,7 @@ namespace surfit {
 // proportional to inverse depth.
 struct InverseDepthField {
   static constexpr std::size_t kSize = 6;
-  static constexpr double kMinInverse = 1e-3;  // 1/m; a corrected depth beyond 1 km is missing
+  static constexpr double kMinInverse = 1e-3;  // 1/m; a corrected depth of 1 km or more is missing
 
   std::array<double, kSize> coefficients = {};
 
@@ -65,7 +65,7 @@ struct DepthCalibration {
   double readout_s = 0;     // RgbdCamera::readout_s
 };
 
-// Exact comparison of all parameters. The image size is not compared.
+// Exact comparison of all parameters except image size and distortion.
 inline bool AreSame(const DepthCalibration& a, const DepthCalibration& b) {
   return a.camera.fx == b.camera.fx && a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx &&
          a.camera.cy == b.camera.cy && a.field.coefficients == b.field.coefficients &&
@@ -73,8 +73,8 @@ inline bool AreSame(const DepthCalibration& a, const DepthCalibration& b) {
 }
 
 // Converts a point in the camera frame, m, from one calibration to another. Its pixel and its
-// measured depth do not change. Requires point.z() > 0. The depth is not limited: it is negative if
-// the corrected inverse depth is negative.
+// measured depth do not change. Requires point.z() > 0. The depth is not limited: it is negative or
+// infinite if the corrected inverse depth is negative or 0.
 inline Eigen::Vector3d Recalibrated(const Eigen::Vector3d& point, const DepthCalibration& from,
                                     const DepthCalibration& to) {
   const Eigen::Vector2d pixel = from.camera.Project(point);

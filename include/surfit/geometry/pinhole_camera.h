@@ -6,17 +6,17 @@
 
 namespace surfit {
 
-// Pinhole camera: u = fx x/z + cx, v = fy y/z + cy. Axes: x right, y down, z forward. The centre of
-// the top-left pixel is (0, 0). Lens distortion uses the OpenCV coefficients k1, k2, p1, p2, k3.
+// Pinhole camera: u = fx x/z + cx, v = fy y/z + cy. Camera axes: x right, y down (up if fy < 0), z
+// forward. The centre of the top-left pixel is (0, 0). Lens distortion uses the model of OpenCV.
 // Project() and Ray() ignore the distortion and apply to undistorted images.
 struct PinholeCamera {
   int width = 0;   // px
   int height = 0;  // px
   double fx = 0;   // px
-  double fy = 0;   // px; negative if the image y axis points up
+  double fy = 0;   // px; negative if the y axis of the camera points up
   double cx = 0;   // px
   double cy = 0;   // px
-  std::array<double, 5> distortion = {0, 0, 0, 0, 0};
+  std::array<double, 5> distortion = {0, 0, 0, 0, 0};  // k1, k2, p1, p2, k3
 
   bool HasDistortion() const;
 

@@ -16,7 +16,7 @@ Eigen::Matrix<Scalar, 3, 3> CrossMatrix(const Eigen::Matrix<Scalar, 3, 1>& v) {
 }
 
 // Unit quaternion exp(w) of a rotation vector w in rad: q = [cos(|w|/2), sin(|w|/2) w/|w|]. Values
-// and derivatives (ceres::Jet) are also exact near zero.
+// and derivatives (ceres::Jet) are also accurate near zero.
 template <typename Scalar>
 Eigen::Quaternion<Scalar> QuaternionExp(const Eigen::Matrix<Scalar, 3, 1>& w) {
   using std::cos;
@@ -36,6 +36,7 @@ Eigen::Quaternion<Scalar> QuaternionExp(const Eigen::Matrix<Scalar, 3, 1>& w) {
 }
 
 // Rotation vector w in rad, |w| <= pi, of a unit quaternion: exp(w) = q or -q, the same rotation.
+// At |w| = pi, w or -w.
 template <typename Scalar>
 Eigen::Matrix<Scalar, 3, 1> QuaternionLog(const Eigen::Quaternion<Scalar>& q) {
   using std::atan2;
@@ -64,11 +65,11 @@ struct Rigid3 {
 
   Rigid3() = default;
   Rigid3(const Eigen::Quaternion<Scalar>& r, const Vector3& t) : rotation(r), translation(t) {}
-  // Normalises the quaternion of the rotation matrix.
+  // Requires a rotation matrix, which is not checked. Normalises its quaternion.
   Rigid3(const Eigen::Matrix<Scalar, 3, 3>& r, const Vector3& t)
       : rotation(Eigen::Quaternion<Scalar>(r).normalized()), translation(t) {}
 
-  // Source_from_target. Requires a unit quaternion.
+  // source_from_target
   Rigid3 Inverse() const {
     const Eigen::Quaternion<Scalar> r = rotation.conjugate();
     return Rigid3(r, -(r * translation));
@@ -120,8 +121,8 @@ typename Rigid3<Scalar>::Vector6 FirstOrderIncrement(const Rigid3<Scalar>& from,
   return increment;
 }
 
-// Adjoint of a_from_b: maps left perturbations (w, v) of b_from_c to those of a_from_c, w' = R w,
-// v' = R v + t x R w.
+// Adjoint of a_from_b: maps left perturbations (w, v) of b_from_c to those of a_from_c to first
+// order, w' = R w, v' = R v + t x R w.
 template <typename Scalar>
 Eigen::Matrix<Scalar, 6, 6> IncrementTransform(const Rigid3<Scalar>& a_from_b) {
   const Eigen::Matrix<Scalar, 3, 3> rotation = a_from_b.rotation.toRotationMatrix();

@@ -44,8 +44,8 @@ struct Disparity {
   double InverseDepth(double count) const {
     return (count - count_at_infinity) / (counts_per_px * focal_px * baseline_m);
   }
-  // Requires IsGiven(). Throws InputError with the name `what`, the field, its value and the
-  // constraint.
+  // Throws InputError with the name `what`, the field, its value and the constraint, also unless
+  // IsGiven().
   void Validate(const std::string& what) const;
 };
 
@@ -76,7 +76,7 @@ struct CalibrationPrior {
 
 // Model of a depth image: projection, noise and readout.
 struct DepthSensor {
-  PinholeCamera camera;  // without distortion
+  PinholeCamera camera;  // without distortion, which is not checked
   DepthNoise noise;
   double readout_s = 0;  // RgbdCamera::readout_s
   CalibrationPrior prior = {};
@@ -90,7 +90,7 @@ struct RgbdCamera {
   PinholeCamera depth;
   PinholeCamera color;
   // True: a colour pixel has the ray of the depth pixel at the same coordinates. `color` and
-  // `color_from_depth` are then not used.
+  // `color_from_depth` are then not used, but color_from_depth must be finite.
   bool color_is_registered = true;
   Rigid3d color_from_depth;
   double depth_units_per_metre = 5000;  // not used with `disparity`, but must be positive
@@ -113,7 +113,7 @@ struct RgbdCamera {
   void Validate(const std::string& what) const;
 };
 
-// Sequences with an image y axis that points up (fy < 0, for example ICL-NUIM) have left-handed
+// Sequences with a camera y axis that points up (fy < 0, for example ICL-NUIM) have left-handed
 // camera and world frames. S = diag(1, -1, 1) mirrors both frames: a point x becomes S x. With
 // |fy|, S x has the same pixel as x,
 //   v = fy y/z + cy = |fy| (-y)/z + cy,

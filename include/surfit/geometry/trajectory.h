@@ -7,9 +7,9 @@
 
 namespace surfit {
 
-// Camera pose with its capture time: x_world = world_from_camera * x_camera.
+// Camera pose at a time: x_world = world_from_camera * x_camera, m.
 struct StampedPose {
-  double stamp_s = 0;
+  double stamp_s = 0;  // of a frame: capture time of the depth image
   Rigid3d world_from_camera;
 };
 
@@ -32,9 +32,10 @@ struct StampMatch {
 
 // Matches two ascending lists of timestamps, in s, as associate.py of the TUM RGB-D benchmark does.
 // The closest pair is matched first; each timestamp is used at most once. Differences up to and
-// including max_difference_s match, like in evo. The order of the lists is not checked. The result
-// is ascending in `first`. It is also ascending in `second` if the timestamps of one list are at
-// least max_difference_s apart. Empty for an empty list.
+// including max_difference_s match, like in evo. The order of the lists is not checked. Equal
+// differences are matched in the order of `first`. The result is ascending in `first`. It is also
+// ascending in `second` if the timestamps of one list are at least max_difference_s apart. Empty
+// for an empty list.
 std::vector<StampMatch> MatchStamps(const std::vector<double>& first_s,
                                     const std::vector<double>& second_s, double max_difference_s);
 

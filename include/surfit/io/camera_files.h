@@ -13,7 +13,7 @@ namespace surfit {
 //   seven_scenes (colour camera not registered to depth), redwood, klg (default of ElasticFusion).
 // - Data set, 1200 x 680 px: replica (as rendered for NICE-SLAM).
 // - Sensors with factory settings and colour registered to depth: kinect_v1, xtion, kinect_v2,
-//   azure_kinect, realsense_d415, realsense_d435, realsense_d455.
+//   azure_kinect (undistorted images), realsense_d415, realsense_d435, realsense_d455.
 RgbdCamera CameraPreset(const std::string& name);
 
 std::vector<std::string> CameraPresetNames();
@@ -34,16 +34,17 @@ std::vector<std::string> CameraPresetNames();
 //   prior: { focal_relative_sigma: 0.01, ... }        fields of CalibrationPrior
 // `depth_camera` is required, and either `depth_units_per_metre` or `disparity`. `color_from_depth`
 // requires `color_camera`. Missing keys have these defaults: no distortion, the identity for
-// `color_from_depth`, otherwise the defaults of RgbdCamera. Unknown keys are errors. Throws
-// InputError that names the file, the key, the value and the constraint.
+// `color_from_depth`, otherwise the defaults of RgbdCamera. Unknown keys and files above 64 KiB are
+// errors. Throws InputError that names the file, the key, the value and the constraint.
 RgbdCamera ReadCameraYaml(const std::string& path);
 
 // Reads only the key `inverse_depth_field` of such a file: the correction of its depth. Returns the
-// zero field without the key. Throws InputError that names the file.
+// zero field without the key. Other keys are not checked. Throws InputError that names the file.
 InverseDepthField ReadInverseDepthField(const std::string& path);
 
 // Writes such a file atomically. A zero `field`, a zero `color_latency_s` and the default prior are
-// omitted. Throws InputError that names the file if it cannot be written.
+// omitted. The camera is not validated. Throws InputError that names the file if it cannot be
+// written.
 void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
                      const InverseDepthField& field = {});
 

@@ -11,7 +11,7 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Treatment of indefinite information matrices:
+// Treatment of information matrices that are not positive semidefinite:
 // - "refuse": InputError
 // - "project": negative eigenvalues are set to 0
 // - "blocks": the covariance of rotation and translation is dropped. Negative eigenvalues of the
@@ -30,9 +30,9 @@ struct G2oOptions {
 struct G2oFile {
   PoseGraph graph;
   std::map<std::string, std::size_t> ignored_lines;  // number of lines per unknown tag
-  std::size_t indefinite_count = 0;  // number of changed indefinite information matrices
-  // Number of poses, if the file has no vertices; otherwise 0. Their ids are those of the edges and
-  // priors, in ascending order.
+  std::size_t indefinite_count = 0;                  // number of changed information matrices
+  // Number of poses, if the file has no vertices; otherwise 0. Their ids are those of the edges,
+  // priors and positions, in ascending order.
   std::size_t chained_count = 0;
 };
 
@@ -61,8 +61,8 @@ struct G2oFile {
 // error of PoseGraphEdge is in the frame of a. Therefore the edge in the graph has a = j and b = i.
 //
 // A file of SE(2) gives a graph with PoseGraph::planar. Quaternions are normalised; their norm must
-// be 1 within 1 %. PoseGraphEdge::loop follows from G2oOptions::odometry. Lines with other tags are
-// ignored.
+// be 1 within 1 %. Entries of information matrices are at most 1e30, and coordinates at most 1e9 m.
+// PoseGraphEdge::loop follows from G2oOptions::odometry. Lines with other tags are ignored.
 //
 // The poses of a file without vertices are computed by ChainPosesOf(). A file with vertices must
 // have a vertex for each id.
@@ -72,7 +72,7 @@ struct G2oFile {
 G2oFile ReadG2o(const std::string& path, const G2oOptions& options = {});
 
 // Writes poses, fixed poses, edges and priors atomically in the same format. Numbers have 17
-// digits, so ReadG2o() gives the same graph up to rounding errors of about 1e-16.
+// digits, so ReadG2o() gives the same graph up to relative rounding errors of about 1e-16.
 // PoseGraphEdge::loop is not written. The graph must be valid, which is not checked. Throws
 // InputError that names the file if it cannot be written. A sensor offset in SE(2) is an error,
 // because the format does not have it.

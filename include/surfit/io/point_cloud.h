@@ -13,8 +13,8 @@ namespace surfit {
 
 // Points with optional attributes. The vector of an attribute is empty or has the size of `points`.
 struct PointCloud {
-  std::vector<Eigen::Vector3f> points;  // metres
-  std::vector<Eigen::Vector3f> normals;
+  std::vector<Eigen::Vector3f> points;   // metres
+  std::vector<Eigen::Vector3f> normals;  // not normalised
   std::vector<Rgb8> colors;
   std::vector<float> radii_m = {};      // of surfels; metres
   std::vector<float> confidences = {};  // of surfels
@@ -37,9 +37,9 @@ PointCloud ReadPly(const std::string& path);
 PointCloud ReadPointCloud(const std::string& path);
 
 // Reads a file as ReadPointCloud(), with coordinates relative to *origin. The difference is
-// computed in double precision, so that coordinates of a survey keep their precision. If *origin is
-// std::nullopt, it becomes (0, 0, 0), or the first finite point, rounded to 1 m, if this is more
-// than 100 m from (0, 0, 0). PointCloud::origin stays 0.
+// computed in double precision, so that coordinates of a survey keep their precision. Null: as
+// ReadPointCloud(path). If *origin is std::nullopt, it becomes (0, 0, 0), or the first finite
+// point, rounded to 1 m, if this is more than 100 m from (0, 0, 0). PointCloud::origin stays 0.
 PointCloud ReadPointCloud(const std::string& path, std::optional<Eigen::Vector3d>* origin);
 
 // Reads a file as ReadPointCloud() with an origin of std::nullopt, and stores the origin in
@@ -54,15 +54,15 @@ std::size_t CountFaces(const std::string& path);
 // Aborts if an attribute has another size than `points`.
 std::size_t RemoveNonFinite(PointCloud* cloud);
 
-// Writes binary little-endian PLY atomically. Coordinates are double if `origin` is not 0. Throws
-// InputError that names the file if it cannot be written. Aborts if an attribute has another size
-// than `points`.
+// Writes binary little-endian PLY atomically. Coordinates include `origin`, and are double if it is
+// not 0. Throws InputError that names the file if it cannot be written. Aborts if an attribute has
+// another size than `points`.
 void WritePly(const PointCloud& cloud, const std::string& path);
 
 // Writes binary PCD 0.7 atomically: x y z, and normal_x normal_y normal_z and rgb (the bits
-// 0x00rrggbb as a float, as in PCL) if the cloud has them. Radii and confidences are not written.
-// Throws InputError that names the file if it cannot be written. Aborts if an attribute has another
-// size than `points`.
+// 0x00rrggbb as a float, as in PCL) if the cloud has them. Radii and confidences are not written,
+// and `origin` is not added. Throws InputError that names the file if it cannot be written. Aborts
+// if an attribute has another size than `points`.
 void WritePcd(const PointCloud& cloud, const std::string& path);
 
 // Writes the map atomically as binary little-endian PLY, one vertex per surfel, in metres in the
@@ -72,8 +72,9 @@ void WritePcd(const PointCloud& cloud, const std::string& path);
 void WriteSurfelPly(const SurfelMap& map, const std::string& path);
 
 // Reads a file of WriteSurfelPly(). All its properties are required, in any order and of any scalar
-// type. The file has no at_edge and no color_weight: these members have their default values.
-// Throws InputError that names the file and the error.
+// type. Integers are clamped to their range; NaN becomes 0. Floats are not checked. The file has no
+// at_edge and no color_weight: these members have their default values. Throws InputError that
+// names the file and the error.
 std::vector<Surfel> ReadSurfelPly(const std::string& path);
 
 }  // namespace surfit

@@ -21,27 +21,28 @@ struct SequenceOptions {
   // sens, bag, db3, mcap, oni. Format of a live source, for OpenLive(): watch, openni2.
   std::string format = "auto";
 
-  // Name of a preset (CameraPreset()), or path of a camera.yaml. If empty, the search order is:
-  //   1. camera.yaml in the folder, or F.klg.yaml for a file F.klg
+  // Name of a preset (CameraPreset()), or path of a camera file *.yaml. If empty, the search order
+  // is:
+  //   1. camera.yaml in the folder, or F.yaml for a file F such as a.klg
   //   2. the recording. tum: the name freiburg1, 2 or 3 in the head of rgb.txt or depth.txt.
-  //     redwood: camera_intrinsic.json or intrinsic.json. replica: cam_params.json. nerfstudio:
-  //     transforms.json. seven_scenes: _info.txt. sens: the file header. bag, db3, mcap: CameraInfo
-  //     and tf. openni2: the field of view.
+  //     redwood, watch: camera_intrinsic.json, intrinsic.json or transforms.json. replica:
+  //     cam_params.json. nerfstudio: transforms.json. seven_scenes: _info.txt. sens: the file
+  //     header. bag, db3, mcap: CameraInfo and tf. oni, openni2: the field of view.
   //   3. the default camera of the format
   std::string camera;
 
   // Overrides of single values of this camera. With `intrinsics` or `color_intrinsics`, the image
-  // size is taken from the images. Any of the three colour options makes the colour camera a
-  // separate camera. It needs `color_intrinsics`, unless the sequence has a separate colour camera.
-  std::optional<std::array<double, 4>> intrinsics;  // depth camera: fx fy cx cy, px
-  std::optional<std::array<double, 5>> distortion;  // depth camera: k1 k2 p1 p2 k3
-  std::optional<double> depth_units_per_metre;
+  // size is taken from the images. `color_intrinsics` makes the colour camera a separate camera.
+  // The other two colour options require a separate colour camera.
+  std::optional<std::array<double, 4>> intrinsics;        // depth camera: fx fy cx cy, px
+  std::optional<std::array<double, 5>> distortion;        // depth camera: k1 k2 p1 p2 k3
+  std::optional<double> depth_units_per_metre;            // replaces a disparity
   std::optional<double> inverse_depth_sigma;              // 1/m: DepthNoise
   std::optional<std::array<double, 4>> color_intrinsics;  // fx fy cx cy, px
   std::optional<std::array<double, 5>> color_distortion;  // k1 k2 p1 p2 k3
   std::optional<Rigid3d> color_from_depth;
   std::optional<double> frames_per_second;  // for files without timestamps
-  std::optional<double> latency_s;          // see RgbdCamera; only for timestamps of a clock
+  std::optional<double> latency_s;          // see RgbdCamera; 0 without timestamps of a clock
   std::optional<double> color_latency_s;    // see RgbdCamera
   std::optional<double> readout_s;          // see RgbdCamera
 
@@ -80,12 +81,13 @@ struct SequenceOptions {
 // Returns "the camera NAME" or "the sequence's own camera", for messages.
 std::string NameOfCamera(const SequenceOptions& options);
 
-// Opens a recording: a folder of images or a file. The timestamp of a frame refers to its depth
-// image:
-// - TUM folders, .klg, .sens and ROS bags (header.stamp): the timestamp in s minus the latency of
-//   the camera
+// Opens a recording: a folder of images or a file. The time of a frame (RgbdFrame::stamp_s) refers
+// to its depth image:
+// - TUM folders, .klg, .sens, .oni, ROS bags (header.stamp), and names with times: the timestamp in
+//   s minus the latency of the camera
 // - ICL-NUIM: the frame number, as in *.gt.freiburg
-// - files without timestamps: index / frames_per_second
+// - other images with a number N: N / frames_per_second, relative to the first N for redwood and
+//   nerfstudio
 //
 // Frames are mirrored if fy < 0, see SequenceInfo. A frame that cannot be read later is a
 // ReadResult with an error. Throws InputError that names the folder, file or option. The format
@@ -95,9 +97,9 @@ std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options);
 
 // Reads the depth correction of a sequence: `inverse_depth_field` of its camera file, see
 // SequenceOptions::camera. `format` is SequenceInfo::format. Returns the zero field for a preset
-// and for a sequence without camera file. OpenSequence() and OpenLive() have applied the correction
-// to their frames. The field belongs to these frames, which are mirrored if the y axis of the
-// images points up. Throws InputError that names the file and the key.
+// and for a sequence without camera file. OpenSequence() and OpenLive() apply the correction to
+// their frames. The field belongs to these frames, which are mirrored if fy < 0 in the file. Throws
+// InputError that names the file and the key.
 InverseDepthField ReadDepthField(const SequenceOptions& options, const std::string& format);
 
 // Returns whether the format is live: OpenLive() is required instead of OpenSequence().
@@ -111,19 +113,19 @@ bool IsLive(const SequenceOptions& options);
 // calibration, the intrinsics follow from the field of view. Depth and colour are paired by their
 // device timestamps, in s. A frame without colour is a ReadResult with an error.
 //
-// A queue keeps the newest `capacity` frames of a camera. Older frames are dropped, logged and
-// counted. While the camera is unplugged, Next() waits for it, and later timestamps
-// continue after this time (ReadResult::paused_before_s). The sequence ends when `stop` becomes
-// true.
+// A queue keeps the newest `capacity` frames of a camera; watch has no queue. Older frames are
+// dropped, logged and counted. While the camera is unplugged, Next() waits for it, and later
+// timestamps continue after this time (ReadResult::paused_before_s). The sequence ends when `stop`
+// becomes true.
 std::unique_ptr<FrameSource> OpenLive(const SequenceOptions& options, int capacity,
                                       const std::atomic<bool>& stop);
 
 // Opens a folder that a phone or a recorder is filling. It has numbered PNG images in depth/, and
-// numbered PNG or JPEG images in color/, rgb/ or image/ if such a folder exists when the first
-// frame arrives. Confidence images are in confidence/, see SequenceOptions::confidence; a list of
-// them is not read. Each frame is read as soon as its files are complete. If its confidence image
-// is missing for two seconds or at the end, the frame is used without one. Frames come in the order
-// of their numbers N, with timestamps N / frames_per_second and the camera of OpenSequence().
+// numbered PNG or JPEG images in color/, rgb/, image/ or images/ if such a folder exists when the
+// first frame arrives. Confidence images are in confidence/, see SequenceOptions::confidence; a
+// list of them is not read. Each frame is read as soon as its files are complete. If its confidence
+// image is missing for two seconds or at the end, the frame is used without one. Frames come in the
+// order of their numbers N, with timestamps N / frames_per_second and the camera of OpenSequence().
 //
 // The sequence ends when the folder has a file `done` and all frames before it are read, or when
 // `stop` becomes true. A frame that is incomplete for two seconds or at the end is a ReadResult

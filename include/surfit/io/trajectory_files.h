@@ -9,8 +9,8 @@
 namespace surfit {
 
 // Trajectory files of the TUM RGB-D benchmark, and .gt.freiburg of ICL-NUIM. Each line is a
-// camera-to-world pose: `timestamp tx ty tz qx qy qz qw`, in seconds and metres. # begins a
-// comment.
+// camera-to-world pose: `timestamp tx ty tz qx qy qz qw`, in seconds and metres. Lines that begin
+// with # are comments.
 
 // Reads a trajectory and sorts it by time. Columns are separated by spaces, tabs or commas.
 // Quaternions are normalised; their norm must be 1 within 1 %. Poses with equal timestamps keep
@@ -32,9 +32,9 @@ class TumTrajectoryWriter {
  public:
   // Creates or replaces the file. Throws InputError that names the file if it cannot be written.
   explicit TumTrajectoryWriter(const std::string& path);
-  // Appends one line. The file consists of complete lines at any time, even if the disk is full.
-  // Throws InputError that names the file if it cannot be written. Aborts on numbers that are not
-  // finite.
+  // Appends one line. A regular file consists of complete lines at any time, even if the disk is
+  // full. Throws InputError that names the file if it cannot be written. Aborts on numbers that are
+  // not finite.
   void Append(const StampedPose& pose);
 
  private:

@@ -51,10 +51,11 @@ struct FindLoopsOptions {
 };
 
 // Returns loop candidates of keyframe `source` among the earlier keyframes. `source` and the
-// numbers in `index` are positions in `keyframes`. Candidates of place recognition come first, by
-// descending similarity. Candidates by pose follow, by ascending distance: the larger ratio to
-// max_near_m or max_near_rad. A candidate of place recognition within these limits also gets the
-// prior. Keyframes with an empty view are not candidates. Empty without candidates.
+// numbers in `index` are positions in `keyframes`, which is not checked. Candidates of place
+// recognition come first, by descending similarity. Candidates by pose follow, by ascending
+// distance: the larger ratio to max_near_m or max_near_rad. A candidate of place recognition within
+// these limits also gets the prior. Keyframes with an empty view are not candidates. Empty without
+// candidates.
 std::vector<LoopCandidate> ProposeLoopCandidates(int source, const std::vector<Keyframe>& keyframes,
                                                  const PlaceIndex& index,
                                                  const FindLoopsOptions& options);

@@ -57,8 +57,8 @@ struct PlaceViewOptions {
 
 // Makes a view from the finest pyramid level within `max_width`, or from the coarsest level. The
 // pyramid must have a level. Features come from `color`, which has the size of the finest pyramid
-// level. Without colour, `color` is empty, and so is PlaceView::features. Throws InputError for
-// invalid options.
+// level. An empty `color` gives no features and no intensities. Throws InputError for invalid
+// options.
 PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
                         const PlaceViewOptions& options);
 
@@ -84,9 +84,9 @@ struct KeyframeOptions {
 bool IsKeyframe(const Keyframe& last, int frame_index, const FrameLevel& surface,
                 const Rigid3d& world_from_camera, const KeyframeOptions& options);
 
-// Ratio of the points of a keyframe that are visible in a camera at `world_from_camera`. Points
-// more than 10 % behind `surface` are occluded. Pixels without depth occlude nothing. 0 if the view
-// of the keyframe is empty or has no depth.
+// Ratio of the points of a keyframe (every 8th row and column) that are visible in a camera at
+// `world_from_camera`. Points more than 10 % behind `surface` are occluded. Pixels without depth
+// occlude nothing. 0 if the view of the keyframe is empty or has no depth.
 double OverlapRatio(const Keyframe& keyframe, const FrameLevel& surface,
                     const Rigid3d& world_from_camera);
 

@@ -24,9 +24,8 @@ struct EdgeNoise {
   double odometry_m = 0.0002;     // between consecutive keyframes, m
   double odometry_rad = 0.0001;   // between consecutive keyframes, rad
   double odometry_ratio = 0.001;  // fraction of the translation and rotation of the edge
-  double loop_m =
-      0.003;  // of loop closures, in addition to GlobalRegistrationResult::information, m
-  double loop_rad = 0.0015;  // of loop closures, rad
+  double loop_m = 0.003;          // of loop closures, in addition to their registration, m
+  double loop_rad = 0.0015;       // of loop closures, in addition to their registration, rad
 
   void Visit(OptionVisitor& visitor);
 };
@@ -52,8 +51,8 @@ struct LoopOptions {
   RelocalizeOptions relocalize;
   EdgeNoise noise;
   PoseGraphOptions graph = RobustPoseGraphOptions();
-  // Number of frames until the loop closures of a keyframe are applied, on every machine. In real
-  // time, they may be applied later.
+  // Number of frames from the start of a loop task until its result is applied, on every machine.
+  // In real time, it may be applied later. A task has all keyframes since the last task.
   int delay_frames = 30;
   // FusionOptions::active_frames with loop closure, if that option is 0. Old surfels must not
   // constrain a drifted camera before a loop closure. 0: no limit.
@@ -75,8 +74,9 @@ struct LoopOptions {
 
 // Finds and verifies loop closures of keyframe `source`, a position in `keyframes`. The default is
 // FindLoops(). The targets must be earlier keyframes. LoopCandidate::source of the result is
-// ignored. Called in the background thread of loop closure, or in the thread of Slam with one
-// computing thread. An exception is thrown again by Slam when the result is applied.
+// ignored. References are valid during the call. Called in the background thread of loop closure,
+// or in the thread of Slam with one computing thread. An exception is thrown again by Slam when the
+// result is applied.
 using LoopFinder = std::function<std::vector<LoopVerification>(
     int source, const std::vector<Keyframe>& keyframes, const PlaceIndex& index)>;
 

@@ -42,8 +42,8 @@ class PlaceIndex {
   // Removes a keyframe and rebuilds all tables. Does nothing if the keyframe is not in the index.
   void Remove(int keyframe);
 
-  // Returns at most `max_count` keyframes that satisfy `is_wanted`, by descending similarity, then
-  // by number. Empty without matches, and for a view without features.
+  // Returns at most `max_count` keyframes that satisfy `is_wanted` and min_similarity, by
+  // descending similarity, then by number. Empty without matches, and for a view without features.
   std::vector<PlaceCandidate> Query(const PlaceView& view, int max_count,
                                     const std::function<bool(int keyframe)>& is_wanted) const;
 

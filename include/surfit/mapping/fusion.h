@@ -17,14 +17,16 @@ class OptionVisitor;
 
 // Options of Fusion, MergeDuplicates() and the active window.
 struct FusionOptions {
-  std::string weighting = "confidence";  // "confidence" or "uniform" (weight 1)
+  // Weight of a point. "uniform": 1. "confidence": exp(-g^2 / 0.72), with the distance g of its
+  // pixel from the principal point, relative to the farthest corner.
+  std::string weighting = "confidence";
   float merge_distance_m = 0.05f;  // maximum distance of point and surfel along the surfel normal
   float merge_angle_rad = 0.6f;    // maximum angle of the normals of point and surfel
   // Maximum distance of point and surfel across the surface. The radius of the point is a second
   // limit. This is also the surfel spacing on distant surfaces.
   float max_spacing_m = 0.01f;
-  // Removes the less confident of two surfels that are closer across the surface than this ratio.
-  // The ratio refers to max_spacing_m and to both radii. 0: off.
+  // Removes the less confident of two surfels that are closer across the surface than this ratio of
+  // the minimum of max_spacing_m and both radii. 0: off.
   float duplicate_ratio = 0.7f;
   float max_slant_scale = 2;          // radius = sqrt(2) z / f * min(1 / |n_z|, max_slant_scale)
   float max_radius_ratio = 1.5f;      // point to surfel; coarser points do not move the surfel
@@ -35,8 +37,8 @@ struct FusionOptions {
   // not merge with them. After drift, a revisited surface is mapped again. 0: no limit.
   int active_frames = 0;
   int max_map_points = 0;  // maximum number of surfels; a full map gets no new surfels; 0: no limit
-  // Minimum depth difference of a free-space violation, plus 4 sigma of the depth. Surfels in front
-  // of the measured surface by more than this are removed.
+  // Minimum depth difference of a free-space violation, plus 4 sigma of the depth. Active surfels
+  // in front of the measured surface by more than this are removed, if all 3 x 3 pixels have depth.
   float free_space_margin_m = 0.05f;
 
   void Visit(OptionVisitor& visitor);
@@ -60,22 +62,22 @@ struct FusionReport {
 };
 
 // Point-based fusion of frames into a surfel map (Keller et al., 3DV 2013). Surfels are projected
-// into the frame. Each point merges with the nearest surfel, which may be occluded by another
-// surfel. Surfels that were not observed for max_inactive_frames fused frames are noise if their
-// confidence is low. Not thread-safe.
+// into the frame. Each point merges with the nearest matching surfel of 3 x 3 pixels, which may be
+// occluded by another surfel. Surfels that were not observed for max_inactive_frames fused frames
+// are noise if their confidence is low. Not thread-safe.
 class Fusion {
  public:
   // Throws InputError for invalid options.
   explicit Fusion(const FusionOptions& options);
   ~Fusion();
 
-  // Fuses a frame. Frame indices must increase. `surface` is the filtered finest level of `frame`.
-  // The measured depth of `frame` is merged, because the map averages its noise. `surface` gives
-  // normals and the noise model. Points at depth edges use the normal of a neighbour on the same
-  // plane, and do not move surfels. Colours are sampled at the surfel centres, with the camera
-  // motion between depth and colour. New surfels without a colour are grey with color_weight 0. Ids
-  // become invalid. The result does not depend on the number of threads. Aborts if the depth image
-  // and the camera of `surface` differ in size.
+  // Fuses a frame. Frame indices must increase, which is not checked. `surface` is the filtered
+  // finest level of `frame`. The measured depth of `frame` is merged, because the map averages its
+  // noise. `surface` gives normals and the noise model. Points at depth edges use the normal of a
+  // neighbour on the same plane, and do not move surfels. Colours are sampled at the surfel
+  // centres, with the camera motion between depth and colour. New surfels without a colour are grey
+  // with color_weight 0. Ids become invalid. The result does not depend on the number of threads.
+  // Aborts if the depth image and the camera of `surface` differ in size.
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                     const Rigid3d& world_from_camera, const FrameMotion& motion, SurfelMap* map);
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
@@ -84,7 +86,8 @@ class Fusion {
   }
 
   // First frame of the active window: surfels last observed in this frame or later are active.
-  // Minimum of int: all surfels, until more than active_frames frames are fused.
+  // Minimum of int: all surfels, until more than active_frames frames are fused, or without a
+  // limit.
   int ActiveSince() const;
   // Restores the state after the fusion of these frames (ascending indices). Call before the first
   // Fuse().
@@ -108,8 +111,8 @@ struct DuplicateOptions {
 // Merges surfaces that were mapped twice, after a map correction has aligned them. Each newer
 // surfel merges with the nearest older surfel within the gates of fusion. Distances are along and
 // across the normal of the newer surfel. The older surfel becomes the average weighted by
-// confidence. Returns the number of removed surfels. Ids become invalid. The result does not depend
-// on the number of threads. Throws InputError for invalid `options`.
+// confidence, with the later last_seen. Returns the number of removed surfels. Ids become invalid.
+// The result does not depend on the number of threads. Throws InputError for invalid `options`.
 std::size_t MergeDuplicates(const FusionOptions& options, const DuplicateOptions& doubles,
                             SurfelMap* map);
 

@@ -31,8 +31,8 @@ struct RenderOptions {
 
 // Renders surfel maps as oriented discs with occlusion. Each pixel shows one disc of the first
 // surface of its ray. Stable discs take precedence over unstable discs. Vertices are intersections
-// of ray and disc. Back faces and surfels that were observed only at depth edges are not drawn. Not
-// thread-safe.
+// of ray and disc. Back faces, surfels closer than 5 cm, and surfels that were observed only at
+// depth edges are not drawn. Not thread-safe.
 class ModelRenderer {
  public:
   // Throws InputError for invalid options.
@@ -43,7 +43,7 @@ class ModelRenderer {
   // Renders the surfels last observed in frame `active_since` or later, with the camera of
   // `sensor`. An empty map gives a view without surfaces. The view has no intensities and keeps no
   // reference. The view is bitwise identical for any number of threads. Aborts if the image has
-  // more than 32767 columns or rows.
+  // more than 32767 columns or rows, or a band of rows 2^24 discs.
   ModelView Render(const SurfelMap& map, const DepthSensor& sensor, const Rigid3d& world_from_view,
                    int active_since = std::numeric_limits<int>::min());
 
@@ -52,8 +52,8 @@ class ModelRenderer {
   std::vector<DiscList> lists_;  // buffers, one per visible cell
 };
 
-// Surfel colours of a view; (0, 0, 0): no surfel. Surfels without an observed colour are grey. The
-// map must not have changed since the view was rendered.
+// Surfel colours of a view; (0, 0, 0): no surfel. Surfels of Fusion without an observed colour are
+// grey. The map must not have changed since the view was rendered.
 Image<Rgb8> ColorsOf(const ModelView& view, const SurfelMap& map);
 
 }  // namespace surfit

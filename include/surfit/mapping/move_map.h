@@ -32,13 +32,13 @@ class FrameCorrections {
 // Change of the calibration, for MoveMap().
 struct Recalibration {
   DepthCalibration from, to;
-  std::vector<Rigid3d> world_from_camera;  // old poses, one per correction
+  std::vector<Rigid3d> world_from_camera;  // old poses, one per entry of FrameCorrections
 };
 
 // Statistics of a map correction.
 struct MoveReport {
   std::size_t moved = 0;         // surfels whose correction is not the identity
-  std::size_t changed_cell = 0;  // moved surfels that are now in another cell
+  std::size_t changed_cell = 0;  // surfels that SurfelMap::ReassignCells() moved
 };
 
 // Moves each surfel rigidly with the frame that saw it first. Ids become invalid. The result is
@@ -46,9 +46,9 @@ struct MoveReport {
 MoveReport MoveMap(const FrameCorrections& corrections, SurfelMap* map);
 
 // Also applies a new calibration. In the frame that saw it first, each surfel keeps its pixel and
-// its measured depth. Surfels less than 1 cm in front of this camera only move rigidly. `moved`
-// counts all surfels. `corrections` map the world frame of the old poses to that of the new poses.
-// Aborts if recalibration.world_from_camera and `corrections` differ in size.
+// its measured depth. Surfels less than 1 cm in front of this camera move rigidly and keep their
+// normals. `moved` counts all surfels. `corrections` map the world frame of the old poses to that
+// of the new poses. Aborts if recalibration.world_from_camera and `corrections` differ in size.
 MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& recalibration,
                    SurfelMap* map);
 

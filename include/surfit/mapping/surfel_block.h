@@ -31,8 +31,8 @@ inline Rgb8 ToRgb8(const Eigen::Vector3f& color) {
   return {byte(color.x()), byte(color.y()), byte(color.z())};
 }
 
-// Positive floating-point number from 2^-20 to 2^12 in one or two bytes, with 5 exponent bits.
-// Rounds down. Other positive values are clamped. 0 is exact.
+// Positive floating-point number between 2^-20 and 2^12 in one or two bytes, with 5 exponent bits.
+// Rounds down. Other positive values are clamped. 0 is exact; negative numbers and NaN become 0.
 template <typename Bits>
 class SmallFloat {
  public:
@@ -55,14 +55,14 @@ class SmallFloat {
   static constexpr std::uint32_t kOffset = (127u - 20u) << (23 - kDropped);  // 2^-20
 };
 
-// Relative precision of 1/8. Increments of 1 have no effect above 16, so a running average
-// continues with a weight of 1/17.
+// Relative precision of 1/8. Weights of 16 and more do not grow by increments of 1, so a running
+// average continues with a weight of 1/17.
 using WeightByte = SmallFloat<std::uint8_t>;
 // Relative precision of 0.05 %, for lengths in m.
 using SmallLength = SmallFloat<std::uint16_t>;
 
-// Number in [-1, 1] in steps of 1 / 32767. The rounding error of a unit vector is at most 0.03
-// mrad.
+// Number in [-1, 1] in steps of 1 / 32767. Other numbers are clamped. The rounding error of a unit
+// vector is at most 0.03 mrad.
 class SmallUnit {
  public:
   static std::int16_t From(float number) {
@@ -89,7 +89,7 @@ struct SurfelObservation {
   bool at_edge = false;                             // all points are at depth edges
 };
 
-// Conservative bounds of a set of surfels
+// Conservative bounds of a set of surfels.
 struct SurfelBounds {
   float low[3] = {kMost, kMost, kMost};  // of positions in the world, m
   float high[3] = {-kMost, -kMost, -kMost};
@@ -136,19 +136,20 @@ struct SurfelBlock {
   // sRGB from 0 to 255, in steps of 1/32.
   Eigen::Vector3f FineColor(int k) const;
   float ColorWeight(int k) const;
-  void SetColor(int k, const Eigen::Vector3f& color, float weight);
+  void SetColor(int k, const Eigen::Vector3f& color, float weight);  // 0 to 255, not clamped
 
   // Writes surfel k, without masks and bounds. Different surfels may be written in parallel.
   void Write(int k, const Surfel& surfel);
-  // Updates masks and bounds for surfel k. Not thread-safe.
+  // Updates at_edge and bounds for surfel k. Not thread-safe.
   void Announce(int k, const Surfel& surfel);
   // Replaces surfel k by surfel j of another block, with its at_edge bit. Extends the bounds.
   void Take(int k, const SurfelBlock& other, int j);
 
   // Averages surfel k (confidence w) with an observation of weight a. The confidence becomes w + a,
   // at most max_confidence. Position and normal move by the ratio shape_weight / (w + a). The
-  // radius becomes the minimum of both, unless shape_weight is 0. The colour is averaged by the
-  // colour weights. Does not update the bounds or last_seen.
+  // radius becomes the minimum of both, unless shape_weight is 0. Requires w + a > 0. The colour is
+  // averaged by the colour weights. The at_edge bit is cleared unless the observation is at an
+  // edge. Does not update the bounds or last_seen.
   void Merge(int k, const SurfelObservation& observation, float max_confidence);
 };
 

@@ -24,7 +24,8 @@ struct SurfelCell {
 // grows. Not thread-safe for changes; concurrent reads are safe.
 //
 // An id is block * SurfelBlock::kCapacity + place. It is valid until a surfel of the same cell is
-// removed. Ids are below id_end(), with gaps (see Has()). Ids are not checked.
+// removed or changes its cell. Ids are below id_end(), with gaps (see Has()). Ids are not checked.
+// Positions must be finite.
 class SurfelMap {
  public:
   static constexpr float kCellSize = 0.5f;  // m
@@ -54,12 +55,13 @@ class SurfelMap {
   // Removes all marked surfels, and returns their number. Ids in the affected cells change.
   std::size_t RemoveMarked();
 
-  // Moves surfels to the cells of their positions. Call after changing positions. Also removes all
-  // marked surfels. Returns the number of moved surfels. Their ids change.
+  // Moves surfels to the cells of their positions. Call after changing positions. Also removes
+  // marked surfels, but keeps those that change their cell: call RemoveMarked() first. Returns the
+  // number of moved surfels. Ids in the affected cells change.
   std::size_t ReassignCells();
 
-  // Direct access to cells and blocks. References to cells are valid until the next Append(). The
-  // caller must keep masks and bounds consistent.
+  // Direct access to cells and blocks. References to cells are valid until the next Append() or
+  // ReassignCells(). The caller must keep masks and bounds consistent.
   std::int32_t cell_count() const { return static_cast<std::int32_t>(cells_.size()); }
   SurfelCell& cell(std::int32_t i) { return cells_[i]; }
   const SurfelCell& cell(std::int32_t i) const { return cells_[i]; }

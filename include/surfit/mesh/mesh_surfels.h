@@ -22,8 +22,7 @@ struct MeshOptions {
   double support_radii = 2;
   // Upper limit of this distance, m. It is the only limit for clouds without radii.
   double trim_distance_m = 0.02;
-  double min_component_m =
-      0.1;  // minimum bounding-box diagonal of a connected component; 0: keep all
+  double min_component_m = 0.1;   // minimum box diagonal of a connected component; 0: keep all
   std::size_t max_triangles = 0;  // 0: no limit
   // Fills all holes, so that each edge has two triangles. The outline of an open sheet is a hole,
   // too. The filled mesh can exceed `max_triangles`.
@@ -54,13 +53,12 @@ using MeshProgress = std::function<void(const std::string& stage, double share)>
 
 // Computes a triangle mesh from a cloud with normals, in the frame of the cloud, m. The mesh has
 // normals and colours, or is grey if the cloud has no colours. Radii and confidences of the cloud
-// are used if present. Points must be finite (RemoveNonFinite()). Attributes must have the size of
-// the points. Both are not checked. Points with a radius of at most 0, or with a normal length
-// outside 0.5 to 2, are ignored. `summary` must not be null. The result does not depend on the
-// number of threads.
+// are used if present. Points with a radius of at most 0, or with a normal length outside 0.5 to 2,
+// are ignored. `summary` must not be null. The result does not depend on the number of threads.
 //
-// Throws InputError for invalid options, an empty cloud, a cloud without normals, and an empty
-// mesh. Also throws if a point is too far from the origin for the cell size.
+// Throws InputError for invalid options, an empty cloud, a cloud without normals, attributes of
+// another size than the points, and an empty mesh. Also throws if a point is not finite
+// (RemoveNonFinite()), or too far from the origin for the cell size.
 TriangleMesh MeshSurfels(const PointCloud& cloud, const MeshOptions& options, MeshSummary* summary,
                          const MeshProgress& progress = {});
 

@@ -19,8 +19,8 @@ class OptionVisitor;
 
 // Options of TextureMesh().
 struct TextureOptions {
-  // Maximum width and height of the texture, px. 0 means no texture, which the caller must handle:
-  // TextureMesh() aborts with 0.
+  // Maximum width and height of the texture, px; at most 16384. 0 means no texture, which the
+  // caller must handle: TextureMesh() throws InputError for 0.
   int max_texture_px = 8192;
   // Maximum number of frames; 0: all. TextureMesh() ignores it: the caller selects the frames.
   int max_texture_frames = 200;
@@ -35,7 +35,7 @@ struct TextureOptions {
 // Colour frame with pose and camera motion, for a texture.
 struct TextureFrame {
   RgbdFrame frame;
-  PinholeCamera camera;  // camera of depth and colour
+  PinholeCamera camera;  // of depth and colour, without distortion
   Rigid3d world_from_camera;
   CameraMotion motion;
   double readout_s = 0;  // rolling-shutter readout
@@ -47,9 +47,8 @@ using TextureFrames = std::function<void(const std::function<void(const TextureF
 
 // Texture of a mesh. Vertices at seams have several texture coordinates.
 struct MeshTexture {
-  std::vector<std::uint32_t> vertices;  // mesh vertex of each texture coordinate
-  std::vector<Eigen::Vector2f>
-      texture_coordinates;  // texture coordinates in [0, 1], from the upper left corner
+  std::vector<std::uint32_t> vertices;               // mesh vertex of each texture coordinate
+  std::vector<Eigen::Vector2f> texture_coordinates;  // in [0, 1], from the upper left corner
   // mesh triangles in their order, as indices of texture coordinates
   std::vector<TriangleMesh::Triangle> triangles;
   Image<Rgb8> image;
@@ -75,7 +74,7 @@ struct TextureSummary {
 // Calls `frames` twice, and keeps one frame in memory at a time. Without frames, the texture has
 // the vertex colours. `summary` must not be null. The result does not depend on the number of
 // threads. Throws InputError for invalid options, and if the texture is too small for its regions.
-// Aborts if `max_texture_px` is 0, or if the mesh has no normals or colours.
+// Aborts unless the mesh has one normal and one colour per vertex.
 MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
                         const TextureOptions& options, TextureSummary* summary);
 

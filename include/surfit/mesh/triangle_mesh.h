@@ -10,7 +10,8 @@
 
 namespace surfit {
 
-// Triangle mesh. Normals and colours are empty or have one entry per vertex.
+// Triangle mesh. Normals and colours are empty or have one entry per vertex. This and the indices
+// are not checked.
 struct TriangleMesh {
   using Triangle = std::array<std::uint32_t, 3>;
 
@@ -27,7 +28,7 @@ void KeepTriangles(const std::vector<std::uint8_t>& kept, TriangleMesh* mesh);
 // Writes the mesh atomically, by the extension of the path, with normals and colours if it has
 // them:
 //   .ply  binary little endian: float x y z nx ny nz, uchar red green blue, lists of int
-//   .obj  Wavefront text, with vertex colours in [0, 1] after the positions
+//   .obj  Wavefront text: positions with 5 decimals, then vertex colours in [0, 1]
 //   .glb  glTF 2.0 in one file, y up: x right, y down and z forward become x, -y and -z; colours
 //         become linear
 // Throws InputError for other extensions, and if the file cannot be written.

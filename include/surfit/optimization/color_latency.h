@@ -18,13 +18,13 @@ struct ColorLatency {
 // Keyframe with colour. Does not own the keyframe, which must outlive this object.
 struct ColoredKeyframe {
   const RefinementKeyframe& keyframe;
-  double color_after_s = 0;  // timestamp of colour minus time of the pose
+  double color_after_s = 0;  // RgbdFrame::color_stamp_s minus time of the pose
 };
 
 // Estimates the colour latency from keyframes of one camera, in the order of time. `camera` must
-// have the size of the keyframe images. The prior has the mean 0 and the standard deviation
-// `prior_sigma_s`. A `prior_sigma_s` of 0 gives the latency 0; it does not switch off the prior.
-// Runs on the calling thread.
+// have the size of the keyframe images, which is not checked. The prior has the mean 0 and the
+// standard deviation `prior_sigma_s`. A `prior_sigma_s` of 0 gives the latency 0, unlike in
+// CalibrationPrior. Runs on the calling thread.
 //
 // Minimises the difference of colour between keyframe pairs. A surface point has the coordinates X
 // in the first camera (image I) and Y in the second camera (image J). The cameras move as in

@@ -68,9 +68,9 @@ struct PoseGraph {
   // Throws InputError that names the pose or edge, for these errors:
   // - ids that are not unique
   // - poses and measurements that are not finite or have no unit quaternion
-  // - edges with a missing pose or with two equal poses
-  // - edges and priors whose information is not accepted by IsInformation()
-  // - planar graphs with a pose, measurement or information outside of SE(2)
+  // - measurements with a missing pose, and edges with two equal poses
+  // - measurements whose information is not accepted by IsInformation()
+  // - planar graphs with a pose, measurement or information outside of SE(2), beyond 1e-9 rad or m
   void Validate() const;
 };
 
@@ -80,7 +80,8 @@ struct PoseGraph {
 // - "none": no edge
 std::vector<std::string> OdometryNames();
 
-// Sets PoseGraphEdge::loop of all edges. Throws InputError for an unknown name.
+// Sets PoseGraphEdge::loop of all edges. Indices are not checked. Throws InputError for an unknown
+// name.
 void SelectOdometry(const std::string& odometry, PoseGraph* graph);
 
 // Sets all poses that are not fixed by chaining measurements along a spanning forest. Prefers
@@ -88,7 +89,8 @@ void SelectOdometry(const std::string& odometry, PoseGraph* graph);
 void ChainPosesOf(PoseGraph* graph);
 
 // Returns (w, v)^T information (w, v) of the error of an edge. It has a chi-square distribution
-// with 6 degrees of freedom if the information is correct. Requires valid indices of poses.
+// with 6 degrees of freedom (3 in SE(2)) if the information is correct. Requires valid indices of
+// poses.
 double SquaredError(const PoseGraph& graph, const PoseGraphEdge& edge);
 
 double SquaredError(const PoseGraph& graph, const PoseGraphPrior& prior);
@@ -103,8 +105,7 @@ std::vector<std::string> SparseBackendNames();
 
 // Initial poses:
 // - "given": poses of the graph
-// - "odometry": poses chained along odometry edges, from the held poses
-//   (PoseGraphSummary::held_count). Loop closures are used for poses without odometry only.
+// - "odometry": poses of ChainPosesOf(). Loop closures are used for poses without odometry only.
 // - "chordal": rotations by linear least squares over the matrices of all edges, then translations
 //   (Carlone et al.: Initialization techniques for 3D SLAM, ICRA 2015, IV.B). Poses without
 //   rotation or translation information keep the given values.
@@ -122,7 +123,8 @@ std::vector<std::string> PoseGraphStartNames();
 // - "cauchy": c^2 log(1 + s / c^2)
 // - "geman_mcclure": c^2 s / (c^2 + s)
 // - "auto": the smallest PoseGraphSummary::truncated_cost of several methods and starts
-// The outliers of all methods except "none" are the loop closures with s > c^2 at the end.
+// "none" has no outliers. The outliers of "gnc" have the final weight 0, those of other methods
+// have s > c^2 at the end.
 std::vector<std::string> LoopRobustnessNames();
 
 // Options of OptimizePoseGraph(). Construction throws as SparseBackendNames().
@@ -158,7 +160,7 @@ std::string ToString(PoseGraphTermination termination);
 // Iteration of Levenberg-Marquardt. Iteration 0 of a round is the state before its first step.
 struct PoseGraphIteration {
   int round = 0;                   // solver run
-  double cost = 0;                 // cost with the weights of the round, also of rejected steps
+  double cost = 0;                 // with the weights of the round, also of rejected steps
   double step_norm = 0;            // norm of the change of all parameters
   double gradient_norm = 0;        // norm of the gradient in the tangent space
   double trust_region_radius = 0;  // after the step
@@ -178,8 +180,8 @@ struct PoseGraphSummary {
   double truncated_cost = 0;
   std::vector<PoseGraphIteration> iterations;
   int round_count = 0;  // number of Levenberg-Marquardt runs
-  // Number of held poses, which do not move: fixed poses, and the first pose of each connected
-  // component without a fixed pose.
+  // Number of constant poses: fixed poses, and the first pose of each component without fixed
+  // poses, priors and positions.
   std::size_t held_count = 0;
   // Number of poses of each component, in the order of its first pose.
   std::vector<std::size_t> component_sizes;
@@ -194,10 +196,10 @@ struct PoseGraphSummary {
   bool Succeeded() const { return termination != PoseGraphTermination::kFailed; }
 };
 
-// Moves the poses of the graph to a local minimum of Cost(), without outlier loop closures. Runs on
-// one thread: equal graphs give bitwise identical poses. `graph` must not be null. A solver failure
-// is a termination, not an exception. An empty graph converges. Throws InputError for an invalid
-// graph or invalid options.
+// Moves the poses of the graph to a local minimum of the cost with the kernels of
+// `loop_robustness`. Runs on one thread: equal graphs give bitwise identical poses. `graph` must
+// not be null. A solver failure is a termination, not an exception. An empty graph converges.
+// Throws InputError for an invalid graph or invalid options.
 PoseGraphSummary OptimizePoseGraph(const PoseGraphOptions& options, PoseGraph* graph);
 
 // Comparison of the residuals of an optimised graph with their information matrices.
@@ -208,15 +210,16 @@ struct PoseGraphFit {
   double degrees_of_freedom = 0;
   double p_value = 1;  // probability of a larger chi_square
   // Squared errors over degrees of freedom of odometry edges and of accepted loop closures. The
-  // degrees of freedom of a class are its rank minus the trace of its part of the hat matrix
-  // J (J^T J)^-1 J^T. 0: class without degrees of freedom.
+  // degrees of freedom of a class are its rank minus the trace of its part of the hat matrix J (J^T
+  // J)^-1 J^T, which is estimated. 0: class with at most 0.5 degrees of freedom, or singular J^T J.
   double odometry_ratio = 0, loop_ratio = 0;
   bool doubtful = false;
   std::string reason;  // empty: no doubt
 };
 
-// Tests whether the residuals of an optimised graph are plausible. Upper tail only, because public
-// graphs often state too little information. See fit_test.cc for the criteria.
+// Tests whether the residuals of a graph are plausible, after a successful OptimizePoseGraph().
+// Upper tail only, because public graphs often state too little information. See fit_test.cc for
+// the criteria.
 PoseGraphFit TestFit(const PoseGraph& graph, const PoseGraphSummary& summary);
 
 // Marginal covariances of chosen poses of an optimised graph without its outliers: diagonal blocks

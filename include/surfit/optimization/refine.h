@@ -52,7 +52,7 @@ struct RefinementOptions {
 
   // Number of columns of square cells in a keyframe image. Each cell has at most one surfel.
   int cells_across = 120;
-  int min_observations = 3;  // minimum number of keyframes that observe a surfel
+  int min_observations = 3;  // minimum number of keyframes that observe a surfel; at least 2
   // Maximum distance of a measured point from the surfel plane.
   double observation_distance_m = 0.05;
   double observation_angle_rad = 0.6;  // maximum angle between the normals
@@ -104,7 +104,7 @@ struct RefinementOptions {
 
 // Termination of Refine().
 enum class RefinementTermination {
-  kConverged,      // relative decrease of the cost below the threshold
+  kConverged,      // relative decrease of the cost in a round below the threshold
   kMaxRounds,      // success with the last poses and calibration
   kTooFewSurfels,  // fewer than 2 keyframes or 100 shared surfels; poses are unchanged
   kFailed,         // solver failure; poses are unchanged
@@ -115,7 +115,7 @@ std::string ToString(RefinementTermination termination);
 
 // Final residuals: root mean squares, weighted by the robust kernel.
 struct RefinementFit {
-  double cost = 0;
+  double cost = 0;           // 1/2 sum of rho, without unit
   double rms_sigmas = 0;     // in standard deviations of the error model
   double rms_m = 0;          // point-to-plane distance
   double rms_intensity = 0;  // intensity difference, in [0, 1]; 0 without texture
@@ -137,9 +137,9 @@ struct RefinementSummary {
   // Estimated calibration. `given` if the input calibration is kept or only poses are refined.
   // `start` after a failed estimation.
   DepthCalibration calibration;
-  // Covariance of the estimated calibration: fx fy cx cy [px], c0 .. c5 [1/m] and the readout
-  // [s], 11 x 11. 0 for fixed parameters, empty after a failed estimation. Scaled by the
-  // variance of the final residuals, plus the error of the model (`model_error_ratio`).
+  // Covariance of the estimated calibration: fx fy cx cy [px], c0 .. c5 [1/m] and the readout [s],
+  // 11 x 11. 0 for fixed parameters, empty after any failure. Scaled by the variance of the final
+  // residuals, plus the error of the model (`model_error_ratio`).
   Eigen::MatrixXd calibration_covariance;
   // Squared Mahalanobis distance of the estimated calibration from the input calibration, and its
   // upper limit for keeping the input calibration. Both are 0 if the calibration is not estimated.
@@ -147,10 +147,10 @@ struct RefinementSummary {
   bool calibration_kept = false;  // the input calibration is kept
   // Covariance of each keyframe pose, 6 x 6, for the perturbation (w [rad], v [m]) in exp(w) R and
   // t + v. 0 for the first keyframe. Infinite diagonal for a keyframe without shared surfels. Empty
-  // if the first solution fails. If only the second refinement with the kept calibration fails,
-  // they and `after` belong to the first refinement.
+  // after any failure, also of the second refinement with the kept calibration.
   std::vector<Eigen::MatrixXd> pose_covariances;
-  // Fit at the initial poses and at the final poses, each with its own surfels.
+  // Fit at the initial poses and at the final poses, each with its own surfels. `after` is 0 after
+  // a failure.
   RefinementFit before, after;
   std::vector<RefinementRound> rounds;  // rounds of calibration, then of poses only
 
@@ -178,8 +178,9 @@ struct RefinementSummary {
 //
 // `keyframes` must be in the order of time. `given`: input calibration, the mean of the prior.
 // `start`: initial calibration, for example of tracking. Both must have the size of the keyframe
-// images. The result is the same for any number of threads. `progress` must not be empty. It is
-// called after each round, on the calling thread. Throws InputError for invalid options.
+// images, which is not checked. The result is the same for any number of threads. `progress` must
+// not be empty. It is called after each round, on the calling thread. Its exceptions are passed on,
+// with the poses of the last round. Throws InputError for invalid options.
 RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& given,
                          const DepthCalibration& start, std::vector<RefinementKeyframe>* keyframes,
                          const std::function<void(const RefinementRound&)>& progress);

@@ -17,10 +17,10 @@ namespace surfit {
 // Frame with a pose.
 struct PosedFrame {
   int index = 0;
-  double stamp_s = 0;
+  double stamp_s = 0;         // RgbdFrame::stamp_s
   Rigid3d world_from_camera;  // latest estimate
   int keyframe = 0;           // position of its keyframe: itself, or the last keyframe before
-  int segment = 0;            // trajectory segment; relocalisation starts a new segment
+  int segment = 0;            // trajectory segment; relocalisation or a new submap starts one
 };
 
 // Keyframe and its parent, by frame indices.
@@ -65,8 +65,8 @@ struct StoredPoses {
   std::size_t settled_keyframes = 0;    // number of keyframes with a completed loop search
 };
 
-// Moves edge measurements with their keyframes, so that all residuals are unchanged. Both vectors
-// have one pose per keyframe.
+// Moves edge measurements with their keyframes, so that all residuals are unchanged up to rounding.
+// Both vectors have one pose per keyframe.
 void Recalibrate(const std::vector<Rigid3d>& world_from_keyframe_before,
                  const std::vector<Rigid3d>& world_from_keyframe_after,
                  std::vector<PoseGraphEdge>* edges);
@@ -113,7 +113,7 @@ class PoseStore {
   // Adds a verified or rejected candidate. `edge`: required for verified loops, std::nullopt for
   // rejected candidates.
   void AddLoop(LoopRecord record, const std::optional<PoseGraphEdge>& edge);
-  // Sets the outliers of an optimisation: one flag per verified loop.
+  // Sets the outliers of an optimisation: one flag per verified loop, false for outliers.
   void SetLoopsInGraph(const std::vector<bool>& in_graph);
 
   // Snapshot of the pose graph for a loop task. Its edges precede all later edges, so that results

@@ -34,7 +34,7 @@ struct Pairs {
     return {&px, &py, &pz, &qx, &qy, &qz, &nx, &ny, &nz, &mx, &my, &mz, &information};
   }
 
-  // Sets the length of all arrays, at least `size`.
+  // Sets the length of all arrays. Requires a capacity of at least `size`.
   void SetCapacity(int capacity) {
     for (auto* array : Arrays()) array->resize(capacity);
   }
@@ -75,7 +75,8 @@ struct AssociationGates {
   void Visit(OptionVisitor& visitor);
 };
 
-// Finds correspondences at one pose. Must not outlive its Association. Thread-safe.
+// Finds correspondences at one pose. Must not outlive its Association. Implementations must be
+// thread-safe.
 class PairFinder {
  public:
   virtual ~PairFinder() = default;
@@ -91,14 +92,14 @@ class PairFinder {
 class Association {
  public:
   virtual ~Association() = default;
-  virtual int source_count() const = 0;    // valid source points that are used (stride)
+  virtual int source_count() const = 0;    // used source points with depth
   virtual int block_count() const = 0;     // number of blocks of source points
   virtual int block_capacity() const = 0;  // maximum number of values that Find() writes per block
   // Prepares the search at a pose. Thread-safe.
   virtual std::unique_ptr<const PairFinder> At(const Rigid3d& target_from_source) const = 0;
 
-  // Correspondences of all blocks in block order. Searches in parallel. Empty without
-  // correspondences.
+  // Correspondences of all blocks in block order. The arrays are longer than `size`. Searches in
+  // parallel.
   PairBuffer Collect(const Rigid3d& target_from_source) const;
 };
 
@@ -110,8 +111,8 @@ class Association {
 // is used.
 class ProjectiveAssociation final : public Association {
  public:
-  // Stores references: both levels must outlive this object. Requires row_stride >= 1. Aborts if
-  // the size of the target differs from its camera.
+  // Stores references: both levels must outlive this object. Requires row_stride >= 1, which is not
+  // checked. Aborts if the vertex map of the target differs in size from its camera.
   ProjectiveAssociation(const FrameLevel& source, const FrameLevel& target,
                         const AssociationGates& gates, const ErrorModel& error_model,
                         NeededNormals needed_normals = NeededNormals::kTarget, int row_stride = 1);
@@ -135,7 +136,7 @@ class ProjectiveAssociation final : public Association {
 struct PointSet {
   std::vector<Eigen::Vector3f> points;   // m, finite
   std::vector<Eigen::Vector3f> normals;  // unit length; (0, 0, 0): unknown
-  std::vector<float> sigma_m;            // standard deviation of the residual of a point
+  std::vector<float> sigma_m;            // standard deviation of the residual of a point, > 0
 
   std::size_t size() const { return points.size(); }
   void Add(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float point_sigma_m) {
@@ -148,8 +149,8 @@ struct PointSet {
 // Valid points of a frame, in the camera frame, with the standard deviations of the error model.
 PointSet PointSetOf(const FrameLevel& level, const ErrorModel& error_model);
 
-// Point set with a KD-tree. Copies share the data. Aborts if the vectors of the point set have
-// different sizes.
+// Point set with a KD-tree, copied from its argument. Copies share the data. Aborts if the vectors
+// of the point set have different sizes.
 class SearchablePoints {
  public:
   explicit SearchablePoints(const PointSet& points);
@@ -176,7 +177,7 @@ struct KdTreeAssociationOptions {
 // = R p + t, and finds the nearest target point q. The first point of the set wins a tie. Aborts if
 // source_stride < 1. A correspondence must have the needed normals and pass the gates. The normal
 // gate needs both normals. Searches start at the match of the previous pose, which changes the
-// speed but not the result.
+// speed but not the result. Keeps both point sets alive.
 class KdTreeAssociation final : public Association {
  public:
   KdTreeAssociation(SearchablePoints source, SearchablePoints target,

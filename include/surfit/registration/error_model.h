@@ -22,7 +22,7 @@ enum class ResidualType {
 // "point_to_point", "point_to_plane", "symmetric_point_to_plane", "plane_to_plane", and the names
 // of RegisterResidual().
 std::vector<std::string> ResidualTypeNames();
-// Throws InputError with all valid names if the name is unknown.
+// Throws InputError with all valid names for an unknown name.
 ResidualType ResidualTypeFromName(const std::string& name);
 std::string ToString(ResidualType type);
 
@@ -38,8 +38,8 @@ class OptionVisitor;
 // floor_sigma_m covers errors of map, normals and calibration. With s = |r|^2 / sigma^2, the cost
 // is
 //   1/2 sum rho(s).
-// Closed-form solvers use iteratively reweighted least squares with the weights rho'(s) / sigma^2.
-// The other solvers use Levenberg-Marquardt.
+// The solvers closed_form_* and svd use iteratively reweighted least squares with the weights
+// rho'(s) / sigma^2. The other solvers use Levenberg-Marquardt.
 //
 // With a photometric weight W > 0, and if both views have intensities, the cost is
 //   1/2 sum rho(s) + W/2 sum rho_I(s_I),  s_I = r_I^2 / intensity_sigma^2.

@@ -19,16 +19,16 @@ struct ColoredView {
 };
 
 // Acceptance criteria of a global registration, which must all hold. The order of the tests is:
-// overlap, free space, appearance, registration with its RMSE and inliers, score margin, backward
-// registration. They are strict, because a wrong registration distorts the map, while a rejected
-// registration costs little.
+// overlap, free space, appearance, registration with its sigmas, RMSE and inliers, score margin,
+// backward registration. They are strict, because a wrong registration distorts the map, while a
+// rejected registration costs little.
 struct FitCriteria {
   double min_overlap_ratio = 0.3;                // of points on the surface of the other view
   double max_free_space_violation_ratio = 0.03;  // ratio of free-space violations; 1: no limit
   bool needs_color = true;                       // reject views without colour
   double min_value_correlation = 0.6;            // correlation of the brightness in the overlap
   double min_detail_correlation = 0.2;           // correlation of the image details in the overlap
-  double min_inlier_ratio = 0.4;                 // inliers per overlapping point
+  double min_inlier_ratio = 0.4;                 // inlier ratio divided by overlap ratio
   double max_rmse_m = 0.02;
   double max_sigma_m = 0.01;           // translation, in the least certain direction
   double max_sigma_rad = 0.01;         // rotation, in the least certain direction
@@ -82,7 +82,8 @@ struct GlobalRegistrationResult {
 };
 
 // Violated criterion with value and limit. Empty for kAccepted, kNoView, kNoStart, kNotRegistered,
-// and for kDegenerate without standard deviations, because the pose is unobservable.
+// and for kDegenerate without standard deviations, because the pose is unobservable. If ICP itself
+// failed by kFreeSpaceViolation, the value is 0.
 std::string ViolatedCriterion(const GlobalRegistrationResult& verdict, const FitCriteria& criteria);
 
 // Options for the initial pose of the registration of two frames, and its verification.
@@ -130,14 +131,14 @@ IcpOptions IcpOptionsFromStart(const InitializeOptions& options, const IcpOption
 
 // Finds initial poses by the method, registers from the best of them, and verifies the best result.
 // The result of `identity` is not verified: kAccepted means that ICP succeeded, and its
-// `information` is 0. Aborts if a colour image does not have the size of the finest level. Throws
-// InputError for invalid options. A rejected registration is a result, not an error.
+// `information` is 0. Other methods abort if a colour image does not have the size of the finest
+// level. Throws InputError for invalid options. A rejected registration is a result, not an error.
 GlobalRegistrationResult RegisterGlobally(const ColoredView& source, const ColoredView& target,
                                           const InitializeOptions& options,
                                           const IcpOptions& icp_options);
 
 // Two views of one camera: pyramids with the same number of levels, and the colours of the finest
-// level. Empty images: no colour.
+// level. Empty images: no colour. Does not own the references.
 struct ViewPair {
   const FramePyramid& source;
   const Image<Rgb8>& source_color;

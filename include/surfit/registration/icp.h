@@ -63,7 +63,7 @@ std::string ToString(Termination termination);
 struct IcpIteration {
   int level = 0;            // 0: finest
   double average_loss = 0;  // weighted mean of |r|^2, m^2
-  double cost = 0;          // 1/2 sum of rho(s)
+  double cost = 0;          // 1/2 sum of rho(s), geometric
   int inlier_count = 0;     // residual within ErrorModel::kInlierSigmas
   SolveReport report;       // of the step; empty after the last step
 };
@@ -86,10 +86,10 @@ struct IcpResult {
   std::optional<Matrix6d> covariance;
   NormalSystem system;  // for Observe() with other thresholds than those of the options
   Vector6d eigenvalues = Vector6d::Zero();  // of Observability: ascending, dimensionless
-  // Unobservable left perturbations (rad, m). Each moves the points by about 1 m.
+  // Observability::DegenerateDirections(): left perturbations (rad, m).
   std::vector<Vector6d> degenerate_directions;
   // Ratio of free-space violations on the finest level: the maximum of source in target and target
-  // in source. 0 if registration failed or max_free_space_violation_ratio is 1.
+  // in source. 0 after an earlier failure, and for a max_free_space_violation_ratio of 1.
   double free_space_violation_ratio = 0;
 
   // If false, the pose is invalid.
@@ -104,8 +104,9 @@ struct IcpResult {
 // ErrorModel::UsesIntensities() and intensities in both pyramids. The convergence test then uses
 // NormalSystem::JointLoss() instead of the RMSE. Motion along directions that are unobservable on
 // the finest level by IcpOptions::observability is undone. Without a common level, the result is
-// kTooFewInliers with the initial pose. Keeps no reference. Throws InputError for invalid
-// options. A failed registration is a termination, not an error.
+// kTooFewInliers with the initial pose. Keeps no reference. Throws InputError for invalid options.
+// With projective association, aborts if an image of the target differs in size from its camera. A
+// failed registration is a termination, not an error.
 IcpResult Register(const FramePyramid& source, const FramePyramid& target,
                    const Rigid3d& target_from_source_initial, const IcpOptions& options);
 

@@ -32,8 +32,8 @@ struct NormalSystem {
   Matrix6d hessian = Matrix6d::Zero();     // A^T W A
   Vector6d right_side = Vector6d::Zero();  // -A^T W r
   double cost = 0;                         // 1/2 sum of rho(s), see ErrorModel
-  double weighted_square_sum = 0;          // sum of w |r|^2
-  double weight_sum = 0;                   // sum of w
+  double weighted_square_sum = 0;          // sum of w |r|^2, without unit
+  double weight_sum = 0;                   // sum of w, 1/m^2
   double normal_difference_sum = 0;        // sum of w |m - n|
   double normal_ratio = 0;                 // ratio of the normal variance in the rows: 0, 0.5 or 1
   Eigen::Vector3d point_sum = Eigen::Vector3d::Zero();          // sum of w p'
@@ -52,8 +52,8 @@ struct NormalSystem {
   // Weighted mean of |r|^2 in m^2. 0 without correspondences.
   double AverageLoss() const { return weight_sum > 0 ? weighted_square_sum / weight_sum : 0; }
 
-  // Geometric and photometric loss for the convergence test. A step that reduces the total loss can
-  // increase AverageLoss().
+  // Geometric and photometric loss in m^2 for the convergence test. A step that reduces the total
+  // loss can increase AverageLoss().
   double JointLoss() const {
     return weight_sum > 0 ? (weighted_square_sum + photometric.square_sum) / weight_sum : 0;
   }
@@ -76,8 +76,8 @@ struct NormalSystem {
 };
 
 // Observable and unobservable directions of a system. Rotations are measured as arc lengths at
-// RmsDistance(), and sums are divided by weight_sum. Eigenvalues are therefore dimensionless, from
-// 0 (unobservable) to 1.
+// RmsDistance(), and sums are divided by weight_sum. Eigenvalues are therefore dimensionless: 0
+// along unobservable directions, of the order of 1 along well constrained ones.
 struct Observability {
   Vector6d eigenvalues = Vector6d::Zero();  // ascending
   Matrix6d directions = Matrix6d::Zero();   // columns: increments (w [rad], v [m])
@@ -87,7 +87,8 @@ struct Observability {
   bool Degenerate() const { return degenerate_count > 0; }
   // Projects an increment to the observable directions.
   Vector6d Held(const Vector6d& increment) const;
-  // Unobservable directions. Each moves the points by about 1 m.
+  // Unobservable directions. Each moves the points by about 1 m. Six zero vectors without
+  // correspondences.
   std::vector<Vector6d> DegenerateDirections() const;
 };
 
@@ -105,8 +106,8 @@ struct ObservabilityOptions {
 };
 
 // Determines the unobservable directions x: x^T H x is at most the threshold of `options`, in the
-// metric of the eigenvalues. All six are unobservable without correspondences. `directions`
-// diagonalises both the Hessian and the threshold matrix.
+// metric of the eigenvalues. All six are unobservable without correspondences, or if the system is
+// not finite. `directions` diagonalises both the Hessian and the threshold matrix.
 Observability Observe(const NormalSystem& system, const ObservabilityOptions& options);
 
 // Least-squares increment (w [rad], v [m]) in the subspace of observable directions. 0 if there are
@@ -119,7 +120,7 @@ inline constexpr double kSharedPoints = 25;
 // Conservative information of the increment (1/rad^2, 1/m^2). Subtracts the spurious information F
 // from the geometric Hessian H. For H x = mu F x, this multiplies the information along x by 1 - 1
 // / mu, or by 0 if mu < 1. Adds the photometric Hessian times `photometric_ratio`. Divides the sum
-// by kSharedPoints and by the variance factor (at least 1e-3).
+// by kSharedPoints and by the variance factor (at least 1e-3). 0 without correspondences.
 Matrix6d ConservativeInformation(const NormalSystem& system, double photometric_ratio);
 
 // Covariance of the increment (rad, m): inverse Hessian times the variance factor. Requires that

@@ -29,7 +29,7 @@ struct SolveReport {
   double build_ms = 0;        // construction of the Ceres problem
   double linearize_ms = 0;    // one linearisation, with data association if both are combined
   double solve_ms = 0;        // everything except build_ms
-  std::vector<double> costs;  // cost at each linearisation; costs[0]: before the step
+  std::vector<double> costs;  // joint cost at each linearisation; costs[0]: before the step
 };
 
 // Result of one solver step.
@@ -60,7 +60,7 @@ class PoseSolver {
   virtual StepResult Step(const Correspondences& pairs) const = 0;
 
   // True: a step minimises the robust cost for fixed correspondences. False: a step solves one
-  // linearised system.
+  // least-squares problem with constant weights.
   virtual bool ReachesMinimum() const { return false; }
 
   // System and observability at a pose, by the sums of Step(). The increment is 0.

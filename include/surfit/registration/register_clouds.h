@@ -21,7 +21,8 @@ struct RegisterCloudsOptions {
   // 1 / PointSet::sigma_m^2.
   IcpOptions icp = DefaultIcp();
   bool reciprocal = false;  // on the finest level, use mutual nearest neighbours only
-  // Number of levels. Level l uses every 4^l-th source point, and at least kMinPoints points.
+  // Number of levels. Level l uses every 4^l-th source point, or more to have at least kMinPoints
+  // points.
   int levels = 4;
 
   static constexpr int kMinPoints = 1000;
@@ -42,7 +43,8 @@ struct RegisterCloudsOptions {
 //
 // `covariance` includes the noise of points and normals, and correlated errors of neighbouring
 // points. It also includes errors that source points share through a common target point.
-// `information` is its inverse. Assumptions:
+// `information` is its inverse. `covariance` is std::nullopt along `degenerate_directions`, and
+// with fewer than 12 independent regions. `information` is then that of Register(). Assumptions:
 // - The errors of points more than kErrorSpacings point spacings apart are independent.
 // - Both clouds show the same rigid surfaces.
 // - The sensor has no systematic error.
@@ -59,9 +61,11 @@ struct CloudCriteria {
   double min_overlap_ratio = 0.1;                // of points on the surface of the other cloud
   double min_inlier_ratio = 0.65;                // points on the other surface, per point near it
   double max_free_space_violation_ratio = 0.06;  // if both viewpoints are known
-  double min_score_margin = 0.1;                 // 1 - second-best score / best score
-  double max_disagreement_spacings = 1;          // forward and backward registration, RMS of points
-  double max_sigma_spacings = 0.5;               // of the points, in the least certain direction
+  // 1 - second-best score / best score. Not tested for a given or identity start with an overlap of
+  // at least 0.5 and an inlier ratio of at least 0.85.
+  double min_score_margin = 0.1;
+  double max_disagreement_spacings = 1;  // RMS of points, plus 3 sigma_m
+  double max_sigma_spacings = 0.5;       // of the points, in the least certain direction
 
   void Visit(OptionVisitor& visitor);
 };
@@ -99,21 +103,24 @@ struct CloudRegistration {
   // Larger of both directions. std::nullopt: a viewpoint is unknown.
   std::optional<double> free_space_violation_ratio;
   double score_margin = 0;
-  double disagreement_m = 0;  // forward and backward registration, RMS of the source points
-  double sigma_m = 0;         // of the source points, in the least certain direction
-  double spacing_m = 0;       // larger median point spacing of both clouds
-  double noise_m = 0;         // larger median deviation of points from a plane
+  // Forward and backward registration, RMS of the source points. Infinite if backward failed.
+  double disagreement_m = 0;
+  double sigma_m = 0;    // of the source points, in the least certain direction; may be infinite
+  double spacing_m = 0;  // larger median point spacing of both clouds
+  double noise_m = 0;    // larger median deviation of points from a plane
 
   bool accepted() const { return reason == GlobalRegistrationReason::kAccepted; }
 };
 
-// Violated criterion with value and limit. Empty for kAccepted.
+// Violated criterion or reason, with value and limit if there are any. Empty for kAccepted.
 std::string ViolatedCriterion(const CloudRegistration& result, const CloudCriteria& criteria);
 
 // Registers source to target from the initial poses of start.method and verifies the result.
-// Standard deviations of points are at least a tenth of the point spacing and the noise of the
-// clouds. If the distance gate is 0, it follows from spacing and noise. Throws InputError for
-// invalid options. A rejected registration is a result, not an error.
+// `given`: target_from_source. Standard deviations of points are at least the noise of the clouds
+// and a tenth of the point spacing, or half for point_to_point. If the distance gate is 0, it
+// follows from spacing and noise. Clouds without a point spacing give kNoStart. Throws InputError
+// for invalid options, and for "file" without a given pose. A rejected registration is a result,
+// not an error.
 CloudRegistration RegisterCloudsFrom(const SensedCloud& source, const SensedCloud& target,
                                      const std::optional<Rigid3d>& given,
                                      const CloudStartOptions& start,
@@ -161,7 +168,7 @@ struct CloudNormals {
   std::vector<Eigen::Vector3f> normals;  // unit length; (0, 0, 0): none
   std::vector<float> deviation_m;        // s, the noise of the points; 0: no normal
   int missing = 0;                       // points without a normal
-  double radius_m = 0;  // smallest radius of all points; 0: too few points or all equal
+  double radius_m = 0;                   // initial radius; 0: too few points or all equal
 };
 
 // Estimates normals. The points are finite, in m, and fewer than 2^31. Throws InputError for

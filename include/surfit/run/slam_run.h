@@ -22,19 +22,21 @@ struct SlamRunOptions {
   SequenceOptions sequence;
   SlamOptions slam;
   std::string output;  // output folder; created if missing
-  // Ground-truth trajectory in TUM format. Empty: that of the sequence, if it has one.
+  // Ground-truth trajectory in TUM format, in the convention of the files. Empty: that of the
+  // sequence, if it has one.
   std::string groundtruth;
   bool fit_mount = false;  // estimates SlamRunSummary::mount; requires ground truth
   // Pose world_from_camera of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw (m,
   // unit quaternion).
   std::string initial_pose = "identity";
-  // track, or groundtruth: fuse at the ground-truth poses without tracking
+  // track, or groundtruth: fuse at the ground-truth poses without tracking, other frames are lost.
+  // Must be track with loop closure.
   std::string poses = "track";
   int threads = 2;         // maximum number of computing threads
   int queue_capacity = 8;  // maximum number of queued input frames
   // Replays a recording at this rate, 1/s, like a camera (OfferFrames()). This shows if the run is
-  // fast enough. Sets `slam.confident_inlier_ratio` to 0: only lost frames are registered globally.
-  // 0: as fast as possible.
+  // fast enough. Sets `slam.real_time`, and `slam.confident_inlier_ratio` to 0: only lost frames
+  // are registered globally. 0: as fast as possible.
   double offered_fps = 0;
   // Steps after the last frame, which read the sequence again. `refine`: if the calibration has
   // changed, refines it jointly with the poses. `final_map`: fuses the map again with the final
@@ -52,7 +54,9 @@ struct SlamRunOptions {
   // must not have a session, except with one of the next two options. Empty: none.
   std::string session;
   // Continues an existing session. The camera is relocalised, or tracked from the last pose if the
-  // recording follows within 1 s.
+  // recording follows within 1 s. If the session already has frames of this recording, the run
+  // starts after the last such frame. LoopOptions::new_map_after is 10 instead of 0. Without a
+  // session in the folder, a new session begins.
   bool continue_session = false;
   // Localises the camera in an existing session, which does not change.
   bool localize = false;
@@ -86,10 +90,11 @@ struct SlamRunProgress {
   double elapsed_s = 0;
   int refinement_rounds = 0;            // completed rounds of the final refinement
   int frames_reintegrated = 0;          // frames fused into the final map
-  const SlamRunFrame* frame = nullptr;  // last frame; null if it was unreadable
+  const SlamRunFrame* frame = nullptr;  // last frame; null if unreadable, and after all frames
 };
 
-// Result as written to the output folder. References are valid during the callback only.
+// Result in the world of the frames: mirrored if SequenceInfo::mirrored is true, unlike the files.
+// References are valid during the callback only.
 struct SlamRunResult {
   const SurfelMap& map;
   const Trajectory& trajectory;
@@ -179,7 +184,7 @@ struct SlamRunSummary {
   double match_ratio_last = 0;                     // merged points / valid points, last fused frame
   double match_ratio_median = 0;                   // median over all fused frames
   std::optional<TrajectoryEvaluation> evaluation;  // with ground truth only
-  double sensor_latency_s = 0;  // RgbdCamera::latency_s: file timestamp minus pose timestamp
+  double sensor_latency_s = 0;  // RgbdCamera::latency_s: file timestamp minus capture time
   // ATE with the timestamps of the files, and ATE with a time offset fitted to the ground truth.
   std::optional<AbsoluteTrajectoryError> ate_without_latency;
   std::optional<TimeOffset> time_offset;
@@ -222,9 +227,10 @@ struct SlamRunSummary {
 // (WatchFolder()). Unreadable frames are skipped and counted.
 //
 // `progress` must not be empty. It is called on the calling thread after every frame and refinement
-// round, and for every frame of the final map. Frame times exclude it. If `interrupted` becomes
-// true, the current frame is completed and all results are written. `finished`, if not empty, is
-// called on the calling thread after success.
+// round, and for every frame of the final map. Frame times exclude it. Its exceptions end the run.
+// If `interrupted` becomes true, the current frame is completed and all results are written. A run
+// over a recording has at least one frame. `finished`, if not empty, is called on the calling
+// thread after success only.
 //
 // Throws InputError for invalid options, for an output folder that another run is writing to, and
 // if no frame can be read. Later errors (out of memory, full disk, read error) end the run: all

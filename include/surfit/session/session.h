@@ -23,13 +23,12 @@ namespace surfit {
 
 // Recording in a session.
 struct SessionRun {
-  std::string sequence;  // absolute path of the sequence
-  std::string format;    // SequenceInfo::format
-  int first = 0, stride = 1;
-  // Session index of a frame minus its index in the recording
-  int shift = 0;
-  bool mirrored = false;  // SequenceInfo::mirrored
-  bool ended = false;     // saved completely; false during the run and after a crash
+  std::string sequence;       // absolute path of the sequence
+  std::string format;         // SequenceInfo::format
+  int first = 0, stride = 1;  // SequenceOptions
+  int shift = 0;              // session index of a frame minus its index in the recording
+  bool mirrored = false;      // SequenceInfo::mirrored
+  bool ended = false;         // saved completely; false during the run and after a crash
 };
 
 // Row counts and file size of a session.
@@ -38,7 +37,7 @@ struct SessionCounts {
   std::int64_t surfels = 0;
   std::int64_t submaps = 0;
   std::int64_t saves = 0;
-  std::int64_t bytes = 0;  // size of all files
+  std::int64_t bytes = 0;  // size of all files in the folder
 };
 
 // Content of a session.
@@ -46,12 +45,13 @@ struct Session {
   std::vector<SessionRun> runs;
   DepthSensor sensor;  // input sensor; its prior is not saved
   SlamState state;
-  std::int64_t saves = 0;
+  std::int64_t saves = 0;  // number of saves so far
 };
 
-// Read a session, its runs, or its counts. They open the session read-only. Throw
-// InputError with the file if the folder is no session of this version, or if another program has
-// locked it. For damaged data, the message names table and row.
+// Read the last save of a session, its runs, or its counts. Another program may write to the
+// session meanwhile. Throw InputError with the file if the folder is no session of this version, or
+// if the database is locked. ReadSession() and ReadSessionRuns() also throw for damaged data, with
+// table and row or with the tile. CountSession() does not verify checksums.
 Session ReadSession(const std::string& folder);
 std::vector<SessionRun> ReadSessionRuns(const std::string& folder);
 SessionCounts CountSession(const std::string& folder);
@@ -60,7 +60,7 @@ SessionCounts CountSession(const std::string& folder);
 // the gap, no surfels of both merge before a loop closure.
 int SessionGap(const LoopOptions& options);
 
-// True if the folder has a session, of any version and state.
+// True if the folder has a session.db, of any version and state.
 bool HasSession(const std::string& folder);
 
 // Throws InputError with the folder if the sensor of a session (`kept`) and `given` differ in
@@ -69,8 +69,8 @@ void RequireSameSensor(const std::string& folder, const DepthSensor& kept,
                        const DepthSensor& given);
 
 // Checks the database, the checksums of rows and tiles, and the consistency of all rows. Returns
-// one sentence per error; empty: intact. Throws InputError if there is no session, or if another
-// program has locked it.
+// one sentence per error, also for a locked database; empty: intact. Throws InputError if there is
+// no session of this version.
 std::vector<std::string> CheckSession(const std::string& folder);
 
 }  // namespace surfit

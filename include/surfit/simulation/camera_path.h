@@ -11,7 +11,7 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of a hand-held camera motion
+// Options of a hand-held camera motion.
 struct PathOptions {
   double frames_per_second = 30;
   // Bounds of the motion between consecutive frames, including the hand tremor. Translation and
@@ -25,8 +25,9 @@ struct PathOptions {
 };
 
 // Generates a smooth hand-held camera path: poses world_from_camera in m (x right, y down, z
-// forward). The path is in `scene.camera_space`, or repeats `scene.route`. The camera looks at
-// `scene.targets` with a level horizon and hand tremor. If possible, it keeps 0.5 m from objects.
+// forward), at the times i / frames_per_second. The path is in `scene.camera_space`, or repeats
+// `scene.route`. The camera looks at `scene.targets` with a level horizon and hand tremor. If
+// possible, it keeps 0.5 m from objects.
 //
 // If possible, 25 % to 50 % of the frames are planar: one or two planes cover at least 80 % of the
 // view. No frame has more than 95 %. In buildings, there is no minimum of 25 %.
@@ -37,14 +38,15 @@ Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
                     const PathOptions& options = {});
 
 // Interpolates poses with continuous accelerations, by natural cubic splines of positions and
-// quaternions. Extrapolates with constant velocity before the first and after the last pose.
+// quaternions. Extrapolates positions and quaternions linearly before the first and after the last
+// pose.
 class SmoothPath {
  public:
-  // Aborts for an empty trajectory, and unless timestamps increase. A single pose is a constant
+  // Aborts for an empty trajectory, and unless its times increase. A single pose is a constant
   // pose.
   explicit SmoothPath(Trajectory poses);
 
-  // Pose at a time. Bitwise identical to a given pose at its timestamp.
+  // Pose at a time. Bitwise identical to a given pose at its time.
   Rigid3d At(double stamp_s) const;
 
   const Trajectory& poses() const { return poses_; }

@@ -101,10 +101,10 @@ struct SensorImage {
   Image<std::uint8_t> confidence;  // 0: low, 1: medium, 2: high; empty: the sensor has none
 };
 
-// The following sensors measure depth from exact depth, normals and colour. Reflectance is the
-// luminance of the colour in linear light, so a shadow has the effect of a dark surface. A depth
-// edge separates two pixels if a point is farther from the tangent plane of the other point than
-// `edge_ratio` times the smaller depth. The same seed gives the same image for any number of
+// The following sensors measure depth from exact depth, normals and colour of Render(). Reflectance
+// is the luminance of the colour in linear light, so a shadow has the effect of a dark surface. A
+// depth edge separates two pixels if a point is farther from the tangent plane of the other point
+// than `edge_ratio` times the smaller depth. The same seed gives the same image for any number of
 // threads. The functions throw InputError for invalid options. They abort if the images do not have
 // the size of the camera.
 
@@ -197,7 +197,8 @@ SensorImage TofDepth(const Rendering& exact, const PinholeCamera& camera, std::u
 // around each pixel. The weights depend on distance and colour difference (Kopf et al., "Joint
 // Bilateral Upsampling", SIGGRAPH 2007). The image is dense and smoothed across depth edges without
 // colour edges. Confidence is
-// - low within `edge_px` of a depth edge, and if RangeNoise of the pixel exceeds medium_sigma_m,
+// - low without an exact surface, within `edge_px` of a depth edge, and if RangeNoise of the pixel
+//   exceeds medium_sigma_m,
 // - else medium within 2 `edge_px` of a depth edge, and if RangeNoise exceeds high_sigma_m,
 // - else high.
 struct LidarOptions {
@@ -206,8 +207,8 @@ struct LidarOptions {
   double color_scale = 0.1;     // colour difference with the weight exp(-1/2); white minus black: 1
   double edge_ratio = 0.03;     // depth edges
   double edge_px = 3;           // radius of low confidence around depth edges
-  double high_sigma_m = 0.015;  // largest noise of a dot for high confidence
-  double medium_sigma_m = 0.03;  // largest noise of a dot for medium confidence
+  double high_sigma_m = 0.015;  // largest RangeNoise for high confidence
+  double medium_sigma_m = 0.03;  // largest RangeNoise for medium confidence
 
   void Visit(OptionVisitor& visitor);
 };
@@ -225,7 +226,7 @@ struct ColorOptions {
   double auto_white_balance_lag_s = 0;  // 0: fixed
   std::vector<double> channel_gains;    // red, green, blue; empty: 1, 1, 1
 
-  // True for a global shutter, no motion blur and fixed gains of 1.
+  // True for a global shutter, no motion blur, no automatic gains and empty channel_gains.
   bool ArePlain() const;
   void Visit(OptionVisitor& visitor);
 };
@@ -235,25 +236,26 @@ struct ColorOptions {
 //   e_(i+1) = e_i + (1 - exp(-dt / lag)) (log(0.18 / y_i) - e_i).
 // y_i is the mean of all channels, and c_i the mean of one channel. w_i follows log(y_i / c_i) by
 // the same rule with its own lag. Each frame changes the gains of the next frame, towards a grey
-// mean. The gains of the first frame suit its own light.
+// mean. The gains of the first frame suit its own light. A lag of 0 gives e_i = 0 or w_i = 0. Means
+// below 1e-3 are raised to 1e-3. The options are not validated.
 std::vector<Eigen::Vector3f> ColorGains(const std::vector<Eigen::Vector3d>& mean_light,
                                         double frames_per_second, const ColorOptions& options);
 
 // Moving RGB-D camera with exact measurements and realistic timing, as test data for calibration
-// and refinement. Frame i has the timestamp of pose i of the path: the middle of its depth readout.
-// Row v of h rows is read ((v + 0.5) / h - 0.5) readout_s later. Colour is captured
-// `color_latency_s` earlier, with the pixels of depth and the pose at its capture time.
+// and refinement. Frame i has the time of pose i of the path: the middle of its depth readout. Row
+// v of h rows is read ((v + 0.5) / h - 0.5) readout_s later. Colour is captured `color_latency_s`
+// earlier, with the pixels of depth and the pose at its capture time.
 class MovingCamera {
  public:
   // Keeps a reference to the scene, which must outlive this object. `camera` has the true
   // parameters. Only its depth camera, readout_s, color_latency_s and frames_per_second have an
   // effect. Throws InputError for an invalid camera or invalid options. Aborts for an empty path,
-  // and unless timestamps increase.
+  // and unless its times increase.
   MovingCamera(const Scene& scene, const RgbdCamera& camera, const Trajectory& path,
                const ColorOptions& options = {});
 
   // Renders frame i without noise, in parallel. Depth, normals and surfaces use one pose per row.
-  // Aborts if i is out of range.
+  // Aborts if i is out of range, which the functions below do not check.
   Rendering Frame(int i) const;
 
   // world_from_camera for row v: at its depth readout, and at the middle of its colour exposure.

@@ -23,8 +23,8 @@ struct ShapeHit {
   int face = -1;                                     // number of the flat face, or Shape::kCurved
 };
 
-// Solid in its own frame, m. Rays intersect it from outside only: a ray that starts inside does not
-// intersect.
+// Solid in its own frame, m. Const functions must be thread-safe. Rays intersect it from outside
+// only: a ray that starts inside does not intersect.
 class Shape {
  public:
   static constexpr int kCurved = -1;
@@ -47,11 +47,11 @@ class Shape {
 
 using ShapePtr = std::shared_ptr<const Shape>;
 
-// Solids with their centre at the origin, m.
+// Solids with their centre at the origin, m. Sizes are not checked.
 ShapePtr MakeHalfSpace();  // z <= 0; face 0 is the plane z = 0
 ShapePtr MakeBox(const Eigen::Vector3d& size);
 ShapePtr MakeSphere(double radius);
-ShapePtr MakeRoundedBox(const Eigen::Vector3d& size, double edge_radius);
+ShapePtr MakeRoundedBox(const Eigen::Vector3d& size, double edge_radius);  // 2 edge_radius <= size
 // Capsule along z. `length`: distance of the centres of its caps.
 ShapePtr MakeCapsule(double radius, double length);
 // Truncated cone along z; cylinder if both radii are equal. Face 0: bottom, face 1: top.
@@ -69,7 +69,7 @@ struct SceneObject {
   float glow = 0;  // emitted light, in multiples of the reflectance
 };
 
-// Light source with Lambert shading.
+// Light source with Lambert shading. Decreases with 1 / (1 + (distance / 2.5 m)^2).
 struct PointLight {
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
   float intensity = 1;
@@ -126,7 +126,8 @@ class Scene {
       const Eigen::Vector3d& apex, const Eigen::Vector3d& unit_axis, double half_angle_rad,
       double reach_m = std::numeric_limits<double>::infinity()) const;
 
-  // Distance to the nearest surface, m; exact outside solids, negative inside.
+  // Distance to the nearest surface, m; exact outside solids, negative inside. Infinite for an
+  // empty scene.
   double Distance(const Eigen::Vector3d& point_in_world) const;
 
   // Linear reflectance at an intersection.
@@ -169,8 +170,8 @@ class Scene {
 
 // Size of the scene "building".
 struct BuildingOptions {
-  int floors = 2;
-  int rooms = 6;
+  int floors = 2;  // 1 to 100
+  int rooms = 6;   // on all floors together; a multiple of `floors`
 
   void Visit(OptionVisitor& visitor);
 };
@@ -190,8 +191,8 @@ struct BuildingOptions {
 // All scenes have z up. In scenes without rooms, the seed changes only the textures.
 std::vector<std::string> SceneNames();
 
-// Creates a scene. Throws InputError for invalid options, and for an unknown name with the list of
-// names.
+// Creates a scene. Throws InputError for invalid options of a building, and for an unknown name
+// with the list of names.
 Scene MakeScene(const std::string& name, std::uint64_t seed = 1,
                 const BuildingOptions& building = {});
 

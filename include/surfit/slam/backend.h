@@ -54,7 +54,7 @@ struct WorldCorrection {
   bool moves = false;                            // false: the corrections are the identity
   FrameCorrections corrections{0, {Rigid3d()}};  // by frame index
   Rigid3d new_from_old_now;                    // correction of the camera pose and of later frames
-  std::vector<int> joined;                     // indices of the target frames of new loops
+  std::vector<int> joined;                     // frame indices of the targets of new inlier loops
   std::optional<Recalibration> recalibration;  // change of the calibration for later frames
 };
 
@@ -83,13 +83,13 @@ struct BackendCounts {
 class Backend {
  public:
   // `sensor` is the input sensor. An empty `finder` stands for FindLoops(). Throws InputError for
-  // invalid loop options.
+  // invalid loop options. Other arguments are not checked.
   Backend(const DepthSensor& sensor, const PreprocessOptions& preprocess, const LoopOptions& loops,
           const CalibrationOptions& calibration, LoopFinder finder = {}, bool real_time = false);
   ~Backend();
 
-  // Continues from a state. Requires enabled loops and a state with a keyframe. Call before the
-  // first frame. Moves from all members of the state except its map.
+  // Continues from a state. Requires enabled loops and a state with a keyframe and one view per
+  // keyframe. Call before the first frame. Moves from all members of the state except its map.
   void ContinueFrom(SlamState* state, StateUse use);
   // Sets the callback for new keyframes. Requires enabled loops.
   void OnKeyframe(KeyframeCall call) { on_keyframe_ = std::move(call); }
@@ -108,7 +108,7 @@ class Backend {
   // never becomes a keyframe.
   void AddDuplicateFrame(int index, double stamp_s);
 
-  // Ends calibration, and drops a running task. The current estimate stays.
+  // Ends calibration: waits for a running task and drops its result. The current estimate stays.
   void EndCalibration();
 
   // Relocalises a view by all keyframes. Waits for the current loop task. Requires enabled loops.

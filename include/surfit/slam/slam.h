@@ -42,8 +42,8 @@ struct SlamOptions : TrackingOptions {
   // Frames arrive at the rate of a camera. Tracking does not wait for loop closure or calibration,
   // so the result depends on the machine. Only relocalisation waits for the current loop task.
   bool real_time = false;
-  // Every hold_out-th frame is tracked, but not fused, for the evaluation of the map. The first
-  // frame of a map is always fused. 0: off. 1 is invalid.
+  // Every hold_out-th frame is tracked, but not fused, for the evaluation of the map. Lost frames
+  // are counted. The first frame of a map is always fused. 0: off. 1 is invalid.
   int hold_out = 0;
 
   void Visit(OptionVisitor& visitor);
@@ -100,14 +100,16 @@ class Slam {
   // pose. The second frame must confirm this pose. Frame indices must be larger than those of the
   // state.
   //
-  // Throws InputError for invalid options, disabled loop closure, frame-to-frame tracking, or a
-  // state without keyframes.
+  // Enables calibration if the state is calibrated. Throws InputError for an invalid sensor,
+  // invalid options, disabled loop closure, frame-to-frame tracking, or a state without keyframes.
+  // Other errors of the state are not checked.
   Slam(const DepthSensor& sensor, const SlamOptions& options, SlamState state, StateUse use);
   ~Slam();
 
-  // Tracks and fuses the next frame. Frames must have increasing indices and timestamps. The frame
-  // may be lost: see FrameReport::state. Aborts if an image does not have the size of the sensor.
-  // Throws the exception of a failed loop closure or calibration.
+  // Tracks and fuses the next frame. Frames must have increasing indices and times (stamp_s), which
+  // is not checked. The frame may be lost: see FrameReport::state. Aborts if the depth image does
+  // not have the size of the sensor, or if the colour image has another number of pixels. Throws
+  // the exception of a failed loop closure or calibration.
   FrameReport Process(const RgbdFrame& frame);
 
   // Fuses the next frame at a given pose, without tracking. Ends calibration, because a calibration
@@ -119,17 +121,19 @@ class Slam {
   // Process(). It must not throw or call this object.
   void OnPose(std::function<void(const FrameReport&)> call);
 
-  // Sets a callback for each frame whose tracking and global registration have failed. It runs on
-  // the thread of Process(). References in LostFrame are valid during the call.
+  // Sets a callback for each frame whose tracking and global registration have failed, also if it
+  // then begins a submap. Not called before the first pose in an empty map, and for frames that
+  // only the check of two motions rejects. It runs on the thread of Process(). References in
+  // LostFrame are valid during the call. It must not call this object. Process() passes on
+  // exceptions of the callback.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
-  // Replaces FindLoops() for loop closure. Call before OnKeyframe(), because this function removes
-  // the keyframe callback. Not possible for a Slam that continues from a state. Aborts if loops are
-  // disabled or a frame has a pose.
+  // Replaces FindLoops() for loop closure. Aborts if loops are disabled or a frame has a pose, also
+  // in a continued state.
   void UseLoopFinder(LoopFinder finder);
 
-  // Sets a callback for each new keyframe, called by the thread of Process(). Requires enabled
-  // loops.
+  // Sets a callback for each new keyframe, called by the thread of Process(). It must not throw or
+  // call this object. Throws InputError if loops are disabled.
   void OnKeyframe(KeyframeCall call);
 
   // Replaces SlamOptions::map_period for the following frames. Use a longer period if frames arrive
@@ -138,7 +142,7 @@ class Slam {
   void SetMapPeriod(int frames);
 
   // Completes loop closure and calibration, and applies their corrections. Call after the last
-  // frame. Throws the exception of a failed task.
+  // frame. Does nothing in localisation. Throws the exception of a failed task.
   void Finish();
 
   // Map in the world frame. It changes with each frame. The reference is valid until this object is

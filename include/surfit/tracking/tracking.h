@@ -28,8 +28,8 @@ inline IcpOptions TrackingIcpOptions() {
 struct TrackingOptions {
   IcpOptions icp = TrackingIcpOptions();
   std::string tracking = "frame_to_model";  // or "frame_to_frame"
-  // Maximum image shift since the last model view or fused frame, as a ratio of the image
-  // width, at the mean depth. A larger shift triggers a new view, fusion, and verification by
+  // Maximum image shift since the last model view, fused frame or tracked frame, as a ratio of the
+  // image width, at the mean depth. A larger shift triggers a new view, fusion, or verification by
   // global registration.
   double max_view_shift = 0.1;
   // A frame is weakly constrained if its smallest IcpResult::eigenvalues is below this bound.
@@ -50,8 +50,8 @@ struct TrackingOptions {
   // Bounds of an accepted registration: IcpResult::inlier_ratio and IcpResult::rmse_m.
   double min_inlier_ratio = 0.3;
   double max_rmse_m = 0.03;
-  // Frames with a lower inlier ratio are verified by global registration, as are frames after
-  // a jump or a loss. 0: only lost frames are searched.
+  // Frames with a lower inlier ratio are verified by global registration, as are frames after a
+  // jump or a loss. 0: only lost and uncertain frames are searched.
   double confident_inlier_ratio = 0.4;
   // Global registration of lost frames to the last frame with a pose: an
   // InitializeOptions::method. "identity": none. The pose is verified by registration to the
@@ -86,7 +86,7 @@ struct LostFrame {
   const FramePyramid& source;
   const FramePyramid& target;
   const Image<Rgb8>& source_color;  // size of the finest level; may be empty
-  const Image<Rgb8>& target_color;  // empty without photometric residuals
+  const Image<Rgb8>& target_color;  // of a map view: empty without photometric residuals
   Rigid3d target_from_source_initial;
   const IcpResult& icp;
 };
