@@ -43,13 +43,14 @@ class PictureSheet {
 };
 
 // Four views of the surfels with shown[id] != 0, each of width x height px: from above, oblique
-// from above, and from behind two cameras. An empty path stands for a camera at the origin.
+// from above, and from behind two cameras. An empty path stands for a camera at the origin. `shown`
+// has one value per id below SurfelMap::id_end().
 std::array<PictureView, 4> ChooseMapViews(const SurfelMap& map,
                                           const std::vector<std::uint8_t>& shown,
                                           const Trajectory& camera_path, int width, int height);
 
 // Index of the pose with the largest difference to the first pose: angle in rad plus distance /
-// scene_depth_m. 0 for a path with one pose.
+// scene_depth_m. 0 for a path of at most one pose.
 std::size_t MostDifferentPose(const Trajectory& camera_path, double scene_depth_m);
 
 }  // namespace surfit

@@ -12,7 +12,7 @@
 
 namespace surfit {
 
-// Writes map_color.png, map_normals.png, map_confidence.png and map_last_seen.png into the
+// Writes map_color.png, map_normals.png, map_confidence.png and map_last_seen.png into the existing
 // directory. Each picture has four views: from above, oblique from above, and from behind two
 // cameras. The cameras have the first pose and the most different pose. The up direction is
 // computed from the cameras, floors and tables.
@@ -25,22 +25,21 @@ namespace surfit {
 void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
                       const std::string& directory);
 
-// Confidence below which surfels are noise: 3 (about three central observations), or less for a map
-// of low confidence. Then it is a tenth of the 90 % quantile. 0 for an empty map.
+// Confidence below which surfels are noise: a tenth of the 90 % quantile, at most 3 (about three
+// central observations). 0 for an empty map.
 float NoiseConfidence(const SurfelMap& map);
 
 // Writes a PNG of the camera path from above and from the side, in m, with equal scales of both
 // axes. The vertical axis is the world axis nearest to the mean upward (-y) axis of the cameras.
 // With `ground_truth`, both paths are drawn and must be aligned, and a chart shows the position
-// error over time. Empty `ground_truth`: no chart. Throws InputError if writing fails.
+// error over time. Without poses at common times: no chart. Throws InputError if writing fails.
 void WriteTrajectoryPicture(const Trajectory& estimate, const Trajectory& ground_truth,
                             const std::string& path);
 
 // Writes a PNG of two point clouds from two directions: source in orange, target in blue. Points
 // are in the target camera frame (x right, y down, z forward), m. One view is from the target
-// camera, the second view is oblique. If the target is not in front of the camera, the first view
-// looks along z from a point in front of the whole target cloud. Throws InputError if writing
-// fails.
+// camera, the second view is oblique. If more than 1 % of the target is behind the camera, the
+// first view looks along z from a point in front of the target. Throws InputError if writing fails.
 void WriteTwoCloudPicture(const std::vector<Eigen::Vector3f>& source,
                           const std::vector<Eigen::Vector3f>& target, const std::string& path);
 
