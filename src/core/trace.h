@@ -20,15 +20,15 @@ class TraceRecorder {
   TraceRecorder& operator=(TraceRecorder&&) = delete;
 
   // Completes the file. Slices that end later are not recorded. Throws InputError if a write has
-  // failed; the destructor logs the error instead. Later calls do nothing.
+  // failed; the destructor logs the error instead.
   void Close();
 
  private:
   std::unique_ptr<TraceFile> file_;
 };
 
-// Records its lifetime as a slice of the calling thread, with an optional frame index. Not recorded
-// if it begins without a recorder. Must be constructed and destroyed by one thread.
+// Records its lifetime as a slice of the calling thread, with an optional frame index. Must be
+// constructed and destroyed by one thread.
 class TraceSlice {
  public:
   static constexpr int kNoFrame = -1;

@@ -26,8 +26,8 @@ RgbdFrame CorrectRollingShutter(const RgbdFrame& frame, const DepthSensor& senso
 // pose is world_from_camera * exp(d) with
 //   (A + B / seconds) d = -B (m' - m),   A = sum w a a^T,  B = sum w tau a a^T,  a = (X x n, n),
 // and weights w = 1 / sigma_z^2, summed over the pixels whose normal n faces the camera. Returns
-// exp(d), or the identity if d is not finite or the matrix is singular: a pivot is at most 1e-10 of
-// the largest. d is inaccurate along weakly constrained directions.
+// exp(d), or the identity if d is not finite or the matrix is singular (pivots below 1e-10 of the
+// largest). The result is inaccurate along weakly constrained directions.
 Rigid3d ReadoutCorrection(const FrameLevel& surface, double readout_s, const CameraMotion& expected,
                           const CameraMotion& found, double seconds);
 

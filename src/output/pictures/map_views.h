@@ -42,9 +42,9 @@ class PictureSheet {
   Image<Rgb8> image_;
 };
 
-// Four views of the surfels with shown[id] != 0, each of width x height px: from above, oblique
-// from above, and from behind two cameras. An empty path stands for a camera at the origin. `shown`
-// has one value per id below SurfelMap::id_end().
+// Four views of the surfels with shown[id] != 0 (as in RenderSurfels()), each of width x height px:
+// from above, oblique from above, and from behind two cameras. An empty path stands for a camera at
+// the origin.
 std::array<PictureView, 4> ChooseMapViews(const SurfelMap& map,
                                           const std::vector<std::uint8_t>& shown,
                                           const Trajectory& camera_path, int width, int height);
