@@ -40,8 +40,8 @@ struct UprightResult {
 // world origin of the run stays on the z axis.
 //
 // Gives no world if the cameras have no common upward direction, or if the standard deviation is
-// above 1 degree. At least 0.3 m2 of horizontal planes are necessary. `surfels` must be free of
-// noise: ReliableSurfels().
+// above 1 degree. At least 0.3 m2 of horizontal planes and a floor below the cameras are necessary.
+// `surfels` must be free of noise: ReliableSurfels().
 UprightResult FindUpright(const std::vector<Surfel>& surfels, const Trajectory& cameras);
 
 }  // namespace surfit

@@ -68,9 +68,9 @@ class LiveData {
   using Text = std::shared_ptr<const std::string>;
   // JSON; null if the state is not newer than `number`.
   Text StateAfter(std::uint32_t number, bool is_paused);
-  // JSON; null without path.
+  // JSON; null before the first path.
   Text Path();
-  // JPEG; null if the picture does not have the number `asked`. 0: any number.
+  // JPEG; null without picture, and if the picture does not have the number `asked`. 0: any number.
   Text Picture(Shown which, std::uint32_t asked);
   // SampleChanges, little endian: epoch, level, slots, version, next and count as uint32, then
   // `count` slots as uint32, then `count` PackedSurfel.

@@ -53,8 +53,8 @@ class MapSample {
   // Replaces the sample by a map, and begins a new epoch: pages start again.
   void Reset(const SurfelMap& map);
 
-  // At most `most` changes, starting with the slot of `place`. A place of another epoch gets all
-  // surfels.
+  // At most `most` changes, starting with the slot of `place`. A place of another epoch or a higher
+  // level gets all surfels.
   SampleChanges ChangesFrom(SamplePlace place, std::size_t most) const;
 
   // NoiseConfidence() of the sample, as WeightByte.
