@@ -8,15 +8,13 @@
 namespace surfit {
 
 // Balanced k-d tree (Friedman, Bentley and Finkel 1977) over points in single precision. A node
-// stores the tight boxes of eight children, which is three binary splits. Boxes and points are
-// tested four at a time.
+// stores the tight boxes of eight children, which is three binary splits.
 //
 // Results are exact in the arithmetic of SquaredDistance() and do not depend on hints. Rounding is
 // monotonic, so the distance to a box never exceeds the distance to a point in it.
 //
 // The tree stores a copy of the points in spatial order. The rank of a point is its position in
-// this order. Queries in spatial order use the cache well. Queries are thread-safe. An empty tree
-// is valid and finds nothing.
+// this order. Queries are thread-safe. An empty tree is valid and finds nothing.
 class KdTree {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();

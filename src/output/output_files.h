@@ -24,8 +24,8 @@ Json ReadJson(const std::string& path);
 void WriteJson(const Json& json, const std::string& path, int indent = 2);
 
 // Writes an array of JSON objects with equal keys as CSV: a header, then one line per object. Null
-// becomes an empty cell. Throws InputError with the path if writing fails. The order of the keys
-// must be equal, too. Keys are not quoted. No rows give an empty file.
+// becomes an empty cell. Throws InputError with the path if writing fails. The order of the keys,
+// which are not quoted, must be equal, too. No rows give an empty file.
 void WriteCsv(const Json& rows, const std::string& path);
 
 // Camera as an object with width, height, fx, fy, cx and cy, without distortion. CameraFromJson()

@@ -101,7 +101,6 @@ std::string FormatPlyHeader(const std::vector<PlyElement>& elements);
 // file order; the value of a list is 0. `begin` is called before the first row, after the file size
 // has been checked. Throws InputError with `path`, element and row if the body is truncated or
 // invalid. Without such an element, calls nothing. The argument of `row` is valid during the call.
-// InputErrors of the callbacks get path and element.
 void ReadPlyElement(std::string_view file, const PlyHeader& header, const std::string& name,
                     const std::string& path, const std::function<void()>& begin,
                     const std::function<void(const double*)>& row);

@@ -54,8 +54,7 @@ ImageSize SizeInHeader(const std::string& bytes, const std::string& path);
 ImageSize JpegSize(const std::string& bytes, const std::string& path);
 
 // Throws InputError with `path` if the image is truncated or damaged, or if its colours are CMYK.
-// The decoder would fill in missing pixels with a warning; here a warning is an error. Up to 64
-// stray bytes after the last pixel are ignored.
+// Up to 64 stray bytes after the last pixel are ignored.
 Image<Rgb8> DecodeJpeg(const std::string& bytes, const std::string& path);
 
 // `quality`: 1 to 100. Chroma is not subsampled. Throws InputError if encoding fails, including out

@@ -74,7 +74,6 @@ struct OpenedRecording {
   CameraReader read_camera = {};      // valid as long as `frames`
 };
 
-// Files of one frame.
 struct FrameFiles {
   FrameStamps stamps;
   std::string depth_path;

@@ -38,6 +38,7 @@ std::optional<std::string> TimeInName(const std::string& name);
 //   3. poses from 1, images from 0
 //   4. the first pose belongs to the first image, and later numbers have the same distance
 //   5. positions: pose number (first + k) belongs to the image at position k
+//
 // If images begin at 1 and poses at 0, convention 2 precedes convention 1, unless the last numbers
 // are equal.
 std::vector<int> FramesOfPoses(const std::vector<long>& poses, const std::vector<long>& frames);
