@@ -53,9 +53,9 @@ class Calibrator {
   std::shared_ptr<const RgbdFrame> last_keyframe() const {
     return frames_.empty() ? nullptr : frames_.back();
   }
-  // True if a task is running, or if another task will follow.
+  // True if a task is pending (Take() not called), or if another task will follow.
   bool IsCalibrating() const { return next_count_ > 0 || task_.IsPending(); }
-  // True if no task is running and there are enough keyframes for the next one.
+  // True if no task is pending and there are enough keyframes for the next task.
   bool IsTaskDue() const {
     return !task_.IsPending() && next_count_ > 0 && frames_.size() >= next_count_;
   }

@@ -11,7 +11,7 @@
 namespace surfit {
 
 struct RefinedSequence {
-  std::size_t keyframes = 0;
+  std::size_t keyframes = 0;  // number of keyframes
   RefinementSummary summary;
   // Values of `known` if the refinement failed: see RefinementSummary::Succeeded().
   Trajectory trajectory;

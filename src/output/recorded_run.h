@@ -23,8 +23,8 @@ struct RecordedRun {
 // but not checked.
 RecordedRun ReadRecordedRun(const std::string& folder);
 
-// Throws InputError if the calibration of the run has another image size than `frames`. Does
-// nothing without an estimated calibration.
+// Throws InputError if the calibration of the run has another image size than `frames`, the camera
+// of the prepared frames. Does nothing without an estimated calibration.
 void RequireCameraOfFrames(const RecordedRun& run, const std::string& folder,
                            const PinholeCamera& frames);
 

@@ -12,8 +12,8 @@ namespace surfit {
 struct HttpRequest {
   std::string method;
   std::string target;
-  std::string host;  // Host header; empty if missing
-  std::optional<std::string> origin;
+  std::string host;                   // Host header; empty if missing
+  std::optional<std::string> origin;  // Origin header; std::nullopt: missing
 };
 
 // Answer to a request. A null body is the reason phrase of the status, or empty for 204.

@@ -31,7 +31,7 @@ struct ShownState {
   FrameState frame_state = FrameState::kFirst;
   SlamRunProgress progress;
   double frames_per_second = 0;
-  bool is_at_result = false, is_done = false;
+  bool is_at_result = false, is_done = false;  // as in LiveRun
   std::vector<Advice> advice;
   std::optional<Rigid3d> world_from_camera;  // last pose; std::nullopt: none yet
   PinholeCamera camera;

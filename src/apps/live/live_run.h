@@ -106,8 +106,8 @@ class LiveRun {
   const SlamRunProgress& progress() const { return progress_; }  // without frame
   FrameState state() const { return state_; }
   bool is_lost() const { return state_ == FrameState::kLost; }
-  bool is_at_result() const { return is_at_result_; }
-  bool is_done() const { return is_done_; }
+  bool is_at_result() const { return is_at_result_; }  // since refinement, re-integration or Keep()
+  bool is_done() const { return is_done_; }            // after Keep()
   double frames_per_second() const { return frame_s_ > 0 ? 1 / frame_s_ : 0; }  // running mean
   const std::vector<Advice>& advice() const { return advice_; }
   const Trajectory& path() const { return path_; }  // with all corrections so far

@@ -19,8 +19,8 @@ struct RawFrame {
 };
 
 // Frames of a sequence as recorded, in order. Not thread-safe. Order: FirstImages(), then Next(),
-// and at most one Read() after each Next(). The frames of FirstImages() are returned by Next(),
-// too.
+// and at most one Read() after each Next(). Next() also returns the frames of FirstImages(), if the
+// options select them.
 class RawFrames {
  public:
   virtual ~RawFrames() = default;

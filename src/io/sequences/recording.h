@@ -68,7 +68,7 @@ using CameraReader = std::function<SourceCamera()>;
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
   Trajectory ground_truth;            // in the convention of the files
-  bool has_clock = false;             // SequenceInfo::has_clock
+  bool has_clock = false;             // SequenceInfo::has_clock; false for .sens
   std::vector<std::string> warnings;  // SequenceInfo::warnings
   int unpaired_images = 0;            // number of images that belong to no frame
   CameraReader read_camera = {};      // valid as long as `frames`
@@ -149,8 +149,8 @@ SequenceFiles ListReplicaSequence(const std::string& folder, double frames_per_s
 
 // Pairs the images of two folders by the numbers in their names, in ascending order. Both
 // timestamps are the number. A missing image is listed with its expected name, which the read error
-// reports. Empty color_folder: no colour. Throws InputError if two images of a folder have the same
-// number.
+// reports. Empty color_folder: no colour. Empty without images. Throws InputError if two images of
+// a folder have the same number.
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
                                            const std::string& color_folder);
 
