@@ -52,8 +52,8 @@ std::vector<ColorImage> ListColorImages(const SequenceOptions& sequence, const R
                                         const std::function<void(int)>& progress,
                                         UnusedFrames* unused);
 
-// `most` 0: all. Divides the path of the camera into parts of equal image motion, and takes the
-// sharpest image of each part.
+// Returns at most `most` images; 0: all. Divides the path of the camera into parts of about equal
+// image motion, and takes the sharpest image of each part.
 std::vector<ColorImage> ChooseImages(const std::vector<ColorImage>& images, int most);
 
 // Calls `call` with the position in `images` and the recorded colour image, in ascending order.

@@ -29,7 +29,8 @@ struct DepthEncoding {
 // Adds a warning for each detected property. The encoding is plain without images, and for a
 // disparity camera.
 // - Swapped bytes: neighbouring pixels are much more similar with swapped bytes.
-// - Rotated: counts are multiples of 8, and the depth is plausible only without the rotation.
+// - Rotated: almost all counts are multiples of 8, and the depth is plausible only without the
+//   rotation.
 // - Floats in mm: the median is above 100, which no depth camera measures in m.
 // - Fill value: the smallest or largest value is much more frequent than neighbouring values. It
 //   occurs in most images, and the camera moves.

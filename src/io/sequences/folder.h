@@ -10,7 +10,7 @@ namespace surfit {
 // Empty if the folder does not exist or is unreadable.
 std::vector<std::string> NamesIn(const std::string& folder);
 
-// True for a folder or a regular file, also behind a symbolic link. False if the path does not
+// Test for a folder, and for a regular file, also behind symbolic links. False if the path does not
 // exist.
 bool IsFolder(const std::string& path);
 bool IsFile(const std::string& path);
