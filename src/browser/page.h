@@ -16,13 +16,13 @@ struct Page {
 };
 extern const Page kReportPage, kComparisonPage, kLivePage, kPlainPage;
 
-// Writes a self-contained page. Throws InputError with the path if writing fails. Atomic.
+// Writes a self-contained page with WriteFileAtomically(), and throws like this function.
 // `write_data` writes the data with WriteData().
 void WritePage(const Page& page, const std::string& path,
                const std::function<void(std::ostream&)>& write_data);
 
 // Writes the data as an element <script type="application/json" class="name">. `name` is not
-// escaped.
+// escaped. NaN becomes null, and invalid UTF-8 is replaced.
 void WriteData(const std::string& name, const nlohmann::ordered_json& data, std::ostream* page);
 
 // Number with `digits` decimals.

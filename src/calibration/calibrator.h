@@ -15,9 +15,10 @@
 
 namespace surfit {
 
-// Calibrates the depth camera in background tasks. Each task uses all keyframes so far, with every
-// second column and row. Not thread-safe: one thread calls all functions. Call order:
-// AddKeyframe(), then StartTask() if IsTaskDue(), then Take() when task() is due.
+// Calibrates the depth camera and the colour latency in background tasks. Each task uses all
+// keyframes so far, with every second column and row. Not thread-safe: one thread calls all
+// functions. Call order: AddKeyframe(), then StartTask() if IsTaskDue(), then Take() when task() is
+// due.
 class Calibrator {
  public:
   // Result of a task. Both vectors have one world_from_camera per keyframe of the task: at its
@@ -34,31 +35,33 @@ class Calibrator {
              const CalibrationOptions& options, bool always_in_background);
 
   using Frames = std::vector<std::shared_ptr<const RgbdFrame>>;
-  // Continues from a saved calibration and its keyframes. An empty list of keyframes ends
-  // calibration.
+  // Continues from a saved calibration (std::nullopt: input calibration) and its subsampled
+  // keyframes. Call before AddKeyframe(). An empty list of keyframes ends calibration.
   void ContinueFrom(const std::optional<DepthCalibration>& calibration, double color_latency_s,
                     Frames frames);
 
   const DepthCalibration& calibration() const { return calibration_; }
+  // True if the calibration is equal to the input calibration.
   bool IsAsGiven() const { return AreSame(calibration_, given_); }
   // Estimated colour latency in addition to RgbdCamera::color_latency_s, s.
   double color_latency_s() const { return color_latency_s_; }
 
-  // Adds a keyframe with measured images, whose subsampled images are copied. Does nothing if
-  // calibration has ended.
+  // Adds a keyframe with measured images, whose subsampled images are copied. Does nothing after
+  // the last task has started.
   void AddKeyframe(const RgbdFrame& frame);
-  // Last subsampled keyframe. Null if calibration has ended.
+  // Last subsampled keyframe. Null before the first keyframe, and after the last task has started.
   std::shared_ptr<const RgbdFrame> last_keyframe() const {
     return frames_.empty() ? nullptr : frames_.back();
   }
-  // True if a task is running, or if another task will follow.
+  // True if a task is pending (Take() not called), or if another task will follow.
   bool IsCalibrating() const { return next_count_ > 0 || task_.IsPending(); }
-  // True if no task is running and there are enough keyframes for the next one.
+  // True if no task is pending and there are enough keyframes for the next task.
   bool IsTaskDue() const {
     return !task_.IsPending() && next_count_ > 0 && frames_.size() >= next_count_;
   }
-  // Requires IsTaskDue(). `world_from_keyframe` has the poses of all keyframes since the first
-  // AddKeyframe() or ContinueFrom(). `trajectory` has all frames, for the motion during readout.
+  // Requires IsTaskDue(). `world_from_keyframe` has one pose per stored keyframe, which is not
+  // checked: first of ContinueFrom(), then of AddKeyframe(). `trajectory` has all frames, for the
+  // motion during readout.
   void StartTask(std::vector<Rigid3d> world_from_keyframe, const Trajectory& trajectory);
 
   BackgroundTask<Outcome>& task() { return task_; }

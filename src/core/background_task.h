@@ -37,8 +37,8 @@ class LowPriorityScope {
 // Asynchronous task with low-priority loops. At most one task is pending. All functions must be
 // called by one thread. Result must be default-constructible. If ThreadCount() is 1 at Start(), the
 // task runs in Wait() or Take() without low priority, unless `always_in_background` is true. The
-// result is due after a fixed number of steps, so that results do not depend on the machine. The
-// destructor calls Drop().
+// result is due after a fixed number of steps. With IsDueAfterStep(), results do not depend on the
+// machine. The destructor calls Drop().
 template <typename Result>
 class BackgroundTask {
  public:
@@ -69,8 +69,8 @@ class BackgroundTask {
   // Counts a step. Returns true if a result is due, also if the task is still running. False
   // without a pending task.
   bool IsDueAfterStep() { return IsPending() && --steps_left_ <= 0; }
-  // Counts a step. Returns true if a result is due and ready. Ends the low priority of a task that
-  // is due and still running.
+  // Counts a step. Returns true if a result is due and ready, which depends on the machine. Ends
+  // the low priority of a task that is due and still running.
   bool IsReadyAfterStep() {
     if (!IsDueAfterStep()) return false;
     if (!IsAtWork()) return true;
@@ -83,7 +83,8 @@ class BackgroundTask {
   bool IsAtWork() const {
     return IsPending() && result_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
   }
-  // Waits for the task, without its low priority. Returns at once if no task is pending.
+  // Ends the low priority of the task and waits for it, without throwing its exceptions. Returns at
+  // once if no task is pending.
   void Wait() const {
     if (!IsPending()) return;
     if (spare_time_) spare_time_->Await();

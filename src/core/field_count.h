@@ -25,8 +25,8 @@ auto TakesFields(std::index_sequence<I...>)
 template <typename Struct>
 std::false_type TakesFields(...);
 
-// Number of fields of an aggregate, at most `Count`. Not valid for fields that are constructible
-// from any type, such as std::optional.
+// Number of fields of an aggregate, at most `Count`. Each element of a C array counts as a field.
+// Not valid for fields that are constructible from any type, such as std::optional.
 template <typename Struct, std::size_t Count = 64>
 constexpr std::size_t FieldCount() {
   if constexpr (Count == 0 ||

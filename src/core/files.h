@@ -18,15 +18,16 @@ inline constexpr const char* kPartialMark = ".partial-";
 // of this name is an error.
 int CreateFileExclusively(const std::string& path);
 
-// Opens a device or a pipe for writing, and returns its descriptor. Returns -1 and sets errno on
-// errors.
+// Opens a device or a pipe for writing, and returns its descriptor. Waits until a pipe has a
+// reader. Returns -1 and sets errno on errors.
 int OpenSpecialFile(const std::string& path);
 
 // Writes all bytes. Returns false and sets errno on errors.
 bool WriteAll(int file, const char* bytes, std::size_t count);
 
 // Stream buffer that owns an open file descriptor. The destructor closes the file without flushing:
-// call Close(). All writes after an error fail.
+// call Close(), once, after the last write. After a write error, nothing more is written to the
+// file.
 class FileBuffer final : public std::streambuf {
  public:
   explicit FileBuffer(int file);
@@ -34,7 +35,7 @@ class FileBuffer final : public std::streambuf {
   FileBuffer& operator=(FileBuffer&&) = delete;
 
   // Flushes the buffer, syncs the file if `to_disk`, and closes it. Returns false and sets errno if
-  // any operation has failed.
+  // a write, the sync or the closing has failed.
   bool Close(bool to_disk);
 
  protected:
@@ -52,7 +53,7 @@ class FileBuffer final : public std::streambuf {
   std::vector<char> bytes_;
 };
 
-inline constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max() - 1;
+inline constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max() - 1;  // no limit
 
 // Throws InputError with the path for unreadable files, files above `most` bytes, and files that
 // are not regular.
@@ -62,8 +63,8 @@ std::string ReadFile(const std::string& path, std::size_t most = kAnySize);
 // the path for unreadable files. Pipes and devices are limited to 1 GiB.
 std::string ReadFileOrPipe(const std::string& path);
 
-// Reads a JSON file as text, without parsing. Throws InputError above 256 MiB or 100 nested
-// brackets, which limits the recursion of the JSON parser.
+// Reads a JSON file as text, without parsing. Throws InputError like ReadFile(), above 256 MiB, and
+// above 100 nested brackets, which limits the recursion of the JSON parser.
 std::string ReadJsonText(const std::string& path);
 
 }  // namespace surfit

@@ -7,9 +7,10 @@
 namespace surfit {
 
 // Flag that several tables share, with one help text and one set of bounds. Defaults may differ.
-// `rules` are applied after the rules of the shared flag. Throws InputError for an unknown flag.
+// Throws InputError for an unknown flag.
 Option SharedOption(const std::string& flag);
 
+// `rules` are applied after the rules of the shared flag.
 template <typename... Rules>
 Option SharedOption(const std::string& flag, const Rules&... rules) {
   Option option = SharedOption(flag);

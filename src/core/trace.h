@@ -10,8 +10,8 @@ class TraceFile;
 
 // Records all slices of the process to a file for ui.perfetto.dev and chrome://tracing ("Trace
 // Event Format"). Times are in microseconds since construction. Slices may end in several threads
-// at the same time. Slices of other threads must end before the destruction. Without a recorder, a
-// slice costs one atomic load.
+// at the same time. Slices must end before the destruction. Without a recorder, a slice costs one
+// atomic load.
 class TraceRecorder {
  public:
   // Throws InputError if the file cannot be written. Aborts if another recorder exists.
@@ -19,7 +19,8 @@ class TraceRecorder {
   ~TraceRecorder();
   TraceRecorder& operator=(TraceRecorder&&) = delete;
 
-  // Completes the file. Later slices are not recorded. Throws InputError if a write has failed.
+  // Completes the file. Slices that end later are not recorded. Throws InputError if a write has
+  // failed; the destructor logs the error instead.
   void Close();
 
  private:

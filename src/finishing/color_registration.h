@@ -14,8 +14,8 @@ namespace surfit {
 Rigid3d ExtrapolatePose(const Rigid3d& world_from_camera, const CameraMotion& motion,
                         double seconds);
 
-// Renders colour and depth of the map with ModelRenderer, which is faster than DrawBlended().
-// `renderer` may have any options. Not thread-safe for one renderer.
+// Renders colour and depth (0: no surfel) of the map with ModelRenderer, which is faster than
+// DrawBlended(). `renderer` may have any options. Not thread-safe for one renderer.
 BlendedView RenderDiscs(const SurfelMap& map, const DepthSensor& sensor,
                         const Rigid3d& world_from_view, ModelRenderer* renderer);
 
@@ -30,12 +30,14 @@ BlendedView RenderDiscs(const SurfelMap& map, const DepthSensor& sensor,
 //   tau  capture time of the image row of X, relative to the middle row
 //   rho  robust kernel of Geman and McClure
 //   s    prior of the rendered pose: 1 cm and 10 mrad
-// Every fourth pixel is used. The divisor 25 accounts for correlated errors of neighbouring pixels.
+// Every fourth pixel of the view is used, if it has texture. The divisor 25 accounts for correlated
+// errors of neighbouring pixels. The exposure is damped, without a prior.
 //
-// `drawn` is the rendered view at `world_from_drawn`, with the camera of `sensor`. The image size
-// must be a multiple of the view size. Returns `world_from_drawn` for fewer than 500 textured
-// points, or if a step is not finite. `motion`: camera velocity, zero: none. The minimisation runs
-// 12 Gauss-Newton steps in two passes.
+// `drawn` is the rendered view at `world_from_drawn`, with the camera of `sensor`. `color` is the
+// measured image, without rolling-shutter correction. The view has the size of
+// PinholeCamera::Binned() of the image, which is not checked. Returns `world_from_drawn` for fewer
+// than 500 visible textured points, or if a step is not finite. `motion`: camera velocity, zero:
+// none. The minimisation runs 12 Gauss-Newton steps in two passes.
 Rigid3d RegisterColors(const Image<Rgb8>& color, const BlendedView& drawn,
                        const DepthSensor& sensor, const CameraMotion& motion,
                        const Rigid3d& world_from_drawn);

@@ -12,15 +12,17 @@
 
 namespace surfit {
 
-// Called after each frame. `frames`: progress, up to about the number of frames. Fusion has two
-// thirds of the progress, recolouring has one third. `map_points`: surfels so far. Must not be
-// empty.
+// Called on the calling thread after each frame of a pass, and at the end. `frames`: progress, up
+// to about the number of frames. Fusion has two thirds of the progress, recolouring has one third.
+// `map_points`: surfels so far. Must not be empty.
 using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>;
 
 // Builds the final map of a sequence from the final poses and the estimated calibration:
 //   1. fuses all frames except `left_out`, without moving objects and with rolling-shutter
-//      correction. Surfels are denser than in tracking.
-//   2. removes noise at depth edges, and smooths the map (SmoothMap)
+//      correction. Frames without a pose and unreadable frames are skipped. Surfels are denser than
+//      in tracking.
+//   2. removes noise at depth edges if more than max_inactive_frames frames were fused, and smooths
+//      the map (SmoothMap)
 //   3. recolours the surfels from every second frame, at the registered poses of the colour images
 //      (RegisterColors, ColorAverage)
 // Returns std::nullopt if interrupted. Throws InputError if the sequence cannot be read.
@@ -29,9 +31,10 @@ std::optional<SurfelMap> IntegrateFinalMap(const PosedSequence& known,
                                            const std::atomic<bool>& interrupted,
                                            const FinalMapProgress& progress);
 
+// Sequence of a map, or ranges of its frames.
 struct MapSource {
-  const PosedSequence& known;
-  std::vector<FrameRange> frames;  // ascending and disjoint; empty: all frames
+  const PosedSequence& known;      // must outlive the MapSource
+  std::vector<FrameRange> frames;  // see ReopenSequence(); empty: all frames
   int first_frame = 0;  // offset added to frame indices, so that sources do not share indices
 };
 
@@ -44,8 +47,9 @@ struct MapPart {
 
 // Fuses a part of a map from all its sequences, like IntegrateFinalMap(). The memory depends on the
 // size of the part, the time on the number of frames. `part.sources` must not be empty; its first
-// source has the fusion options. Returns std::nullopt if interrupted. Throws InputError if a
-// sequence cannot be read.
+// source has the fusion options and the sensor for SmoothMap(). All sources have poses in the world
+// frame of the part. Returns std::nullopt if interrupted. Throws InputError if a sequence cannot be
+// read.
 std::optional<SurfelMap> FusePart(const MapPart& part, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress);
 

@@ -11,19 +11,19 @@
 namespace surfit {
 
 struct RefinedSequence {
-  std::size_t keyframes = 0;
+  std::size_t keyframes = 0;  // number of keyframes
   RefinementSummary summary;
-  // Input values if the refinement failed: see RefinementSummary::Succeeded().
+  // Values of `known` if the refinement failed: see RefinementSummary::Succeeded().
   Trajectory trajectory;
   EstimatedSensor found;
 };
 
 // Refines keyframe poses and calibration with Refine(), and moves the other poses with their
-// keyframes. Starts from the poses and calibration of the run. Uses images of about 320 columns and
-// few surfels, to take no longer than tracking. `camera` is the camera of the prepared frames.
-// `progress` must not be empty. It is called after each round. Returns std::nullopt if interrupted.
-// Throws InputError if the sequence cannot be read. Uses at most 120 keyframes. `interrupted` is
-// checked before each frame and after each round.
+// keyframes. Starts from the poses and calibration of the run. Uses images of at least 320 columns,
+// if the frames have them, and few surfels. `camera` is the camera of the prepared frames of the
+// run. `progress` must not be empty. It is called after each round. Returns std::nullopt if
+// interrupted. Throws InputError if the sequence cannot be read. Uses at most 120 keyframes.
+// `interrupted` is checked before each frame and after each round.
 std::optional<RefinedSequence> RefinePosedSequence(
     const PosedSequence& known, const PinholeCamera& camera, const std::atomic<bool>& interrupted,
     const std::function<void(const RefinementRound&)>& progress);

@@ -35,14 +35,15 @@ struct EstimatedSensor {
 
 // Returns a warning if the estimated calibration contradicts the prior of the input sensor, else
 // "". The input camera may then belong to another sensor or image size. Uses a chi-square test with
-// 10 degrees of freedom and 1 % false alarms. Both calibrations are for prepared frames.
+// 10 degrees of freedom and 1 % false alarms. Requires positive standard deviations in the prior: a
+// value of 0 always gives the warning. Both calibrations are for prepared frames.
 std::string CalibrationWarning(const DepthSensor& given, const DepthCalibration& found);
 
 // Sequence with the final results of a run. The references must outlive the object.
 struct PosedSequence {
   const SequenceOptions& sequence;  // options of the run
   const SlamOptions& slam;
-  const Trajectory& trajectory;    // in the world frame of the map
+  const Trajectory& trajectory;    // in the world frame of the map; one pose per frame of `frames`
   const std::vector<int>& frames;  // frame index of each pose, ascending
   const std::set<int>& left_out;   // indices of frames that are not fused
   // Moving cells by frame index, as in FrameReport::moving. Frames without an entry have none.
@@ -55,14 +56,16 @@ struct FrameRange {
   int first = 0, last = 0;
 };
 
-// Opens a sequence and reads a few frames ahead. `ranges` selects frames, and must be ascending and
-// disjoint. Empty `ranges`: all frames of the options. Throws InputError like OpenSequence().
+// Opens a sequence and reads a few frames ahead. `ranges` selects frames of the options, and must
+// be ascending and disjoint. A range without a frame of the stride gives the next frame of the
+// stride. Empty `ranges`: all frames of the options. Throws InputError like OpenSequence().
 std::unique_ptr<FrameSource> ReopenSequence(const SequenceOptions& sequence,
                                             const std::vector<FrameRange>& ranges = {});
 
-// Calls `call` for each readable frame with a pose. `pose` is the index in the trajectory. The
-// frame is uncalibrated and without moving objects. The source may have another image size than the
-// run. Returns false if interrupted. `interrupted` is checked before each frame.
+// Calls `call` for each readable frame with a pose, also for frames in `left_out`. `pose` is the
+// index in the trajectory. The frame is uncalibrated, and its depth in moving cells is 0. The
+// source may have another image size than the run. Returns false if interrupted. `interrupted` is
+// checked before each frame.
 bool ReadPosedFrames(const PosedSequence& known, FrameSource* source,
                      const std::atomic<bool>& interrupted,
                      const std::function<void(std::size_t pose, RgbdFrame frame)>& call);

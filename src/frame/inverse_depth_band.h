@@ -10,8 +10,8 @@
 namespace surfit {
 
 // Scaled inverse depth (scale / z) of some rows of a depth image, with a margin for filter windows
-// and SIMD lanes. Missing pixels and the margin are kMissing. kMissing exceeds every threshold, so
-// windows need no branch.
+// and SIMD lanes. Missing pixels and pixels outside of the image are kMissing. The difference of a
+// valid and a missing pixel exceeds every threshold, so windows need no branch.
 class InverseDepthBand {
  public:
   static constexpr float kMissing = -1e30f;
@@ -24,8 +24,9 @@ class InverseDepthBand {
         stride_((width + kLanes - 1) / kLanes * kLanes + 2 * margin),
         values_(new float[static_cast<std::size_t>(rows + 2 * margin) * stride_]) {}
 
-  // Loads the rows [begin, end) of a depth image (m; 0: missing). The image has the width of the
-  // band, and end - begin is at most `rows`. Both are not checked.
+  // Loads the rows [begin, end) of a depth image (m; missing unless positive) and the rows of the
+  // margin. The image has the width of the band, and end - begin is at most `rows`. Both are not
+  // checked.
   template <typename V>
   void Fill(const Image<float>& depth_m, int begin, int end, float scale) {
     first_ = begin - margin_;
@@ -46,7 +47,8 @@ class InverseDepthBand {
   }
 
   // Pointer to pixel 0 of image row v, from begin - margin to end + margin - 1 of Fill(). stride()
-  // is the distance of rows in values. Pixels from -margin to width + margin - 1 are readable.
+  // is the distance of rows in values. Pixels from -margin to width + margin - 1 are readable, with
+  // `width` rounded up to a multiple of Lanes<float>::kCount.
   const float* row(int v) const { return values_.get() + (v - first_) * stride_ + margin_; }
   std::ptrdiff_t stride() const { return stride_; }
 

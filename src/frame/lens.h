@@ -18,8 +18,8 @@ struct LensPixel {
 // = x^2 + y^2 and k = 1 + k1 r2 + k2 r2^2 + k3 r2^3, the pixel of a point is
 //   u = fx (x k + 2 p1 x y + p2 (r2 + 2 x^2)) + cx,
 //   v = fy (y k + p1 (r2 + 2 y^2) + 2 p2 x y) + cy.
-// A point is invisible if Z <= 0, or if r k decreases with r (invalid range of the polynomial). The
-// image border is not tested.
+// A point is invisible if Z <= 0, or if the derivative of r k at its r is not positive (invalid
+// range of the polynomial). The image border is not tested.
 template <typename Scalar>
 class Lens {
  public:
@@ -55,7 +55,7 @@ class Lens {
   Scalar fx_, fy_, cx_, cy_, k1_, k2_, p1_, p2_, k3_;
 };
 
-// True if the point is visible and at most half a pixel outside the outermost pixel centres.
+// True if the point is visible, with u in [-0.5, width - 0.5) and v in [-0.5, height - 0.5).
 template <typename Scalar>
 typename LensPixel<Scalar>::Truth IsInImage(const PinholeCamera& camera,
                                             const LensPixel<Scalar>& pixel) {

@@ -54,15 +54,17 @@ inline Rgb8 SampleBilinear(const Image<Rgb8>& image, const BilinearTap& tap) {
 
 // Registers colour to the undistorted, downsampled depth image. A depth pixel with the point x = d
 // ray has the colour at color_from_depth * x = d R ray + t. `camera` has the parameters of both
-// cameras. Registered colour is undistorted and downsampled only. Apply() is thread-safe. Occlusion
-// is ignored: background pixels near depth edges can get the colour of the foreground.
+// cameras. Colour images must have at least 2 x 2 pixels. Registered colour is undistorted and
+// downsampled only. Apply() is thread-safe. Occlusion is ignored: background pixels near depth
+// edges can get the colour of the foreground.
 class ColorRegistration {
  public:
   ColorRegistration(const RgbdCamera& camera, int downsample);
 
   // `color` has the size of the colour camera, or of the depth camera if colour is registered.
-  // `depth_m` (m; 0: missing) has the size of the output. Sizes are not checked. (0, 0, 0) where no
-  // colour is visible.
+  // `depth_m` (m; 0: missing) has the size of the output. Sizes are not checked. Pixels without
+  // visible colour are (0, 0, 0). Pixels without depth are (0, 0, 0) if color_from_depth has a
+  // translation.
   Image<Rgb8> Apply(Image<Rgb8> color, const Image<float>& depth_m) const;
 
  private:

@@ -9,9 +9,9 @@
 namespace surfit {
 
 // Maximum change of inverse depth r (1/m) between neighbouring pixels of a surface; larger changes
-// are depth edges. It is 3 sigma plus r tan(max_slant_rad) / f, the slope of a surface whose normal
-// has this angle to the viewing ray. A pixel has the bound noise + slant_u r along u, and the bound
-// noise + slant_v r along v.
+// are depth edges. It is 3 sigma plus r tan(max_slant_rad) / f: the slope at the principal point of
+// a surface whose normal has this angle to the viewing ray. A pixel has the bound noise + slant_u r
+// along u, and the bound noise + slant_v r along v.
 struct EdgeBounds {
   EdgeBounds(const DepthSensor& sensor, const PreprocessOptions& options)
       : noise(static_cast<float>(3 * sensor.noise.inverse_depth_sigma)) {
@@ -27,7 +27,7 @@ struct EdgeBounds {
 // True, per lane, if the step from offset k - 1 to offset k is within `bound` on both sides. Offset
 // k is k * stride values away. k >= 1. All lanes must be readable at +k and -k. Missing pixels must
 // be InverseDepthBand::kMissing. A step between a valid and a missing pixel is never within the
-// bound.
+// bound. A step between two missing pixels is 0.
 template <typename V>
 typename V::Mask Continues(const float* at, std::ptrdiff_t stride, int k, const V& bound) {
   const V ahead = V::Load(at + k * stride) - V::Load(at + (k - 1) * stride);

@@ -23,6 +23,7 @@ inline Float4 Load4(const float* from) {
 }
 inline void Store4(Float4 values, float* to) { std::memcpy(to, &values, sizeof(values)); }
 
+// Per lane. NaN if a is NaN, and a if b is NaN.
 inline Float4 Max(Float4 a, Float4 b) { return a < b ? b : a; }
 
 // Bit k of the result is set if lane k of the mask is true.

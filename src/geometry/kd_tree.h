@@ -8,15 +8,13 @@
 namespace surfit {
 
 // Balanced k-d tree (Friedman, Bentley and Finkel 1977) over points in single precision. A node
-// stores the tight boxes of eight children, which is three binary splits. Boxes and points are
-// tested four at a time.
+// stores the tight boxes of eight children, which is three binary splits.
 //
 // Results are exact in the arithmetic of SquaredDistance() and do not depend on hints. Rounding is
 // monotonic, so the distance to a box never exceeds the distance to a point in it.
 //
 // The tree stores a copy of the points in spatial order. The rank of a point is its position in
-// this order. Queries in spatial order use the cache well. Queries are thread-safe. An empty tree
-// is valid and finds nothing.
+// this order. Queries are thread-safe. An empty tree is valid and finds nothing.
 class KdTree {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -27,8 +25,8 @@ class KdTree {
     float squared_distance = kAnyDistance;
   };
 
-  // Requires fewer than 2^31 finite points. Built in parallel. The result does not depend on the
-  // number of threads.
+  // Requires finite points, which is not checked. Aborts for 2^31 points or more. Built in
+  // parallel. The result does not depend on the number of threads.
   explicit KdTree(const std::vector<Eigen::Vector3f>& points);
 
   std::size_t size() const { return order_.size(); }
@@ -43,17 +41,20 @@ class KdTree {
     return dx * dx + dy * dy + dz * dz;
   }
 
-  // Nearest point within the maximum distance; rank kNone: no point. For equal distances, the first
-  // input point. `hint`: rank of a point that is probably near.
+  // Nearest point up to and including the maximum distance; rank kNone: no point, also for a NaN
+  // query. For equal distances, the first input point. `hint`: rank of a point that is probably
+  // near, or kNone.
   Neighbor Nearest(const Eigen::Vector3f& query, float max_squared_distance = kAnyDistance,
                    std::uint32_t hint = kNone) const;
 
   // Replaces `neighbors` by the `count` nearest points, or by all points if there are fewer. They
-  // are sorted by distance. The time does not grow with the number of equal points.
+  // are sorted by distance. The choice among equal distances is unspecified. The time does not grow
+  // with the number of equal points.
   void FindNearest(const Eigen::Vector3f& query, std::size_t count,
                    std::vector<Neighbor>* neighbors) const;
 
-  // Replaces `ranks` by the ranks of all points within the maximum distance, in ascending order.
+  // Replaces `ranks` by the ranks of all points up to and including the maximum distance, in
+  // ascending order.
   void FindWithin(const Eigen::Vector3f& query, float max_squared_distance,
                   std::vector<std::uint32_t>* ranks) const;
 

@@ -12,7 +12,7 @@ namespace surfit {
 // Reads consecutive little-endian values from untrusted bytes.
 class Cursor {
  public:
-  // `name` appears in error messages. Both arguments must outlive the cursor.
+  // `name` appears in error messages. The bytes and `name` must outlive the cursor.
   Cursor(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   // Number of bytes that were read, and that are left.
@@ -20,8 +20,8 @@ class Cursor {
   std::uint64_t left() const { return bytes_.size() - at_; }
   const std::string& name() const { return name_; }
 
-  // All functions below throw InputError with `name` if too few bytes are left. Then they read
-  // nothing. Returned views refer to the bytes.
+  // All functions below throw InputError with `name` if too few bytes are left. Bytes() and Take()
+  // then read nothing. Returned views refer to the bytes.
   std::string_view Bytes(std::uint64_t count) {
     if (count > left()) {
       throw InputError(name_, " is damaged: it ends ", count - left(), " bytes too early");

@@ -15,20 +15,21 @@ namespace surfit {
 // keeps the order of insertion
 using Json = nlohmann::ordered_json;
 
-// Throws InputError with the path if the file is missing or not a JSON object.
+// Throws InputError with the path if the file is missing or not a JSON object, and like
+// ReadJsonText().
 Json ReadJson(const std::string& path);
 
-// Writes a JSON file atomically. `indent` -1: one line. Replaces invalid UTF-8. Throws InputError
-// with the path if writing fails.
+// Writes a JSON file atomically. `indent` -1: one line. Replaces invalid UTF-8. NaN becomes null.
+// Throws InputError with the path if writing fails.
 void WriteJson(const Json& json, const std::string& path, int indent = 2);
 
 // Writes an array of JSON objects with equal keys as CSV: a header, then one line per object. Null
-// becomes an empty cell. Throws InputError with the path if writing fails. The order of the keys
-// must be equal, too. No rows give an empty file.
+// becomes an empty cell. Throws InputError with the path if writing fails. The order of the keys,
+// which are not quoted, must be equal, too. No rows give an empty file.
 void WriteCsv(const Json& rows, const std::string& path);
 
-// Camera as an object with width, height, fx, fy, cx and cy. CameraFromJson() throws an
-// nlohmann::json exception for a missing field, and InputError for an invalid camera.
+// Camera as an object with width, height, fx, fy, cx and cy, without distortion. CameraFromJson()
+// throws an nlohmann::json exception for a missing field, and InputError for an invalid camera.
 Json CameraToJson(const PinholeCamera& camera);
 PinholeCamera CameraFromJson(const Json& json);
 
@@ -36,7 +37,7 @@ PinholeCamera CameraFromJson(const Json& json);
 nlohmann::ordered_json TableToJson(const OptionTable& table);
 void ReadTable(const nlohmann::ordered_json& json, const OptionTable& table);
 
-// Converts all options to a JSON object, without loss of precision.
+// Converts all options to a JSON object, without loss of precision of finite numbers.
 template <typename Options>
 nlohmann::ordered_json OptionsToJson(Options options) {
   return TableToJson(TableOf(&options));
@@ -52,7 +53,8 @@ Options OptionsFromJson(const nlohmann::ordered_json& json) {
 }
 
 // Converts a calibration of corrected depth to a calibration of measured depth, for prepared
-// frames. `found` was estimated from frames corrected by `given_field`.
+// frames. `found` was estimated from frames corrected by `given_field`, the result of
+// ReadDepthField().
 DepthCalibration CalibrationOfRawDepth(const SequenceInfo& info,
                                        const InverseDepthField& given_field,
                                        const DepthCalibration& found);

@@ -37,7 +37,7 @@ struct RecordingReport {
   std::vector<RecordingCheck> checks;
   bool interrupted = false;  // true: only the frames before the interruption are checked
 
-  bool IsSound() const;
+  bool IsSound() const;  // true if all checks pass
 };
 
 // Checks all frames of a recording:

@@ -39,8 +39,8 @@ struct RecordingEvidence {
 };
 
 // Checks of images, of timestamps, and of sensor and calibration, in a fixed order. A check without
-// data has no value and passes. ChecksOfSensor() adds the tracking checks if `tracked` is set. A
-// recording without frames is valid input.
+// data passes, and has no value or the value 0. ChecksOfSensor() adds the tracking checks if
+// `tracked` is set. A recording without frames is valid input.
 std::vector<RecordingCheck> ChecksOfFrames(const RecordingEvidence& evidence);
 std::vector<RecordingCheck> ChecksOfStamps(const RecordingEvidence& evidence);
 std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence);

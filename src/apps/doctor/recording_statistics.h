@@ -28,10 +28,10 @@ struct FrameStatistics {
   std::optional<ColorStatistics> color;  // std::nullopt: no colour
 };
 
-// Typical width of edges relative to the image width (after Crete et al., SPIE 2007). Uses the
-// larger width of both directions, because motion blur has one direction. Averaging over n
-// pixels reduces the slope of an edge of width w by the factor w / n. Returns std::nullopt if
-// the image has too few edges above the noise.
+// Typical width of edges, divided by the image width (after Crete et al., SPIE 2007). Uses the
+// larger width of both directions, because motion blur has one direction. Averaging over n pixels
+// reduces the slope of an edge of width w by the factor w / n. Returns std::nullopt if the image
+// has too few edges above the noise.
 std::optional<double> EdgeWidth(const Image<Rgb8>& color);
 
 // Add frames in order. Not thread-safe.

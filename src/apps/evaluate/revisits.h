@@ -25,7 +25,7 @@ struct RevisitOptions {
 
 // Surface distances between two visits at their relative pose.
 struct SurfaceAgreement {
-  // Median of |n . (p' - q)| over the pixels of a pair.
+  // Statistics over pairs: median of |n . (p' - q)| over the pixels of a pair.
   ErrorStatistics surface_m;
   // Change of the relative pose of a pair by ICP.
   ErrorStatistics icp_translation_m, icp_rotation_deg;
@@ -33,7 +33,7 @@ struct SurfaceAgreement {
 
 struct RevisitReport {
   int pairs = 0;         // number of revisits, including skipped pairs
-  int unregistered = 0;  // skipped pairs: no overlap or failed ICP
+  int unregistered = 0;  // skipped pairs: no overlap or failed ICP at one of both poses
   int without_pose = 0;  // skipped frames: unreadable, or without estimated or true pose
   // 0 if no pair has a result.
   SurfaceAgreement ground_truth, estimate;

@@ -17,10 +17,10 @@ inline constexpr int kRollMargin_px = 32;
 // Camera with kRollMargin_px more pixels on each side.
 PinholeCamera WithRollMargin(PinholeCamera camera);
 
-// Resamples a view with margin as a rolling-shutter view. With `motion`, a static point X is at X -
-// t (turn x X + velocity) in the camera frame at time t. Colour: bilinear interpolation between
-// pixels with depth. Depth: nearest pixel. `camera`: camera of the result, without margin. Pixels
-// without depth are black.
+// Resamples a view of WithRollMargin(camera) as a rolling-shutter view. With `motion`, a static
+// point X is at X - t (turn x X + velocity) in the camera frame at time t. Colour: bilinear
+// interpolation between pixels with depth. Depth: nearest pixel, at the time of the view. `camera`:
+// camera of the result, without margin. Pixels without depth are black.
 BlendedView Rolled(const BlendedView& with_margin, const PinholeCamera& camera,
                    const CameraMotion& motion, const RowTimes& times);
 

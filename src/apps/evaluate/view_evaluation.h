@@ -14,8 +14,8 @@ struct ViewEvaluationOptions {
   SequenceOptions sequence;  // sequence of the run, with the same options
   std::string run;           // output folder of a run, with poses.json, map.ply and summary.json
   std::string output;        // output folder, created if missing; empty: the folder of the run
-  // Every n-th frame with a pose is evaluated. If the run has held-out frames, all held-out
-  // frames are evaluated instead.
+  // Every n-th readable frame with a pose is evaluated, if it has colour. If the run has held-out
+  // frames, all held-out frames are evaluated instead.
   int every = 10;
   int pictures = 12;  // maximum number of pictures, 0 to 100
   int threads = 2;

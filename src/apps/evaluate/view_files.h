@@ -14,7 +14,7 @@ struct ComparedView {
   Image<Rgb8> frame, drawn;
 };
 
-// Keeps the views with the lowest psnr_covered_db. Not thread-safe.
+// Keeps the `most` views with the lowest psnr_covered_db. Not thread-safe.
 class WorstViews {
  public:
   explicit WorstViews(int most) : most_(most) {}

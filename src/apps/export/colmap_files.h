@@ -8,7 +8,8 @@
 
 namespace surfit {
 
-// Sparse model of COLMAP. All images have one camera.
+// Sparse model of COLMAP. All images have one camera. The referenced objects must outlive the
+// model.
 struct ColmapModel {
   const PinholeCamera& lens;
   const std::vector<PosedImage>& images;

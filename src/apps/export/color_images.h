@@ -18,14 +18,15 @@ namespace surfit {
 struct ColorCamera {
   PinholeCamera lens;        // with distortion; fy > 0
   Rigid3d color_from_depth;  // transform from the depth camera
-  double readout_s = 0;      // rolling-shutter readout
+  double readout_s = 0;      // rolling-shutter readout, s
 };
 
 // Colour image of a frame with a pose.
 struct ColorImage {
   int index = 0;       // of the frame
   double stamp_s = 0;  // capture time of the middle row
-  // Pose and motion of the depth camera at this time.
+  // Pose of the depth camera at this time in the world of the run, and its motion at the depth
+  // frame.
   Rigid3d world_from_depth;
   CameraMotion motion;
   double sharpness = 0;  // mean squared gradient of the brightness
@@ -45,13 +46,14 @@ ColorCamera GivenColorCamera(const SequenceInfo& info, const RecordedRun& run);
 // Reads all frames of the run, and returns their colour images with poses. An image that repeats
 // the previous image has another capture time than its timestamp, and is not used. `progress` must
 // not be empty. It receives the number of images so far. Adds the numbers of other frames to
-// `unused`, which must not be null. Throws InputError if the sequence cannot be opened.
+// `unused`, which must not be null. Throws InputError if the sequence cannot be opened. The poses
+// of the run must be in the order of the frame indices.
 std::vector<ColorImage> ListColorImages(const SequenceOptions& sequence, const RecordedRun& run,
                                         const std::function<void(int)>& progress,
                                         UnusedFrames* unused);
 
-// `most` 0: all. Divides the path of the camera into parts of equal image motion, and takes the
-// sharpest image of each part.
+// Returns at most `most` images; 0: all. Divides the path of the camera into parts of about equal
+// image motion, and takes the sharpest image of each part.
 std::vector<ColorImage> ChooseImages(const std::vector<ColorImage>& images, int most);
 
 // Calls `call` with the position in `images` and the recorded colour image, in ascending order.

@@ -16,8 +16,8 @@ struct LensPoint {
 };
 
 // Projects a point by a camera with lens distortion, with the OpenCV coefficients k1, k2, p1, p2,
-// k3. Returns std::nullopt behind the camera, and if the distorted radius decreases with the
-// radius. The image border is not tested.
+// k3. Returns std::nullopt behind the camera, and if the distorted radius does not increase with
+// the radius. The image border is not tested.
 std::optional<LensPoint> ProjectByLens(const PinholeCamera& camera, const Eigen::Vector3d& point);
 
 // Point at depth 1 that the lens projects to the pixel. Returns std::nullopt if Newton's method
@@ -31,11 +31,12 @@ inline bool IsInside(const PinholeCamera& camera, const Eigen::Vector2d& pixel, 
          pixel.y() <= camera.height - 1 - margin;
 }
 
-// Largest pinhole camera of the same size and centre whose image has no pixels without colour. It
-// is `camera` for a lens without distortion.
+// Pinhole camera of the same size and centre with the largest field of view whose border pixels
+// have colour. Its focal length is 0.8 to 4 times that of `camera`, and equal without distortion.
 PinholeCamera UndistortedCamera(const PinholeCamera& camera);
 
-// Resamples an image of `camera` bilinearly. Pixels that `camera` does not see are black.
+// Resamples an image of `camera` (at least 2 x 2 px) bilinearly. Pixels that `camera` does not see
+// are black.
 Image<Rgb8> Undistort(const Image<Rgb8>& image, const PinholeCamera& camera,
                       const PinholeCamera& undistorted);
 

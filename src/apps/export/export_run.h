@@ -56,8 +56,9 @@ struct ExportSummary {
 // colour camera is estimated from the images by EstimateColorCamera().
 //
 // Calls `progress`, which must not be empty, with a line of text. Throws InputError for invalid
-// options, unreadable runs and sequences, and results that cannot be written. Also throws it if a
-// run has no poses, no colour images or no surfels.
+// options, unreadable runs and sequences, and results that cannot be written. Also throws it for a
+// run without poses or surfels, and if `output` is an input folder. The formats colmap and
+// nerfstudio require colour images, occupancy requires an upright world.
 ExportSummary ExportRun(const ExportOptions& options,
                         const std::function<void(const std::string&)>& progress);
 

@@ -29,17 +29,20 @@ struct WallLine {
 // Surfels and camera centres in the upright world frame.
 struct UprightMap {
   std::vector<Surfel> surfels;
-  // Camera centre of the frame that has seen each surfel last; not finite: unknown.
+  // Camera centre of the frame that has seen each surfel last; not finite: unknown. One value per
+  // surfel, which is not checked.
   std::vector<Eigen::Vector3d> observers;
   std::vector<Eigen::Vector3d> path;  // of the camera
 };
 
-// Occupied cells have surfels in the band of heights from 0.1 m above the floor to 1.8 m. Free
-// cells are crossed by a ray from a camera to a surfel within this band, or have floor. Throws
-// InputError if the grid would have more than 10000 rows or columns.
+// Occupied cells have at least three surfels in the band of heights from 0.1 m above the floor to
+// 1.8 m. Free cells are crossed by a ray from a camera to a surfel within this band, or have floor.
+// Throws InputError if the grid would have more than 10000 rows or columns, and without surfels
+// below 1.8 m.
 OccupancyGrid MakeOccupancyGrid(const UprightMap& map);
 
-// Lines along which vertical surfaces of the band are plane for at least 0.4 m, the longest first.
+// Lines along which vertical surfaces of the band are plane for at least 0.4 m in length and
+// height, the longest first.
 std::vector<WallLine> FindWallLines(const UprightMap& map, const OccupancyGrid& grid);
 
 // Writes map.pgm and map.yaml of the ROS map_server: 0 occupied, 254 free, 205 unknown; the first

@@ -17,8 +17,8 @@ struct PosedImage {
 
 // Projection of a point into an image.
 struct PointView {
-  std::int32_t point = 0;  // index
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  std::int32_t point = 0;                           // index
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  // px
 };
 
 // Points of the map with their projections, as a sparse reconstruction.
@@ -28,11 +28,11 @@ struct SparsePoints {
   std::size_t unseen = 0;  // points that fewer than two images show; they are not in `points`
 };
 
-// At most `most` surfels, the most confident one per cube of a grid. The edge of the cubes follows
-// from `most`.
+// At most `most` (positive) surfels, the most confident one per cube of a grid. The edge of the
+// cubes follows from `most`.
 std::vector<Surfel> ThinOut(const std::vector<Surfel>& surfels, std::size_t most);
 
-// Projects points of the map into the images, with a test of occlusion.
+// Projects at most 60000 reliable points of the map into the images, with a test of occlusion.
 SparsePoints FindSparsePoints(const SurfelMap& map, const PinholeCamera& lens,
                               const std::vector<PosedImage>& images);
 

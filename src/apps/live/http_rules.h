@@ -26,8 +26,8 @@ struct HttpTarget {
 // Returns std::nullopt for other forms. Does not check the token.
 std::optional<HttpTarget> ParseTarget(const std::string& target);
 
-// Returns whether a Host header is an IP address, localhost or the name of this machine.
-// Rejecting other names prevents DNS rebinding.
+// Returns whether a Host header is an IP address, localhost or the name of this machine, with or
+// without a port. Rejecting other names prevents DNS rebinding.
 bool IsOwnHost(const std::string& host);
 
 // Returns whether an Origin header belongs to the Host header.

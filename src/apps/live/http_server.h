@@ -12,11 +12,11 @@ namespace surfit {
 struct HttpRequest {
   std::string method;
   std::string target;
-  std::string host;  // Host header; empty if missing
-  std::optional<std::string> origin;
+  std::string host;                   // Host header; empty if missing
+  std::optional<std::string> origin;  // Origin header; std::nullopt: missing
 };
 
-// Answer to a request. A null body is empty.
+// Answer to a request. A null body is the reason phrase of the status, or empty for 204.
 struct HttpAnswer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
@@ -28,7 +28,7 @@ struct HttpAnswer {
 struct HttpLimits {
   // Connections without valid token. Above the limit, the oldest connection is closed.
   std::size_t strangers = 32;
-  std::size_t clients = 64;         // connections with valid token; further connections are refused
+  std::size_t clients = 64;  // connections with valid token; further connections get status 503
   std::size_t header_bytes = 8192;  // per request; above it: status 431
   std::size_t body_bytes = 1024;    // per request; above it: status 413
   double request_s = 5;  // maximum time of each request before the first one with valid token
@@ -41,9 +41,9 @@ struct HttpLimits {
 // answer per connection.
 class HttpServer {
  public:
-  // Answers a request on the server thread. std::nullopt delays the answer: the handler is
-  // called again after Wake(), and after HttpLimits::hold_s with `must`. With `must`, it must
-  // answer.
+  // Answers a request on the server thread. std::nullopt delays the answer: the handler is called
+  // again after Wake(), and after HttpLimits::hold_s with `must`. With `must`, it must answer. The
+  // handler must not throw.
   using Handler = std::function<std::optional<HttpAnswer>(const HttpRequest& request, bool must)>;
 
   // Starts the server thread with low priority. Port 0: any free port. Throws InputError if the
@@ -59,8 +59,7 @@ class HttpServer {
   int port() const;
   // Calls the handler again for all delayed answers. Thread-safe.
   void Wake();
-  // Gives the server thread the priority of the calling thread, if a new thread can be
-  // created.
+  // Gives the server thread the priority of the calling thread, if a new thread can be created.
   void TakePriority();
 
   struct State;

@@ -31,7 +31,7 @@ struct ShownState {
   FrameState frame_state = FrameState::kFirst;
   SlamRunProgress progress;
   double frames_per_second = 0;
-  bool is_at_result = false, is_done = false;
+  bool is_at_result = false, is_done = false;  // as in LiveRun
   std::vector<Advice> advice;
   std::optional<Rigid3d> world_from_camera;  // last pose; std::nullopt: none yet
   PinholeCamera camera;
@@ -68,9 +68,9 @@ class LiveData {
   using Text = std::shared_ptr<const std::string>;
   // JSON; null if the state is not newer than `number`.
   Text StateAfter(std::uint32_t number, bool is_paused);
-  // JSON; null without path.
+  // JSON; null before the first path.
   Text Path();
-  // JPEG; null if the picture does not have the number `asked`. 0: any number.
+  // JPEG; null without picture, and if the picture does not have the number `asked`. 0: any number.
   Text Picture(Shown which, std::uint32_t asked);
   // SampleChanges, little endian: epoch, level, slots, version, next and count as uint32, then
   // `count` slots as uint32, then `count` PackedSurfel.

@@ -12,8 +12,9 @@
 
 namespace surfit {
 
-// Answers the requests of the live page with LiveData, and controls the run. Without valid token,
-// Host or Origin, the status is 403. Data that do not exist yet give 204.
+// Answers the requests of the live page with LiveData, and controls the run. The status is 403 for
+// an invalid token, Host or Origin, 404 for an unknown page, and 204 for data that do not exist
+// yet.
 class LivePages {
  public:
   // Keeps the pointers.

@@ -20,7 +20,7 @@
 namespace surfit {
 
 // Limits the rate of a periodic task: at least min_gap_s between two calls, and at most the ratio
-// `share` of the time. Not thread-safe.
+// `share` of the time, from 0 (exclusive) to 1. `must` ignores both limits. Not thread-safe.
 class RateLimiter {
  public:
   RateLimiter(double min_gap_s, double share) : min_gap_(min_gap_s), share_(share) {}
@@ -89,14 +89,14 @@ class LiveRun {
   // viewers.
   void Update(const SlamRunProgress& progress);
   void Keep(const SlamRunResult& result);
-  // Call at the end.
+  // Call at the end. Returns at once before Keep() and after an interruption.
   void Stay();
 
   // Control by viewers, thread-safe. After the last frame, the run is not paused.
   void Pause() { pauses_ = true; }
   void GoOn() { pauses_ = false; }
   void Step();  // processes one frame, then pauses
-  // Interrupts the run once. Later calls do nothing.
+  // Interrupts the run once. Does nothing after an interruption.
   void Stop();
   bool is_paused() const { return pauses_ && !is_at_result_; }
   bool is_interrupted() const { return interrupted_; }
@@ -106,15 +106,15 @@ class LiveRun {
   const SlamRunProgress& progress() const { return progress_; }  // without frame
   FrameState state() const { return state_; }
   bool is_lost() const { return state_ == FrameState::kLost; }
-  bool is_at_result() const { return is_at_result_; }
-  bool is_done() const { return is_done_; }
+  bool is_at_result() const { return is_at_result_; }  // since refinement, re-integration or Keep()
+  bool is_done() const { return is_done_; }            // after Keep()
   double frames_per_second() const { return frame_s_ > 0 ? 1 / frame_s_ : 0; }  // running mean
   const std::vector<Advice>& advice() const { return advice_; }
   const Trajectory& path() const { return path_; }  // with all corrections so far
   const std::vector<LoopSegment>& loops() const { return loops_; }
   // frame indices
   const std::optional<std::pair<int, int>>& last_loop() const { return last_loop_; }
-  // Image of the last frame with a pose.
+  // Colour of the last frame with a pose; empty: none.
   const Image<Rgb8>& last_good() const { return last_good_; }
   // State of the run in one line.
   std::string Status() const;

@@ -38,8 +38,8 @@ class LiveServer : public RunViewer {
   void Wait(const SlamRunFrame& frame, int wait_ms) override;
   void ShowWork() override;
   void Keep(const SlamRunResult& result) override;
-  // Blocks for at most 10 s, until all pages have the final map: no request for 2 s. Returns
-  // at once if no page has requested data in the last 8 s.
+  // Blocks for at most 10 s, until all pages have the final map: no answer for 2 s. Returns at once
+  // if no page has requested data in the last 8 s.
   void Stay() override;
 
  private:

@@ -31,11 +31,11 @@ struct SamplePlace {
 
 // Changes since a place in the stream. `slot` and `surfel` have equal sizes.
 struct SampleChanges {
-  std::uint32_t epoch = 0;  // the page clears its slots if its epoch differs
-  std::uint32_t level = 0;  // the page drops every second slot until it has this level
-  std::uint32_t slots = 0;
-  std::uint32_t version = 0;
-  std::uint32_t next = 0;  // first slot of the next request; 0: end of the round
+  std::uint32_t epoch = 0;    // the page clears its slots if its epoch differs
+  std::uint32_t level = 0;    // the page drops every second slot until it has this level
+  std::uint32_t slots = 0;    // of the sample
+  std::uint32_t version = 0;  // current version of the sample
+  std::uint32_t next = 0;     // first slot of the next request; 0: end of the round
   std::vector<std::uint32_t> slot;
   std::vector<PackedSurfel> surfel;
 };
@@ -53,8 +53,8 @@ class MapSample {
   // Replaces the sample by a map, and begins a new epoch: pages start again.
   void Reset(const SurfelMap& map);
 
-  // At most `most` changes, starting with the slot of `place`. A place of another epoch gets all
-  // surfels.
+  // At most `most` changes, starting with the slot of `place`. A place of another epoch or a higher
+  // level gets all surfels.
   SampleChanges ChangesFrom(SamplePlace place, std::size_t most) const;
 
   // NoiseConfidence() of the sample, as WeightByte.

@@ -7,8 +7,8 @@
 
 namespace surfit {
 
-// Input files and receipts of workflow jobs (tools/workflow). Functions of this header that read
-// or write files throw InputError with the file name.
+// Input files and receipts of workflow jobs (tools/workflow). Functions of this header that read or
+// write files throw InputError with the file name.
 
 // Writes a file atomically. An unchanged file keeps its modification time, so that dependent
 // jobs are not repeated.
@@ -17,10 +17,10 @@ void WriteIfChanged(const std::string& text, const std::string& path);
 // Paths of the files with this extension (".json"), sorted. Empty if the folder does not exist.
 std::vector<std::string> FilesIn(const std::string& folder, const std::string& extension);
 
-// Absolute path without "." and "..". The file need not exist.
+// Absolute path without "." and "..", without resolving symbolic links. The file need not exist.
 std::string AbsolutePath(const std::string& path);
 
-// Makes the paths of the options absolute. Camera presets stay.
+// Makes the paths of the sequence and of an existing camera file absolute. Camera presets stay.
 SequenceOptions WithAbsolutePaths(SequenceOptions sequence);
 
 // Text of a flag file (--flagfile): flags of `run` that differ from `other` or from the
@@ -39,8 +39,9 @@ struct JobReceipt {
   std::string Rule() const { return job.substr(0, job.find('_')); }
 };
 
-// Reading throws InputError if the receipt is missing or invalid.
+// Path of the receipt of a job: FOLDER/jobs/JOB.json.
 std::string ReceiptPath(const std::string& folder, const std::string& job);
+// Throws InputError if the receipt is missing or invalid.
 JobReceipt ReadReceipt(const std::string& path);
 
 // Deletes receipts, so that the workflow repeats these jobs: successful jobs without their

@@ -37,7 +37,8 @@ struct FragmentLinks {
 void WriteLinks(const FragmentLinks& pair, const std::string& path);
 FragmentLinks ReadLinks(const std::string& path);
 
-// Returns std::nullopt for a failed fragment, which has no places.bin.
+// Reads places.bin of a fragment. Returns std::nullopt for a failed fragment, which has no such
+// file.
 std::optional<RunPlaces> PlacesOf(const std::string& scan, const ScanFragment& fragment,
                                   PlacesPart part);
 

@@ -30,21 +30,22 @@ struct GraphLink {
 // Pose graph of the keyframes of all fragments. Not thread-safe.
 class ScanGraph {
  public:
-  // `fragments`: std::nullopt if missing. `recordings`: index of the recording per fragment.
-  // Consecutive fragments of a recording share frames. Both vectors have one value per fragment, in
-  // the order of the scan.
+  // `fragments`: std::nullopt if missing; fragments without keyframes count as missing.
+  // `recordings`: index of the recording per fragment. Consecutive fragments of a recording share
+  // frames. Both vectors have one value per fragment, in the order of the scan.
   ScanGraph(std::vector<std::optional<RunPlaces>> fragments, std::vector<int> recordings,
             std::vector<GraphLink> links, const LoopOptions& options);
 
-  // Optimises the largest connected part, and rejects outliers. Call once. Returns false, without
-  // changes, if the solver fails.
+  // Optimises the connected part with the most frames, and rejects outliers. Call once. Returns
+  // false, without changes, if the solver fails.
   bool Solve();
 
   // std::nullopt: missing fragment.
   const std::vector<std::optional<GraphFragment>>& fragments() const { return fragments_; }
   const std::vector<GraphLink>& links() const { return links_; }
-  // Difference of the measured and the optimised relative pose of a link, in the source camera.
-  // std::nullopt for a disconnected fragment. Call after Solve(). Both fragments must exist.
+  // Difference of the measured and the optimised relative pose of a link, in the source camera:
+  // measured inverse times optimised. std::nullopt for a disconnected fragment. Call after Solve().
+  // Both fragments must exist.
   std::optional<Rigid3d> Residual(const GraphLink& link) const;
   // Returns whether a fragment exists, but is not in the largest part. Call after Solve().
   bool IsDisconnected(std::size_t fragment) const {

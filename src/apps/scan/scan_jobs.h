@@ -67,7 +67,7 @@ struct ScanLink {
 };
 // Verifies all candidates of two fragments (VerifyLoop()). Then verifies further keyframe pairs
 // that are near each other according to an accepted link. Writes all results, also rejected pairs.
-// Throws InputError if a fragment has no places.bin.
+// Throws InputError if a fragment has no places.bin, or if a candidate is not a keyframe.
 std::vector<ScanLink> LinkFragments(const LinkOptions& options);
 
 struct GraphOptions {
@@ -94,7 +94,8 @@ struct GraphResult {
 };
 // Optimises the pose graph of the largest connected part (ScanGraph). Consecutive fragments of a
 // recording are connected by a shared frame, recordings by links only. Outliers are rejected if
-// LoopOptions::graph selects "gnc". Writes graph.json and tiles.json, and for each recording R:
+// LoopOptions::graph selects "gnc". Throws InputError if the graph cannot be solved. Writes
+// graph.json and tiles.json, and for each recording R:
 // - trajectory_R.txt: TUM format, pose convention of the sequence
 // - poses_R.txt: index stamp tx ty tz qx qy qz qw, in the frame of the map
 // - trajectory_R.png
@@ -109,10 +110,10 @@ struct TileOptions {
 
   void Visit(OptionVisitor& visitor);
 };
-// Fuses all frames that observe a tile, at the optimised poses (FusePart()). Returns the number
-// of surfels. Tiles are half-open cubes, so each surfel is in one tile. Frame indices of surfels
-// include FirstFrames(). `progress` must not be empty. It receives the number of fused frames.
-// Throws InputError if interrupted.
+// Fuses all frames that observe a tile, at the optimised poses (FusePart()). Returns the number of
+// surfels. Tiles are half-open cubes, so each surfel is in one tile. Frame indices of surfels
+// include FirstFrames(). `progress` must not be empty. It receives the progress in frames, see
+// FinalMapProgress. Throws InputError if interrupted.
 std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interrupted,
                      const std::function<void(int frames)>& progress);
 
@@ -136,15 +137,16 @@ struct ScanSummary {
   std::vector<ScannedRecording> recordings;  // empty: no graph
   std::vector<std::string> failed;           // JOB: ERROR
 };
-// Writes summary.json, report.html, pictures of the map, and trajectory.txt (or trajectory_R.txt
-// for several recordings). Deletes trajectories and tiles of a former plan. Without graph.json,
-// all values of the graph are 0 or empty.
+// Writes summary.json, report.html, pictures of the map (if ScanPlan::pictures), and trajectory.txt
+// (or trajectory_R.txt for several recordings). Deletes trajectories and tiles of a former plan.
+// Without graph.json, all values of the graph are 0 or empty.
 ScanSummary ReportScan(const ScanReportOptions& options);
 // Reads summary.json.
 ScanSummary ReadScanSummary(const std::string& scan);
 
-// Deletes receipts, so that the workflow repeats these jobs: successful jobs without their
-// product, failed jobs if `retry_failed` is true, and all dependent jobs.
+// Deletes receipts, so that the workflow repeats these jobs: successful jobs without their product,
+// and failed jobs if `retry_failed` is true. Also deletes summary.json, and the receipts of
+// dependent jobs for fragments, candidates and graph.
 void DeleteStaleReceipts(const std::string& scan, bool retry_failed);
 
 }  // namespace surfit

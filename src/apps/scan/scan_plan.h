@@ -11,7 +11,7 @@ class OptionVisitor;
 
 // A scan splits recordings of one place into fragments, which are tracked independently.
 struct ScanPlanOptions {
-  std::vector<std::string> sequences;
+  std::vector<std::string> sequences;  // paths of the recordings, all different
   // `run.output`: folder of the scan. `run.sequence`: options of all recordings, without path.
   SlamRunOptions run;
   int fragment_frames = 300;  // maximum length, including the overlap

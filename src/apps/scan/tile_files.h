@@ -30,7 +30,7 @@ void WriteTiles(const std::vector<ScanTile>& tiles, const std::string& path);
 std::vector<ScanTile> ReadTiles(const std::string& path);
 
 // Text file with one line per frame: index, timestamp, pose. Lossless. ReadFramePoses() requires
-// ascending indices. Keyframes and segments are not stored.
+// ascending indices, and does not check the poses. Keyframes and segments are not stored.
 void WriteFramePoses(const std::vector<PosedFrame>& frames, const std::string& path);
 std::vector<PosedFrame> ReadFramePoses(const std::string& path);
 

@@ -24,7 +24,8 @@ struct ComparedRuns {
   std::vector<ComparedRun> runs;
 };
 
-// Computes errors and convergence by the limits of the options. `problem` and `cell` are not set.
+// Computes errors and convergence (success, and errors below the limits of the options). `problem`
+// and `cell` are not set.
 ComparedRun Compare(SolveOutcome outcome, const std::optional<Rigid3d>& truth,
                     const CompareOptions& options);
 

@@ -17,8 +17,8 @@ inline constexpr char kPlaneResidual[] = "planes";
 inline constexpr char kTexturedResidual[] = "planes_and_textures";
 
 // Selected combinations, ordered by association and residual. Throws InputError for unknown names,
-// and if a named solver does not support a named residual. Other unsupported combinations are
-// omitted.
+// and if a named solver does not support a named residual, or if no combination remains. Other
+// unsupported combinations are omitted.
 std::vector<SolverCombination> SolverCombinations(const CompareOptions& options);
 
 // Returns whether a combination is slow and runs on few problems only.
@@ -84,6 +84,7 @@ PoseProblem FramePairProblem(FramePyramid source, FramePyramid target,
 // Sets solver, residual and association, and the linear solver if it is named.
 void SetCombination(const SolverCombination& combination, IcpOptions* icp);
 
+// Sets the medians of the times. std::nullopt without reports; build_ms also if it is 0.
 void SetTimes(const std::vector<SolveReport>& reports, SolveOutcome* outcome);
 
 // Outcome of ICP. `points`: source points on the finest level, `total_ms`: duration of the call.

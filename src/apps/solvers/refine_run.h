@@ -38,9 +38,10 @@ struct RefineRunSummary {
   std::size_t poses = 0, keyframes = 0;
   int frames_without_pose = 0;
   int frames_unreadable = 0;
-  // Errors before and after refinement; std::nullopt without ground truth.
+  // Errors before and after refinement; std::nullopt without ground truth, or if the refinement
+  // failed.
   std::optional<TrajectoryEvaluation> before, after;
-  std::size_t map_points = 0;
+  std::size_t map_points = 0;  // surfels of map.ply; 0: not written
   double total_s = 0;
   std::string failure;  // messages of results that were not written; RunRefinement() then throws
 };

@@ -65,7 +65,7 @@ struct RegisterRunOptions {
 
 // Statistics of a cloud after preparation.
 struct RegisteredCloud {
-  std::size_t points = 0;
+  std::size_t points = 0;          // finite points
   std::size_t not_finite = 0;      // removed points
   std::size_t duplicates = 0;      // points that are equal to an earlier point: not registered
   std::size_t without_normal = 0;  // registered points without normal

@@ -7,11 +7,10 @@
 
 namespace surfit {
 
-// Unknown values are null. Throws InputError with the file name.
+// Unknown values are null. Both functions throw InputError with the file name if writing fails.
 void WriteRefinementJson(const RefineRunSummary& summary, const RefineRunOptions& options,
                          const std::string& path);
 
-// Throws InputError with the file name.
 void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOptions& options,
                            const std::string& path);
 

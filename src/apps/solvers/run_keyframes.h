@@ -14,7 +14,7 @@ namespace surfit {
 struct RunKeyframes {
   SequenceInfo info;
   Trajectory trajectory;           // trajectory of the run, in the pose convention of the frames
-  std::vector<double> stamps_s;    // of all frames
+  std::vector<double> stamps_s;    // capture times of all frames
   std::vector<std::size_t> poses;  // indices of the keyframes in `trajectory`
   std::vector<RefinementKeyframe> keyframes;
   int frames_without_pose = 0, frames_unreadable = 0;  // of all frames

@@ -36,9 +36,9 @@ class ChunkedLog : public MessageLog {
   const BinaryFile& file() const { return file_; }
   // Adds a chunk. Calls `take` repeatedly with the chunk number and a cursor over the decompressed
   // bytes, until no bytes are left. Each call must read at least one byte. The cursor is valid
-  // during the call. `name` is the name of the bytes in error messages. If decompression or `take`
-  // throws InputError, skips the remaining messages of the chunk with a warning. The warning
-  // contains `at`, the position of the record in the file, bytes.
+  // during the call. `name` is the name of the bytes in error messages. If reading, decompression
+  // or `take` throws InputError, skips the remaining messages of the chunk with a warning. The
+  // warning contains `at`, the position of the record in the file, bytes.
   void AddChunk(const Chunk& chunk, std::uint64_t at, const std::string& name,
                 const std::function<void(int, Cursor*)>& take);
   // Adds a message with the given bytes at position `at` of the part. Stores position, size and the

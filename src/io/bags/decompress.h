@@ -14,7 +14,7 @@ Compression ParseCompression(const std::string& word, const std::string& name);
 
 // Decompresses `bytes` to exactly `size` bytes, at most 256 MiB. LZ4 data must be frames. Memory
 // grows with the actual output, so a wrong `size` cannot exhaust it. Throws InputError with `name`
-// if `size` is larger, and if the data is damaged or has another size. Bytes after the end of the
+// if `size` is larger, and if the data is damaged or has another size. Bytes after the end of a
 // compressed stream are ignored.
 std::string Decompress(Compression compression, const std::string& bytes, std::uint64_t size,
                        const std::string& name);

@@ -12,15 +12,16 @@ namespace surfit {
 
 // ROS messages of images and cameras (docs.ros.org: sensor_msgs, geometry_msgs, tf2_msgs). All
 // readers throw InputError with `name` for invalid bytes, and for CDR that is not plain
-// little-endian. `name` names the message in errors. `topic` gives serialization and type.
+// little-endian. `name` names the message in errors. `topic` gives serialization (not kOther) and
+// type.
 
 // std_msgs/Header.
 struct MessageHeader {
-  std::int64_t stamp_ns = 0;  // time of capture; 0: not set
+  std::int64_t stamp_ns = 0;  // timestamp of the driver; 0: not set
   std::string frame;          // without a leading slash
 };
 
-// Timestamp in ns from the first bytes of a message; 0: not set.
+// MessageHeader::stamp_ns from the first bytes of a message.
 std::int64_t StampOf(const MessageLocation& place, const Topic& topic, const std::string& name);
 
 // sensor_msgs/Image or sensor_msgs/CompressedImage. For compressed images, `encoding` is the field
@@ -60,7 +61,8 @@ struct FrameTransform {
   std::string parent, child;  // tf frames without a leading slash
   Rigid3d parent_from_child;  // m; maps coordinates of the child frame to the parent frame
 };
-// Transforms of a tf2_msgs/TFMessage or tf/tfMessage. Omits invalid rigid transforms.
+// Transforms of a tf2_msgs/TFMessage or tf/tfMessage. Omits transforms that RigidFromNumbers()
+// rejects.
 std::vector<FrameTransform> ReadTransforms(const std::string& bytes, const Topic& topic,
                                            const std::string& name);
 

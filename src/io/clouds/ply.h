@@ -58,7 +58,8 @@ struct PlyHeader {
   bool big_endian = false;  // byte order of a binary file; false: little endian
 };
 
-// Throws InputError with `path`, line and reason. `file`: whole file; only the header is read.
+// Throws InputError with `path`, reason and, for an invalid line, its number. `file`: whole file;
+// only the header is read.
 PlyHeader ParsePlyHeader(std::string_view file, const std::string& path);
 
 // First element with this name in upper or lower case, valid as long as `header`. Throws InputError
@@ -79,7 +80,8 @@ inline Eigen::Vector3f VectorAt(const double* row, const PlyColumns& c) {
   return Eigen::Vector3d(row[c[0]], row[c[1]], row[c[2]]).cast<float>();
 }
 
-// Converts coordinates to single precision, relative to an origin, see ReadPointCloud().
+// Converts coordinates to single precision, relative to an origin that the first finite point sets,
+// see ReadPointCloud().
 class PointReader {
  public:
   // `origin` must outlive the object. Null: coordinates as in the file.
@@ -92,6 +94,7 @@ class PointReader {
   PlyColumns columns_;
 };
 
+// Header of a binary little-endian file, with all elements in this order.
 std::string FormatPlyHeader(const std::vector<PlyElement>& elements);
 
 // Calls `row` for each row of the first element `name`. The argument has one value per property in
@@ -119,14 +122,14 @@ class PlyRow {
 };
 
 // Writes a PLY file with the single element `vertex` atomically. `fill(i, row)` must put the values
-// of row i in the order and types of `properties`. Throws InputError with the path if writing
-// fails.
+// of row i in the order and types of `properties`, which must be scalars (checked in debug builds
+// only). Throws InputError with the path if writing fails.
 void WritePlyVertices(const std::string& path, std::size_t count,
                       const std::vector<PlyProperty>& properties,
                       const std::function<void(std::size_t, PlyRow*)>& fill);
 
 // Reads x y z of any type, normal_x normal_y normal_z if all exist, and rgb or rgba of four bytes.
-// VIEWPOINT is not applied. Throws InputError with `path` and reason.
+// VIEWPOINT is not applied. `origin`: as in PointReader. Throws InputError with `path` and reason.
 PointCloud ParsePcd(std::string_view file, const std::string& path,
                     std::optional<Eigen::Vector3d>* origin);
 

@@ -25,20 +25,23 @@ struct DepthEncoding {
   }
 };
 
-// Detects the encoding of the first images, which belong to one recording. Adds a warning for each
-// detected property. Images of a disparity camera are not examined.
+// Detects the encoding of the first images, which belong to one recording and have one pixel type.
+// Adds a warning for each detected property. The encoding is plain without images, and for a
+// disparity camera.
 // - Swapped bytes: neighbouring pixels are much more similar with swapped bytes.
-// - Rotated: counts are multiples of 8, and the depth is plausible only without the rotation.
+// - Rotated: almost all counts are multiples of 8, and the depth is plausible only without the
+//   rotation.
 // - Floats in mm: the median is above 100, which no depth camera measures in m.
 // - Fill value: the smallest or largest value is much more frequent than neighbouring values. It
 //   occurs in most images, and the camera moves.
 DepthEncoding DetectDepthEncoding(const std::vector<FrameImages>& images, const RgbdCamera& camera,
                                   std::vector<std::string>* warnings);
 
-// Converts an image to counts or metres. Fill values become 0.
+// Converts an image to counts or metres. Fill values become 0, and 65535 (missing) stays.
 void DecodeDepth(const DepthEncoding& encoding, RawDepth* depth);
 
 // Returns a warning if more than a fifth of the depth is beyond max_depth_m. `images` are decoded.
+// std::nullopt otherwise, for a disparity camera, and without depth.
 std::optional<std::string> FarDepthWarning(const std::vector<FrameImages>& images,
                                            const RgbdCamera& camera, double max_depth_m);
 

@@ -79,7 +79,7 @@ class Unpacker {
     }
     return pose;
   }
-  // Number of items of at least `bytes_each` bytes each.
+  // Number of items of at least `bytes_each` (positive) bytes each.
   std::size_t TakeCount(std::size_t bytes_each) {
     const std::size_t count = Take<std::uint32_t>();
     if (count > (bytes_.size() - at_) / bytes_each) Fail("ends too early");
@@ -131,8 +131,8 @@ class Unpacker {
 };
 
 // Serialisation of a view. TakeView() throws InputError for damaged bytes, and for an invalid
-// camera or noise. With PlacesPart::kFeatures its images are empty, and camera and noise are not
-// checked.
+// camera or noise. With PlacesPart::kFeatures its images are empty. Without a depth image, camera
+// and noise are not checked. Distortion is not stored.
 void PutView(const PlaceView& view, Packer* packer);
 PlaceView TakeView(PlacesPart part, Unpacker* unpacker);
 

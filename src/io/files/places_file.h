@@ -24,7 +24,8 @@ void WritePlaces(const RunPlaces& places, const std::string& path);
 enum class PlacesPart { kAll, kFeatures };
 
 // Throws InputError with the path if the file cannot be read or is invalid. A damaged file cannot
-// exhaust the memory. The limit is 4 GiB. With kFeatures, views have no images.
+// exhaust the memory. The limit of this function is 4 GiB. With kFeatures, views have no images.
+// Timestamps and features are not checked.
 RunPlaces ReadPlaces(const std::string& path, PlacesPart part = PlacesPart::kAll);
 
 }  // namespace surfit

@@ -11,13 +11,15 @@
 
 namespace surfit {
 
+// Non-empty line of a text file.
 struct TextRow {
   std::string place;  // "file:line", for error messages
   std::vector<std::string> columns;
 };
 
-// Calls `call` for each line of a text file, except empty lines and comments (#). Columns are
-// separated by spaces, tabs or commas. Throws InputError with the path if the file cannot be read.
+// Calls `call` for each line of a text file, except empty lines and comments (first character #).
+// Columns are separated by spaces, tabs or commas. Throws InputError with the path if the file
+// cannot be read.
 void ForEachTextRow(const std::string& path, const std::function<void(const TextRow&)>& call);
 
 // Returns the rows of ForEachTextRow(). They take many times the memory of the file.
@@ -37,11 +39,12 @@ double ParseNumber(const std::string& text, const std::string& place);
 
 // Rigid transform from tx ty tz qx qy qz qw, translation in m. Normalises the quaternion. Throws
 // InputError if its norm differs from 1 by more than 1 %, or a coordinate exceeds 1e9 m (squared
-// errors would lose all precision).
+// errors would lose all precision). The coordinates must not be NaN, which is not always detected.
 Rigid3d RigidFromNumbers(const double* numbers);
 
 // Rigid transform from a 4 x 4 matrix, translation in m. Throws InputError with the place unless
-// the upper left block is a rotation (to 1 %) and all coordinates are within 1e9 m.
+// the upper left block is a rotation (to 1 %) and all coordinates are within 1e9 m. The last row is
+// not checked.
 Rigid3d RigidFromMatrix(const Eigen::Matrix4d& matrix, const std::string& place);
 
 // Parses a number that may be nan or inf. Throws InputError with the word.
@@ -49,7 +52,7 @@ double AnyNumber(std::string_view word);
 
 // Rigid transform of a text file, or the reason why its numbers are no rigid transform.
 struct ParsedRigid {
-  std::optional<Rigid3d> transform;
+  std::optional<Rigid3d> transform;  // std::nullopt: see `error`
   std::string error;
 };
 
@@ -57,7 +60,8 @@ struct ParsedRigid {
 // not a number; nan and inf are numbers.
 ParsedRigid ParseRigid(const std::vector<std::string>& words, const std::string& place);
 
-// Parses the rows [first, first + 4). Throws InputError unless these are four rows of four numbers.
+// Parses the rows [first, first + 4). Throws InputError with the path or the place unless these are
+// four rows of four numbers.
 ParsedRigid ParseRigid(const std::vector<TextRow>& rows, std::size_t first,
                        const std::string& path);
 

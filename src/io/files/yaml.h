@@ -6,8 +6,8 @@
 namespace surfit {
 
 // Value of a YAML file. Supports a subset of YAML 1.2: maps, lists and scalars, in block style or
-// in brackets. Tags, anchors and texts of several lines are not supported. kNothing: a key without
-// a value, or an empty text.
+// in brackets. Tags, anchors, escape sequences and texts of several lines are not supported.
+// kNothing: a key or list item without a value, or an empty document.
 struct YamlNode {
   enum class Kind { kNothing, kScalar, kList, kMap };
 

@@ -12,7 +12,7 @@ namespace surfit {
 // `bytes` must have space for `count` bytes. Its content is unspecified after a failure.
 bool Inflate(const void* data, std::size_t size, void* bytes, std::size_t count);
 
-// `level`: 1 (fast) to 9 (small).
+// `level`: 1 (fast) to 9 (small), not checked.
 std::string Deflate(const void* bytes, std::size_t count, int level);
 
 }  // namespace surfit

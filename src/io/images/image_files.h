@@ -28,8 +28,8 @@ void RequireValidSize(ImageSize size, const std::string& path);
 // an array of NumPy. All functions throw InputError with the path if the file is missing,
 // truncated, visibly damaged or of another format.
 
-// One channel of 16-bit raw counts, or of 32-bit floats in metres. JPEG is refused. Missing depth
-// is kept as stored.
+// One channel of 16-bit raw counts, or of floats in metres. JPEG is refused. Missing depth is kept
+// as stored.
 RawDepth ReadDepthImage(const std::string& path);
 RawDepth DecodeDepthImage(const std::string& bytes, const std::string& path);
 
@@ -43,7 +43,7 @@ Image<std::uint8_t> DecodeConfidenceImage(const std::string& bytes, const std::s
 Image<Rgb8> ReadColorImage(const std::string& path);
 Image<Rgb8> DecodeColorImage(const std::string& bytes, const std::string& path);
 
-// Test the first bytes only.
+// Tests the first bytes only, as IsPng().
 bool IsJpeg(const std::string& bytes);
 
 // Image size from the header, without decoding. Throws InputError with `path` for an unknown
@@ -54,8 +54,7 @@ ImageSize SizeInHeader(const std::string& bytes, const std::string& path);
 ImageSize JpegSize(const std::string& bytes, const std::string& path);
 
 // Throws InputError with `path` if the image is truncated or damaged, or if its colours are CMYK.
-// The decoder would fill in missing pixels with a warning; here a warning is an error. Up to 64
-// stray bytes after the last pixel are ignored.
+// Up to 64 stray bytes after the last pixel are ignored.
 Image<Rgb8> DecodeJpeg(const std::string& bytes, const std::string& path);
 
 // `quality`: 1 to 100. Chroma is not subsampled. Throws InputError if encoding fails, including out
@@ -63,7 +62,7 @@ Image<Rgb8> DecodeJpeg(const std::string& bytes, const std::string& path);
 std::string EncodeJpeg(const Image<Rgb8>& image, int quality);
 
 // Fast compression: files are about one third larger than with default settings. Throw as
-// EncodeJpeg().
+// EncodeJpeg(), also for an empty image.
 std::string EncodePng(const Image<Rgb8>& image);
 std::string EncodePng(const Image<std::uint16_t>& image);
 std::string EncodePng(const Image<std::uint8_t>& image);

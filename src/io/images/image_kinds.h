@@ -33,12 +33,14 @@ struct PngChunk {
 // which must begin with the PNG signature.
 std::vector<PngChunk> PngChunks(const std::string& png, const std::string& path);
 
-// Fast decoders of PNG files without interlacing: 16-bit grey or 8-bit RGB. Return std::nullopt for
-// other files and for damaged data, which libpng then decodes or rejects.
+// Fast decoders of PNG files without interlacing: 16-bit grey or 8-bit RGB. `png`: result of
+// PngChunks() for a file that passes SizeInHeader(). Return std::nullopt for other files and for
+// damaged data, which libpng then decodes or rejects.
 std::optional<Image<std::uint16_t>> ReadPlainCounts(const std::vector<PngChunk>& png);
 std::optional<Image<Rgb8>> ReadPlainColor(const std::vector<PngChunk>& png);
 
-// Array of NumPy (.npy) with one number per pixel: 16-bit unsigned counts, 32-bit or 64-bit floats.
+// Array of NumPy (.npy) with one number per pixel: 16-bit unsigned counts, 32-bit or 64-bit floats
+// (converted to 32 bits).
 RawDepth DecodeDepthNpy(const std::string& bytes, const std::string& path);
 // OpenEXR image of one part in scan lines, see exr_images.cc.
 RawDepth DecodeDepthExr(const std::string& bytes, const std::string& path);
@@ -56,7 +58,7 @@ bool IsPnm(const std::string& bytes);
 // Image size from the header of a PGM or PPM file.
 ImageSize PnmSize(const std::string& bytes, const std::string& path);
 
-// The caller throws the errors. `bits`: per channel.
+// Errors, which the caller throws. `bits`: per channel.
 InputError NotADepthImage(int channels, int bits, const std::string& path);
 InputError NotAConfidenceImage(int channels, int bits, const std::string& path);
 InputError DamagedImage(const std::string& path);

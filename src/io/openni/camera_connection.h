@@ -13,12 +13,12 @@
 
 namespace surfit {
 
-// Camera connection that survives unplugging. Timestamps continue after a pause with the elapsed
-// time added. Not thread-safe.
+// Camera connection that survives unplugging. After a pause, timestamps continue with the elapsed
+// time added, and image numbers start again. Not thread-safe.
 class CameraConnection {
  public:
-  // Opens and starts the device. Throws InputError with its name if it is not connected or cannot
-  // be configured.
+  // Opens and starts the device `options.path`: a URI, or "any" for the first device. Throws
+  // InputError with its name if it is not connected or cannot be configured.
   explicit CameraConnection(const SequenceOptions& options);
   ~CameraConnection();
   CameraConnection& operator=(CameraConnection&&) = delete;
@@ -31,7 +31,7 @@ class CameraConnection {
 
   // Next image; std::nullopt without an image within 0.1 s or while the camera is disconnected. A
   // camera without images for 5 s counts as disconnected. Throws InputError for an unreadable image
-  // of a connected camera.
+  // of a connected camera, and if OpenNI2 cannot list the devices.
   std::optional<DeviceImage> Next();
   // Duration of a disconnection before the last image of Next(), s; 0: none.
   double paused_before_s() const { return paused_before_s_; }

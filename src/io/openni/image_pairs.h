@@ -7,7 +7,7 @@
 
 namespace surfit {
 
-// Depth image with its colour image. Colour is empty if no colour image is within
+// Depth image with its colour image. Colour is empty if no waiting colour image is within
 // kMaxBetweenImages_s (recording.h) of the depth image.
 struct ImagePair {
   DeviceImage depth;
@@ -15,9 +15,9 @@ struct ImagePair {
 };
 
 // Pairs depth and colour by timestamp as images arrive. Each depth image gets the nearest colour
-// image; a colour image is used at most once. A pair is complete when two more depth images have
-// arrived, or a colour image with the same or a later timestamp. At most eight images of each kind
-// wait; the oldest is dropped. Not thread-safe.
+// image; a colour image is used at most once, and its use discards earlier colour images. A pair is
+// complete when two more depth images have arrived, or a colour image with the same or a later
+// timestamp. At most eight images of each kind wait; the oldest is dropped. Not thread-safe.
 class ImagePairs {
  public:
   // If not `has_color`, each depth image is a complete pair.

@@ -14,7 +14,7 @@ namespace surfit {
 
 // Depth image or colour image of a device; the other image is empty.
 struct DeviceImage {
-  std::uint64_t stamp_us = 0;  // device clock
+  std::uint64_t stamp_us = 0;  // timestamp of the device clock
   int number = 0;              // number within the stream; starts again in each loop of a recording
   Image<std::uint16_t> depth;  // counts of the device, 1 or 0.1 mm; 0: missing
   Image<Rgb8> color;
@@ -27,8 +27,9 @@ double SecondsOf(std::uint64_t stamp_us);
 
 // Camera or recording opened with OpenNI2, with a depth stream and an optional colour stream.
 // Mirroring of images is undone. Failures throw InputError with the name of the device, unless
-// stated otherwise. Mirroring and colour synchronisation are skipped if the device lacks them. Not
-// thread-safe. Call SetUp() or PlayOnRequest() first, then Start(), then Next() and Camera().
+// stated otherwise. Mirroring, registration and colour synchronisation are skipped if the device
+// lacks them. Not thread-safe. Call SetUp() or PlayOnRequest() first, then Start(), then Next() and
+// Camera().
 class OpenNiDevice {
  public:
   OpenNiDevice(std::shared_ptr<const OpenNiLibrary> library, const std::string& uri);
@@ -54,9 +55,10 @@ class OpenNiDevice {
   // wait, for example without a device. Throws InputError for a cropped or unreadable image.
   std::optional<DeviceImage> Next(int wait_ms);
 
-  // Camera with intrinsics from the fields of view. Call after Start(). Devices do not report
-  // color_from_depth: if colour is not registered, the options must set it, or it throws
-  // InputError.
+  // Camera with intrinsics from the fields of view, unless the options set them, and noise and
+  // readout of the preset xtion. Call after Start(). Values of the options are not applied. Throws
+  // InputError without a field of view. Devices do not report color_from_depth: if colour is not
+  // registered, the options must set it, or it throws InputError.
   RgbdCamera Camera(const SequenceOptions& options) const;
 
   // Disables automatic exposure and white balance; the current values stay. Returns false if the

@@ -48,7 +48,7 @@ class OpenNiLibrary {
 
   // Throws InputError with `what` and the reason of OpenNI2 unless `status` is OK.
   void Require(OniStatus status, const std::string& what) const;
-  // Error message of the last failure, in one line.
+  // Error message of the last failure, in one line, never empty.
   std::string Reason() const;
 
  private:

@@ -11,16 +11,18 @@ namespace surfit {
 // range of the values is decided once per recording, so that a frame without high values has the
 // same limit as all other frames.
 
-// The folder may not exist.
+// Returns `folder`/confidence, which may not exist.
 std::string ConfidenceFolder(const std::string& folder);
 
-// Sets the confidence image of each frame, and its range. Images are matched to depth
+// Sets the confidence image of each frame, and its range from up to eight of the first images.
+// Images are matched to depth
 //   1. by the timestamps in confidence.txt, if this file exists. Numbered frames have no clock, and
 //      their folder confidence/ takes precedence over the file.
 //   2. by the names in confidence/, see AddNamedConfidence().
 // Adds a warning if frames remain without a confidence image, except if the folder has neither.
 // Throws InputError that names the file if the list is malformed, or if two images have the same
-// number. The clock of the list must start as often as the clock of the frames.
+// number. Also throws if the clock of the images does not start as often as the clock of the
+// frames.
 void AddConfidence(const std::string& folder, bool has_clock, std::vector<FrameFiles>* frames,
                    std::vector<std::string>* warnings);
 
@@ -30,7 +32,8 @@ void AddConfidence(const std::string& folder, bool has_clock, std::vector<FrameF
 // - number of the depth image, see NumberImages()
 //
 // If two images have this number, calls `twice` with a message, and uses the image with the first
-// name. Frames without a match stay without image. Does not set the range.
+// name. Frames without a match stay without image. Does not set the range. Throws InputError for
+// clocks as AddConfidence().
 void AddNamedConfidence(const std::string& confidence_folder, bool has_clock,
                         const DuplicateCallback& twice, std::vector<FrameFiles>* frames);
 

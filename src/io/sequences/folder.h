@@ -6,11 +6,12 @@
 
 namespace surfit {
 
-// Sorted names of the files and folders in a folder. Empty if the folder does not exist or is
-// unreadable.
+// Sorted names of the files and folders in a folder, without names that begin with "._" (macOS).
+// Empty if the folder does not exist or is unreadable.
 std::vector<std::string> NamesIn(const std::string& folder);
 
-// Follow symbolic links. False if the path does not exist.
+// Test for a folder, and for a regular file, also behind symbolic links. False if the path does not
+// exist.
 bool IsFolder(const std::string& path);
 bool IsFile(const std::string& path);
 // Returns whether an optional file exists. Throws InputError naming the path if it is not a regular
@@ -18,7 +19,8 @@ bool IsFile(const std::string& path);
 bool HasFile(const std::string& path);
 bool EndsWith(const std::string& name, const std::string& ending);
 
-// Whether the name has the ending of an image file, in lower case.
+// Whether the name has the ending of an image file, in upper or lower case, also of a format that
+// is not supported (.webp).
 bool IsImageName(const std::string& name);
 
 // Number of the first digits in a file name: 12 for frame-000012.color.png. Returns std::nullopt
@@ -48,8 +50,9 @@ bool IsBag(const std::string& format);
 bool MayBeFile(const std::string& format);
 bool MayBeFolder(const std::string& format);
 
-// Detects the format of a folder from its files, or of a file from its extension. Never returns a
-// live format. Throws InputError naming the path and the known formats if the format is unknown.
+// Detects the format of a folder from its files, or of a file from its extension in lower case.
+// Never returns a live format. Throws InputError naming the path and the known formats if the
+// format is unknown.
 std::string DetectFormat(const std::string& path);
 
 }  // namespace surfit

@@ -7,7 +7,8 @@
 
 namespace surfit {
 
-// Removes depth of low confidence. Throws InputError naming the file that cannot be read.
+// Reads the images of a frame, without depth of low confidence. Throws InputError naming the file
+// that cannot be read.
 FrameImages ReadFrameFiles(const FrameFiles& files);
 
 // Opens no files before Recording::Read().

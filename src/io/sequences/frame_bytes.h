@@ -49,7 +49,7 @@ FrameImages ReadImages(const BinaryFile& file, int frame, const ImageBytes& dept
                        const ImageBytes& color);
 
 // Adds a warning if the file has fewer frames than its header declares. `claimed`: number in the
-// header, `found`: number of complete frames.
+// header, `found`: number of complete frames, at most `claimed`.
 template <typename Count>
 void WarnIfShort(const std::string& path, Count claimed, int found, OpenedRecording* opened) {
   if (claimed == static_cast<Count>(found)) return;

@@ -24,10 +24,11 @@ struct KlgSummary {
 
 // Writes the remaining frames of `source` atomically as a .klg file (format of ElasticFusion, see
 // OpenKlg()). Timestamps are rounded to microseconds and depth to millimetres; 0: missing depth.
-// The format stores no camera and no poses. The camera is written to F.klg.yaml, which
-// OpenSequence() reads. Throws InputError for invalid options, if writing fails, or if no frame is
-// readable. A frame has one timestamp, the capture time of depth: latencies are subtracted. Images
-// are written as `source` returns them: undistorted and downsampled.
+// The format stores no camera and no poses. The camera is written to F.klg.yaml (fy < 0 for a
+// mirrored source), which OpenSequence() reads. Throws InputError for invalid options, if writing
+// fails, or if no frame is readable. A frame has one timestamp, the capture time of depth:
+// latencies are subtracted. Images are written as `source` returns them: undistorted and
+// downsampled. `path` must be a regular file or a new name.
 KlgSummary WriteKlg(FrameSource* source, const std::string& path, const KlgOptions& options);
 
 }  // namespace surfit

@@ -19,8 +19,8 @@ struct RawFrame {
 };
 
 // Frames of a sequence as recorded, in order. Not thread-safe. Order: FirstImages(), then Next(),
-// and at most one Read() after each Next(). The frames of FirstImages() are returned by Next(),
-// too.
+// and at most one Read() after each Next(). Next() also returns the frames of FirstImages(), if the
+// options select them.
 class RawFrames {
  public:
   virtual ~RawFrames() = default;
@@ -56,7 +56,8 @@ FrameStamps CaptureTimes(const FrameStamps& stamps, const RgbdCamera& camera);
 void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images);
 
 // Checks the image sizes and rectifies the images. `stamps` are timestamps as recorded. Throws
-// InputError like RequireSizeOf(). `rectifier` must belong to the camera.
+// InputError like RequireSizeOf(). `rectifier` must belong to the camera. Timestamps of the result
+// are capture times.
 RgbdFrame RectifyFrame(const RgbdCamera& camera, const FrameRectifier& rectifier,
                        FrameImages images, int index, const FrameStamps& stamps);
 
@@ -70,17 +71,19 @@ RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
 // Implements WatchFolder(). Requires valid options.
 RawSequence OpenWatchedFolder(const SequenceOptions& options, const std::atomic<bool>& stop);
 
-// Opens the OpenNI2 camera `options.path`, with a queue of `capacity` frames. Throws InputError
-// naming the device, also in a build without OpenNI2.
+// Opens the OpenNI2 camera `options.path`, with a queue of `capacity` frames, at least 1. Throws
+// InputError naming the device, also in a build without OpenNI2.
 RawSequence OpenOpenNiCamera(const SequenceOptions& options, int capacity,
                              const std::atomic<bool>& stop);
 
-// Completes `info` with CompleteInfo() and the first images of `frames`. Throws InputError if no
-// frame can be read, if the image size is wrong, or for a bad depth field. `frames` must be new.
+// Completes `info` with CompleteInfo() and the first images of `frames`, and removes a
+// DepthEncoding from all frames. Throws InputError if no frame can be read, if the image size is
+// wrong, or for a bad depth field. FirstImages() of `frames` must not have been called.
 RawSequence MakeRawSequence(SequenceInfo info, std::unique_ptr<RawFrames> frames,
                             const SequenceOptions& options, bool scale_is_given);
 
-// Source of rectified frames. Read errors of single frames are in ReadResult::error.
+// Source of rectified frames, with capture times as timestamps. Read errors of single frames are in
+// ReadResult::error.
 std::unique_ptr<FrameSource> MakeFrameSource(RawSequence sequence);
 
 }  // namespace surfit

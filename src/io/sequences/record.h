@@ -38,13 +38,14 @@ struct RecordSummary {
 };
 
 // Records a sequence or a live camera as a folder in the TUM format: rgb/, depth/, rgb.txt,
-// depth.txt, associations.txt, camera.yaml, and groundtruth.txt if the source has poses. Without
-// colour, there is no rgb.txt and no associations.txt.
+// depth.txt, associations.txt and camera.yaml. Ground truth in the convention of the source is in
+// groundtruth.txt, if there are poses. Without colour, there is no rgb.txt and no associations.txt.
 //
-// Pixel values and timestamps are identical to the source, with two exceptions. Depth in m is
-// converted to counts of 1 / 5000 m. Depth of low confidence is written as missing, because
-// confidence images are not written (SequenceOptions::confidence). Images are stored as PNG. Images
-// are written before their lines in the lists, so that an interrupted recording is valid.
+// Pixel values and timestamps are identical to the source, with three exceptions. DepthEncoding is
+// removed. Depth in m is converted to counts of 1 / 5000 m. Depth of low confidence is written as
+// missing, because confidence images are not written (SequenceOptions::confidence). Images are
+// stored as PNG. Images are written before their lines in the lists, so that an interrupted
+// recording is valid.
 //
 // Ends at the end of the sequence, at a limit of the options, or when `stop` becomes true. Calls
 // `progress`, which must not be empty, after each written frame. Throws InputError with the option,

@@ -15,7 +15,8 @@
 
 namespace surfit {
 
-// Timestamps of the images of one frame, s, as recorded. Both are equal without colour.
+// Timestamps of the images of one frame, s, as recorded, except in CaptureTimes(). Both are equal
+// without colour.
 struct FrameStamps {
   double depth_s = 0;
   double color_s = 0;
@@ -59,13 +60,15 @@ struct SourceCamera {
   bool scale_is_given = false;  // a file has the depth scale
 };
 
-// Returns the camera that a recording or device contains. Empty function: it contains none.
+// Returns the camera that a recording or device contains, or throws InputError. Empty function: it
+// contains none.
 using CameraReader = std::function<SourceCamera()>;
 
+// Recording with the properties for SequenceInfo.
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
   Trajectory ground_truth;            // in the convention of the files
-  bool has_clock = false;             // SequenceInfo::has_clock
+  bool has_clock = false;             // SequenceInfo::has_clock; false for .sens
   std::vector<std::string> warnings;  // SequenceInfo::warnings
   int unpaired_images = 0;            // number of images that belong to no frame
   CameraReader read_camera = {};      // valid as long as `frames`
@@ -104,9 +107,9 @@ struct SequenceFiles {
 // that is not finite or not rigid is left out and counted in a warning.
 
 // Lists a TUM folder: associations.txt, otherwise rgb.txt and depth.txt paired by time. Without
-// rgb.txt, frames have no colour. Frames are sorted by the depth timestamp, except if the clock
-// starts again in the lists: then each part of the lists is sorted. Ground truth is in
-// groundtruth.txt or *.gt.freiburg.
+// rgb.txt, frames have no colour. Frames of associations.txt and frames without colour are sorted
+// by the depth timestamp, paired frames by the colour timestamp. If the clock starts again in the
+// lists, each part is sorted. Ground truth is in groundtruth.txt or *.gt.freiburg.
 SequenceFiles ListTumSequence(const std::string& folder);
 
 // Lists an ICL-NUIM folder, like ListTumSequence() if it has associations.txt or depth.txt.
@@ -134,19 +137,20 @@ SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_s
 // names a depth image, the folder is listed as a Redwood folder. Throws InputError with the path.
 SequenceFiles ListNerfstudioSequence(const std::string& folder, double frames_per_second);
 
-// Camera of transforms.json. If depth images are smaller than colour images, the depth camera has
-// their size, and colour is not registered. Throws InputError with the path.
+// Camera of transforms.json. If depth images have another size with the same aspect ratio as colour
+// images, the depth camera has their size, and colour is not registered. Throws InputError with the
+// path.
 SourceCamera ReadNerfstudioCamera(const std::string& folder);
 
-// Lists a Replica folder as rendered for NICE-SLAM: results/frameN.jpg and results/depthN.png, and
-// the pose of a frame in a line of traj.txt, see FramesOfPoses(). Timestamps are N /
-// frames_per_second.
+// Lists a Replica folder as rendered for NICE-SLAM: results/frameN.jpg and results/depthN.png, with
+// six digits, and the pose of a frame in a line of traj.txt, see FramesOfPoses(). Timestamps are N
+// / frames_per_second.
 SequenceFiles ListReplicaSequence(const std::string& folder, double frames_per_second);
 
 // Pairs the images of two folders by the numbers in their names, in ascending order. Both
 // timestamps are the number. A missing image is listed with its expected name, which the read error
-// reports. Empty color_folder: no colour. Throws InputError if two images of a folder have the same
-// number.
+// reports. Empty color_folder: no colour. Empty without images. Throws InputError if two images of
+// a folder have the same number.
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
                                            const std::string& color_folder);
 
@@ -165,11 +169,11 @@ std::string FindColorFolder(const std::string& folder);
 //   int64 timestamp, us
 //   int32 size of depth in bytes, int32 size of colour in bytes (0: no colour)
 //   depth: raw 16-bit counts if the size matches, otherwise compressed by zlib
-//   colour: raw RGB if the size matches, otherwise JPEG
+//   colour: raw RGB if the size matches, otherwise JPEG or PNG
 // The file does not contain the image size. It is taken from the first JPEG, otherwise from `size`
 // (0 x 0: unknown). A truncated file, and a file with more frames than its count, give all complete
-// frames and a warning. Throws InputError naming the file if it cannot be read or if the image size
-// is unknown.
+// frames and a warning. Timestamps in ms or ns (DetectTimeUnit()) are converted, with a warning.
+// Throws InputError naming the file if it cannot be read or if the image size is unknown.
 OpenedRecording OpenKlg(const std::string& path, ImageSize size);
 
 // Opens a .sens file of ScanNet (SensorData, version 4). Each frame has:
@@ -184,7 +188,7 @@ OpenedRecording OpenKlg(const std::string& path, ImageSize size);
 // error.
 OpenedRecording OpenSens(const std::string& path, double frames_per_second);
 
-// Throws like OpenSens().
+// Camera of the file header. Throws like OpenSens().
 RgbdCamera ReadSensCamera(const std::string& path);
 
 // Opens a ROS bag of this format, or a folder of bags. Depth and colour messages are paired by
@@ -193,8 +197,9 @@ RgbdCamera ReadSensCamera(const std::string& path);
 // warning.
 OpenedRecording OpenBag(const SequenceOptions& options, const std::string& format, bool is_folder);
 
-// The intrinsics are computed from the field of view. Throws InputError naming the file, also in a
-// build without OpenNI2.
+// Opens an OpenNI2 recording, and plays it once. Recording::Read() is fast for ascending frames
+// only. The intrinsics are computed from the field of view. Throws InputError naming the file, also
+// in a build without OpenNI2.
 OpenedRecording OpenOni(const SequenceOptions& options);
 
 }  // namespace surfit

@@ -13,7 +13,8 @@ namespace surfit {
 // Returns a warning if the depth scale is implausible and another common scale fits better, or if
 // the median depth is below 0.2 m or above 20 m. Implausible: the median depth is outside of 0.4 to
 // 5 m, or almost all depth is too close. Returns std::nullopt for depth in metres (float images)
-// and for images without valid depth. `path`: name of the image in the warning.
+// and for images without valid depth. `path`: name of the image in the warning. `is_given`: the
+// scale is set by options or a file, so the warning only asks to check it.
 std::optional<std::string> DepthScaleWarning(const RawDepth& depth, double depth_units_per_metre,
                                              const std::string& path, bool is_given = false);
 
@@ -28,7 +29,8 @@ struct RegistrationFit {
 };
 
 // Estimates the alignment from raw or rectified images. Frames are ignored without colour, with
-// colour of another size, or with few depth edges. Returns std::nullopt without usable frames.
+// colour of another size, or with few depth edges. Returns std::nullopt without usable frames, and
+// without an alignment above the mean gradient.
 std::optional<RegistrationFit> FitRegistration(const std::vector<FrameImages>& frames,
                                                const PinholeCamera& depth_camera);
 

@@ -15,7 +15,8 @@ namespace surfit {
 // preset. Throws InputError with the option or file at fault.
 bool ResolveCamera(const SequenceOptions& options, const CameraReader& tell, SequenceInfo* info);
 
-// "525 525 319.5 239.5 px, 1000 depth units per metre", with distortion coefficients if not 0.
+// "525 525 319.5 239.5 px, 1000 depth units per metre", with distortion coefficients if not 0, and
+// with disparity parameters instead of depth units.
 std::string FormatDepthCamera(const RgbdCamera& camera);
 
 // Compares image size, intrinsics and distortion.
@@ -24,8 +25,8 @@ bool HaveEqualIntrinsics(const PinholeCamera& a, const PinholeCamera& b);
 // Comma-separated names of the presets with this image size. Empty if there are none.
 std::string PresetsOfSize(int width, int height);
 
-// Sets the latency to 0 for sequences whose timestamps are not from a clock. Throws InputError if
-// the options set a latency other than 0.
+// Sets the latency of depth to 0. Call it for sequences whose timestamps are not from a clock.
+// Throws InputError if the options set a latency other than 0.
 void DropLatency(const SequenceOptions& options, RgbdCamera* camera);
 
 // Path of the camera.yaml that ResolveCamera() reads; empty: none.

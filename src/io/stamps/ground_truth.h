@@ -10,7 +10,8 @@
 
 namespace surfit {
 
-// Counts poses that are not finite or not rigid, instead of rejecting the recording.
+// Collects poses, and counts poses that are not finite or not rigid, instead of rejecting the
+// recording.
 class GroundTruthPoses {
  public:
   explicit GroundTruthPoses(std::string source) : source_(std::move(source)) {}
@@ -20,8 +21,8 @@ class GroundTruthPoses {
   // Counts a pose that belongs to no frame.
   void AddWithoutFrame() { ++without_frame_; }
 
-  // Returns the valid poses in ascending order of time. Adds a warning with the counts of omitted
-  // poses.
+  // Returns the valid poses in ascending order of time. Adds warnings with the counts of omitted
+  // poses. Call once, at the end.
   Trajectory Take(std::vector<std::string>* warnings);
 
  private:
@@ -32,7 +33,8 @@ class GroundTruthPoses {
 };
 
 // Reads a TUM trajectory as ground truth of a sequence with these timestamps, see
-// ParseTruthTimes(). Throws InputError naming the line that is not eight numbers.
+// ParseTruthTimes(). Throws InputError naming the line that is not eight numbers; poses may be nan
+// or inf.
 Trajectory ReadGroundTruth(const std::string& path, const Times& images,
                            std::vector<std::string>* warnings);
 

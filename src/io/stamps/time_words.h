@@ -11,8 +11,8 @@ const char* TimeUnitName(int decimals);
 
 // Detects the unit of the timestamps of one camera by their median interval: the only unit in which
 // it is between 8 ms and 3 s. Returns std::nullopt if there is no such unit, or fewer than two
-// different timestamps. Also returns std::nullopt for frame numbers: integers with equal or
-// irregular steps.
+// different timestamps. Also returns std::nullopt for frame numbers: integers below 1e11 whose
+// steps are irregular or multiples of the smallest step.
 std::optional<int> DetectTimeUnit(const std::vector<double>& stamps);
 
 // Timestamps of one list of images.
@@ -22,12 +22,12 @@ struct Times {
 };
 
 // Parses the timestamps of one list of images, in the order of the list:
-// - Missing leading zeros of fractions are added: 12.5000000 is 12.005 s if seconds and nanoseconds
-//   were written as two integers.
+// - Missing leading zeros of fractions are added if intervals become more regular: 12.5000000 is
+//   12.005 s if seconds and nanoseconds were written as two integers.
 // - The unit is detected by DetectTimeUnit(). If that fails, the unit is s.
 //
-// Adds a warning for both cases, with `source` as the name of the list. Throws InputError for words
-// that are not numbers.
+// Adds a warning for added zeros and for another unit than s, with `source` as the name of the
+// list. Throws InputError for words that are not finite numbers.
 Times ParseTimes(const std::vector<std::string>& words, const std::string& source,
                  std::vector<std::string>* warnings);
 
@@ -38,9 +38,9 @@ std::vector<double> ParseTruthTimes(const std::vector<std::string>& words, const
                                     const std::string& source, std::vector<std::string>* warnings);
 
 // Finds restarts of the clock in a list of timestamps. Returns the first index of each part, {0}
-// for one part. A restart is a step back of more than five intervals. Lists with fewer than five
-// timestamps per part, and lists whose parts do not overlap in time, are unsorted lists: they are
-// one part.
+// for one part. A restart is a step back of more than five median intervals. Unsorted lists are one
+// part: fewer than five timestamps per part (mean), or no parts that overlap in time. {0} for an
+// empty list.
 std::vector<std::size_t> FindClockStarts(const std::vector<double>& stamps_s);
 
 }  // namespace surfit

@@ -31,7 +31,7 @@ std::vector<double> RoundTicks(AxisRange range, int most);
 // Ticks from low to high, 0 < low: powers of ten. Ranges below two decades also have ticks at 2 and
 // 5.
 std::vector<double> LogarithmicTicks(double low, double high);
-// Number with at most six digits.
+// Number with at most six significant digits.
 std::string TickText(double value);
 
 // Coordinate system in a box of an image. `title` and labels may be empty.
@@ -45,7 +45,7 @@ struct Axes {
 };
 
 // Draws frame, grid, numbers and labels. Title and y label are above the frame, the x label is
-// below.
+// below. The box must have at least 75 px per side, which is not checked.
 void DrawAxes(Image<Rgb8>* image, const Axes& axes);
 
 // World axes of a view: 0 is x, 1 is y, 2 is z.

@@ -29,9 +29,10 @@ struct TextStyle {
   Rgb8 color = {20, 20, 20};
 };
 
-// OpenCV header of the image. Shares the pixels, so the image must outlive it.
+// OpenCV header of the image. Shares the pixels in RGB order, so the image must outlive it.
 cv::Mat AsMat(Image<Rgb8>* image);
 
+// Width in px.
 double TextWidth(const std::string& text, const TextStyle& style);
 
 // Drawing functions, clipped to the image, except DrawImage(). Lines, discs and text are
@@ -42,11 +43,13 @@ void DrawText(Image<Rgb8>* image, PixelPoint at, const std::string& text,
 void DrawLine(Image<Rgb8>* image, const std::vector<PixelPoint>& points, Rgb8 color,
               double width_px);
 void DrawDisc(Image<Rgb8>* image, PixelPoint center, double radius_px, Rgb8 color);
+// Includes the pixels at all four edges.
 void FillBox(Image<Rgb8>* image, const PixelBox& box, Rgb8 color);
-// Resizes an image to the box by area averaging. The box must be inside the image.
+// Resizes an image to the box by area averaging. Throws cv::Exception if the box is not inside the
+// image or the source is empty.
 void DrawImage(Image<Rgb8>* image, const cv::Rect& box, const Image<Rgb8>& source);
 
-// Throws InputError with the path if writing fails.
+// Throws InputError with the path if writing fails, and for an empty image.
 void WritePng(const Image<Rgb8>& image, const std::string& path);
 
 // Viridis colour map for values from low to high: dark blue, green, yellow.
@@ -59,7 +62,8 @@ class ColorScale {
   double high() const { return high_; }
   bool logarithmic() const { return logarithmic_; }
 
-  // Position of a value on the scale, clamped to [0, 1].
+  // Position of a value on the scale, clamped to [0, 1]. 0 for NaN, and for all values if low =
+  // high.
   double Position(double value) const;
   // Colour of a position, which is clamped to [0, 1].
   Rgb8 ColorAt(double position) const;
@@ -96,7 +100,8 @@ struct SurfelColoring {
 SurfelColoring ColorByColor(const SurfelMap& map);
 // Colours (1 + n) / 2 of the normal n in the world frame: x red, y green, z blue.
 SurfelColoring ColorByNormal(const SurfelMap& map);
-// Logarithmic scale up to the largest confidence, at most four decades.
+// Logarithmic scale up to the largest confidence, but at least to 1. It begins at the smallest
+// confidence, at least 0.01, and has at most four decades.
 SurfelColoring ColorByConfidence(const SurfelMap& map);
 // Linear scale over the frame indices. Aborts for an empty map.
 SurfelColoring ColorByLastSeen(const SurfelMap& map);

@@ -54,7 +54,7 @@ std::array<PictureView, 4> ChooseMapViews(const SurfelMap& map,
                                           int height);
 
 // Index of the pose with the largest difference to the first pose: angle in rad plus distance /
-// scene_depth_m. 0 for a path with one pose.
+// scene_depth_m. 0 for a path of at most one pose.
 std::size_t MostDifferentPose(const Trajectory& camera_path, double scene_depth_m);
 
 }  // namespace surfit

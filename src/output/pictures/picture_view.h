@@ -27,12 +27,14 @@ Eigen::Vector3d UpDirection(const Trajectory& camera_path);
 Rigid3d LookAlong(const Eigen::Vector3d& eye, const Eigen::Vector3d& forward,
                   const Eigen::Vector3d& up);
 
-// Camera with fx = fy whose image the points fill, except for a small margin. On each side, 0.5 %
-// of the points may be outside. Ignores points behind the camera.
+// Camera with fx = fy whose image the points fill in width or height, except for a small margin. On
+// each side, 0.5 % of the points may be outside. Ignores points behind the camera. Without points:
+// a field of view of 56 degrees along the shorter side.
 PinholeCamera FitCamera(const std::vector<Eigen::Vector3f>& points_in_camera, int width,
                         int height);
 
-// q-quantile of the values, 0 <= q <= 1; `otherwise` if there are no values.
+// q-quantile (nearest rank) of the values, 0 <= q <= 1; `otherwise` if there are no values. The
+// values must not be NaN.
 float Quantile(std::vector<float> values, double q, float otherwise);
 
 }  // namespace surfit

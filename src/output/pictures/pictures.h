@@ -71,15 +71,14 @@ void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
 // Writes a PNG of the camera path from above and from the side, in m, with equal scales of both
 // axes. The vertical axis is the world axis nearest to the mean upward (-y) axis of the cameras.
 // With `ground_truth`, both paths are drawn and must be aligned, and a chart shows the position
-// error over time. Empty `ground_truth`: no chart. Throws InputError if writing fails.
+// error over time. Without poses at common times: no chart. Throws InputError if writing fails.
 void WriteTrajectoryPicture(const Trajectory& estimate, const Trajectory& ground_truth,
                             const std::string& path);
 
 // Writes a PNG of two point clouds from two directions: source in orange, target in blue. Points
 // are in the target camera frame (x right, y down, z forward), m. One view is from the target
-// camera, the second view is oblique. If the target is not in front of the camera, the first view
-// looks along z from a point in front of the whole target cloud. Throws InputError if writing
-// fails.
+// camera, the second view is oblique. If more than 1 % of the target is behind the camera, the
+// first view looks along z from a point in front of the target. Throws InputError if writing fails.
 void WriteTwoCloudPicture(const std::vector<Eigen::Vector3f>& source,
                           const std::vector<Eigen::Vector3f>& target, const std::string& path);
 

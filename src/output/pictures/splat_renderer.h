@@ -26,8 +26,8 @@ class NearestIndexImage {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  // Writes the pixel if `depth` is nearer than the stored depth. Thread-safe. Requires depth > 0
-  // and (u, v) inside the image.
+  // Writes the pixel if `depth` is nearer than the stored depth. Thread-safe. Requires depth > 0,
+  // index >= 0 and (u, v) inside the image.
   void Offer(int u, int v, float depth, std::int32_t index) {
     const std::uint64_t key = Key(depth, index);
     auto& nearest = keys_[static_cast<std::size_t>(v) * width_ + u];
@@ -36,7 +36,8 @@ class NearestIndexImage {
     }
   }
 
-  // True if Offer() with `depth` would have no effect.
+  // True if the stored depth is smaller than `depth`: Offer() with any index would have no effect.
+  // Thread-safe.
   bool IsHidden(int u, int v, float depth) const {
     const auto& nearest = keys_[static_cast<std::size_t>(v) * width_ + u];
     return nearest.load(std::memory_order_relaxed) < Key(depth, 0);
@@ -70,13 +71,13 @@ class NearestIndexImage {
 // Renders the id of the visible surfel of each pixel; NearestIndexImage::kNothing without surfel.
 // Surfels are opaque discs, and cover at least the pixel of their centre. Back faces, surfels with
 // shown[id] == 0, and surfels nearer than two radii are not drawn. `shown` has one value per id
-// below SurfelMap::id_end(). Requires fx = fy.
+// below SurfelMap::id_end(), 0 for unused ids. Requires fx = fy. Distortion is ignored.
 Image<std::int32_t> RenderSurfels(const SurfelMap& map, const std::vector<std::uint8_t>& shown,
                                   const PictureView& view);
 
 // Renders the index of the nearest point of each pixel; NearestIndexImage::kNothing without point.
-// A point covers size_px x size_px pixels. Points behind the camera are not drawn. Requires fx =
-// fy.
+// A point covers size_px x size_px pixels. Points behind the camera are not drawn. Requires finite
+// points and fx = fy. Distortion is ignored.
 Image<std::int32_t> RenderPoints(const std::vector<Eigen::Vector3f>& points_in_world, int size_px,
                                  const PictureView& view);
 

@@ -24,7 +24,8 @@ std::string EncodeBase64(const std::vector<T>& values) {
 }
 
 // Selects at most `max_points` surfels, evenly spread over the input order, which is spatial in map
-// files. Every prefix is evenly spread, too. Omits surfels with non-finite positions.
+// files. Every prefix is evenly spread, too. Surfels with non-finite positions are omitted, not
+// replaced.
 std::vector<Surfel> EvenlySpread(const std::vector<Surfel>& surfels, std::size_t max_points);
 
 // Result of EvenlySpread() as JSON for the page, with base64 of little-endian arrays:
@@ -39,11 +40,11 @@ std::vector<Surfel> EvenlySpread(const std::vector<Surfel>& surfels, std::size_t
 //   radius               uint16: radius = max_radius * radius / 65535
 nlohmann::ordered_json PackMap(const std::vector<Surfel>& surfels, std::size_t max_points);
 
-// Distances as base64 of uint16, in units of 0.1 mm. 65535: kFarFromMap or more.
+// Distances as base64 of uint16, in units of 0.1 mm. 65535: kFarFromMap or more, or NaN.
 std::string PackDistances(const std::vector<float>& distances_m);
 
-// Shortest unique suffixes of the folder paths. In the order of `folders`. Equal folders get equal
-// names.
+// Unique suffixes of the folder paths, with the smallest common number of folder names. In the
+// order of `folders`. Equal folders get equal names.
 std::vector<std::string> ShortNames(const std::vector<std::string>& folders);
 
 // Data of a run of surfit_slam or surfit_refine for the report.
@@ -61,7 +62,9 @@ struct ReportedRun {
 };
 
 // Reads the folder of a run, with at most `max_thumbnails` evenly spread thumbnails. Throws
-// InputError with the path of a missing or invalid file. Requires max_thumbnails >= 1.
+// InputError with the path of a missing or invalid file; loops.csv, views.json and the thumbnails
+// may be missing. Also throws for a pose more than 1e9 m from the origin. Requires max_thumbnails
+// >= 1.
 ReportedRun ReadRun(const std::string& folder, std::size_t max_thumbnails);
 
 }  // namespace surfit

@@ -9,7 +9,7 @@ namespace surfit {
 class OptionVisitor;
 
 struct ReportOptions {
-  // output folders of RunSlam() or RunRefinement(), shown side by side
+  // output folders of RunSlam() or RunRefinement(), at least one, shown side by side
   std::vector<std::string> runs;
   std::string output;  // path of the HTML file
   // Maximum number of surfels of all runs together. Larger maps are sampled evenly.
@@ -31,8 +31,8 @@ struct ReportedMap {
 // - input images next to model views
 // - map differences, calibrations, summaries and options
 //
-// Reads the folders of all runs. Throws InputError with the path of a missing, invalid or
-// unwritable file. Returns one entry per run, in the order of the options.
+// Reads the folders of all runs. Throws InputError for invalid options, and with the path of a
+// missing, invalid or unwritable file. Returns one entry per run, in the order of the options.
 std::vector<ReportedMap> WriteReport(const ReportOptions& options);
 
 }  // namespace surfit
