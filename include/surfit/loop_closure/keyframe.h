@@ -22,13 +22,13 @@ struct PlaceFeature {
   BinaryDescriptor descriptor = {};
 };
 
-// Compact view of a keyframe for place recognition and registration: about 260 kB for a camera of
+// Compact view of a keyframe for place recognition and registration: about 250 kB for a camera of
 // 640 x 480 px.
 struct PlaceView {
   PinholeCamera camera;
   DepthNoise noise;
   Image<std::uint16_t> depth;          // filtered depth in 1/kDepthUnitsPerMetre m; 0: missing
-  Image<std::uint8_t> intensity;       // 1: black, 255: white, 0: unknown; empty without colour
+  Image<std::uint8_t> intensity;       // 1: black, 255: white, 0: unknown or RGB 0; empty: none
   std::vector<PlaceFeature> features;  // empty without colour
 
   // Resolution of 0.2 mm. Depth above 13.1 m is missing.
@@ -56,9 +56,9 @@ struct PlaceViewOptions {
 };
 
 // Makes a view from the finest pyramid level within `max_width`, or from the coarsest level. The
-// pyramid must have a level. Features come from `color`, which has the size of the finest pyramid
-// level. Without colour, `color` is empty, and so is PlaceView::features. Throws InputError for
-// invalid options.
+// pyramid must have a level. Features come from `color`, which must have the size of the finest
+// pyramid level (not checked). Without colour, `color` is empty, and so is PlaceView::features.
+// Throws InputError for invalid options.
 PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
                         const PlaceViewOptions& options);
 
@@ -80,13 +80,13 @@ struct KeyframeOptions {
 };
 
 // True if a frame at `world_from_camera` becomes the keyframe after `last`. `surface`: any level of
-// the pyramid of the frame.
+// the pyramid of the frame. Does not validate the options.
 bool IsKeyframe(const Keyframe& last, int frame_index, const FrameLevel& surface,
                 const Rigid3d& world_from_camera, const KeyframeOptions& options);
 
-// Ratio of the points of a keyframe that are visible in a camera at `world_from_camera`. Points
-// more than 10 % behind `surface` are occluded. Pixels without depth occlude nothing. 0 if the view
-// of the keyframe is empty or has no depth.
+// Ratio of the points of a keyframe that are visible in a camera at `world_from_camera`, on a grid
+// of 8 px of the view. Points more than 10 % behind `surface` are occluded. Pixels without depth
+// occlude nothing. 0 if the view of the keyframe is empty or has no depth.
 double OverlapRatio(const Keyframe& keyframe, const FrameLevel& surface,
                     const Rigid3d& world_from_camera);
 

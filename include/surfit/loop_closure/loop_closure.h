@@ -18,12 +18,13 @@ class OptionVisitor;
 
 // Uncertainty of pose graph edges. The covariance of an odometry edge is the registration
 // covariance times `shared_points` times the number of frames. Calibration and surface errors do
-// not average out, so each edge also gets constant standard deviations, per component.
+// not average out, so the members below add variances per component. Relocalisation edges have the
+// noise of loop closures.
 struct EdgeNoise {
   double shared_points = kSharedPoints;
   double odometry_m = 0.0002;     // between consecutive keyframes, m
   double odometry_rad = 0.0001;   // between consecutive keyframes, rad
-  double odometry_ratio = 0.001;  // fraction of the translation and rotation of the edge
+  double odometry_ratio = 0.001;  // added to both above, per m and rad of the edge's motion
   double loop_m =
       0.003;  // of loop closures, in addition to GlobalRegistrationResult::information, m
   double loop_rad = 0.0015;  // of loop closures, rad
@@ -74,9 +75,10 @@ struct LoopOptions {
 };
 
 // Finds and verifies loop closures of keyframe `source`, a position in `keyframes`. The default is
-// FindLoops(). The targets must be earlier keyframes. LoopCandidate::source of the result is
-// ignored. Called in the background thread of loop closure, or in the thread of Slam with one
-// computing thread. An exception is thrown again by Slam when the result is applied.
+// FindLoops(). The targets must be earlier keyframes, which is not checked. A null finder stands
+// for FindLoops(). LoopCandidate::source of the result is ignored. Called in the background thread
+// of loop closure, or in the thread of Slam with one computing thread. An exception is thrown again
+// by Slam when the result is applied.
 using LoopFinder = std::function<std::vector<LoopVerification>(
     int source, const std::vector<Keyframe>& keyframes, const PlaceIndex& index)>;
 
