@@ -34,7 +34,7 @@ struct Pairs {
     return {&px, &py, &pz, &qx, &qy, &qz, &nx, &ny, &nz, &mx, &my, &mz, &information};
   }
 
-  // Sets the length of all arrays, at least `size`.
+  // Sets the length of all arrays, at least `size`. New values are uninitialised.
   void SetCapacity(int capacity) {
     for (auto* array : Arrays()) array->resize(capacity);
   }
@@ -135,7 +135,7 @@ class ProjectiveAssociation final : public Association {
 struct PointSet {
   std::vector<Eigen::Vector3f> points;   // m, finite
   std::vector<Eigen::Vector3f> normals;  // unit length; (0, 0, 0): unknown
-  std::vector<float> sigma_m;            // standard deviation of the residual of a point
+  std::vector<float> sigma_m;  // standard deviation of the residual of a point, m, positive
 
   std::size_t size() const { return points.size(); }
   void Add(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float point_sigma_m) {

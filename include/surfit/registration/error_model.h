@@ -38,8 +38,8 @@ class OptionVisitor;
 // floor_sigma_m covers errors of map, normals and calibration. With s = |r|^2 / sigma^2, the cost
 // is
 //   1/2 sum rho(s).
-// Closed-form solvers use iteratively reweighted least squares with the weights rho'(s) / sigma^2.
-// The other solvers use Levenberg-Marquardt.
+// The solvers closed_form_* and svd use iteratively reweighted least squares with the weights
+// rho'(s) / sigma^2. The other solvers use Levenberg-Marquardt.
 //
 // With a photometric weight W > 0, and if both views have intensities, the cost is
 //   1/2 sum rho(s) + W/2 sum rho_I(s_I),  s_I = r_I^2 / intensity_sigma^2.
@@ -52,8 +52,9 @@ struct ErrorModel {
   double floor_sigma_m = 0.004;
   RobustKernel kernel = {RobustKernelType::kGemanMcClure, 3};
   // If true, the kernel width is in units of an estimated scale instead of the sigma of the model.
-  // The scale is estimated before each solve: the median of |r| / sigma, divided by its value for
-  // normal errors (0.6745 for one component, 1.5382 for three).
+  // The scale is the median of |r| / sigma before each solve, divided by its value for normal
+  // errors. That value is 0.6745, 1.1774 or 1.5382 for one, two or three components. Minimum scale:
+  // 1e-3. Does not apply to `intensity_kernel`.
   bool estimate_scale = false;
 
   // W; 0: geometric residuals only. Errors of neighbouring pixels are correlated, mainly through

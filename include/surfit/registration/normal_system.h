@@ -76,18 +76,19 @@ struct NormalSystem {
 };
 
 // Observable and unobservable directions of a system. Rotations are measured as arc lengths at
-// RmsDistance(), and sums are divided by weight_sum. Eigenvalues are therefore dimensionless, from
-// 0 (unobservable) to 1.
+// RmsDistance(), and sums are divided by weight_sum. Eigenvalues are therefore dimensionless: 0 is
+// unobservable, about 1 is well constrained. Photometric rows can increase them further.
 struct Observability {
-  Vector6d eigenvalues = Vector6d::Zero();  // ascending
+  Vector6d eigenvalues = Vector6d::Zero();  // of the Hessian, ascending
   Matrix6d directions = Matrix6d::Zero();   // columns: increments (w [rad], v [m])
   Matrix6d coordinates = Matrix6d::Zero();  // rows: increment -> coordinates in `directions`
   int degenerate_count = 6;  // number of unobservable directions, which are the first columns
 
   bool Degenerate() const { return degenerate_count > 0; }
-  // Projects an increment to the observable directions.
+  // Projects an increment to the observable directions. 0 without correspondences.
   Vector6d Held(const Vector6d& increment) const;
-  // Unobservable directions. Each moves the points by about 1 m.
+  // Unobservable directions. Each moves the points by about 1 m. Without correspondences: six zero
+  // vectors.
   std::vector<Vector6d> DegenerateDirections() const;
 };
 
@@ -105,8 +106,9 @@ struct ObservabilityOptions {
 };
 
 // Determines the unobservable directions x: x^T H x is at most the threshold of `options`, in the
-// metric of the eigenvalues. All six are unobservable without correspondences. `directions`
-// diagonalises both the Hessian and the threshold matrix.
+// metric of the eigenvalues. `directions` diagonalises both the Hessian and the threshold matrix,
+// in ascending order of their ratio. Without correspondences, or if a matrix is not finite, all six
+// are unobservable and all matrices are 0.
 Observability Observe(const NormalSystem& system, const ObservabilityOptions& options);
 
 // Least-squares increment (w [rad], v [m]) in the subspace of observable directions. 0 if there are
@@ -119,7 +121,7 @@ inline constexpr double kSharedPoints = 25;
 // Conservative information of the increment (1/rad^2, 1/m^2). Subtracts the spurious information F
 // from the geometric Hessian H. For H x = mu F x, this multiplies the information along x by 1 - 1
 // / mu, or by 0 if mu < 1. Adds the photometric Hessian times `photometric_ratio`. Divides the sum
-// by kSharedPoints and by the variance factor (at least 1e-3).
+// by kSharedPoints and by the variance factor (at least 1e-3). 0 without correspondences.
 Matrix6d ConservativeInformation(const NormalSystem& system, double photometric_ratio);
 
 // Covariance of the increment (rad, m): inverse Hessian times the variance factor. Requires that

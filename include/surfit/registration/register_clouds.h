@@ -42,7 +42,8 @@ struct RegisterCloudsOptions {
 //
 // `covariance` includes the noise of points and normals, and correlated errors of neighbouring
 // points. It also includes errors that source points share through a common target point.
-// `information` is its inverse. Assumptions:
+// `information` is its inverse. `covariance` is std::nullopt with degenerate directions, or with
+// too few surface regions, also after a success. Assumptions:
 // - The errors of points more than kErrorSpacings point spacings apart are independent.
 // - Both clouds show the same rigid surfaces.
 // - The sensor has no systematic error.
@@ -58,10 +59,11 @@ inline constexpr double kErrorSpacings = 8;
 struct CloudCriteria {
   double min_overlap_ratio = 0.1;                // of points on the surface of the other cloud
   double min_inlier_ratio = 0.65;                // points on the other surface, per point near it
-  double max_free_space_violation_ratio = 0.06;  // if both viewpoints are known
-  double min_score_margin = 0.1;                 // 1 - second-best score / best score
-  double max_disagreement_spacings = 1;          // forward and backward registration, RMS of points
-  double max_sigma_spacings = 0.5;               // of the points, in the least certain direction
+  double max_free_space_violation_ratio = 0.06;  // not tested if a viewpoint is unknown
+  double min_score_margin =
+      0.1;  // 1 - second-best score / best score; not tested for a large overlap
+  double max_disagreement_spacings = 1;  // forward and backward registration, RMS; plus 3 sigma_m
+  double max_sigma_spacings = 0.5;       // of the points, in the least certain direction
 
   void Visit(OptionVisitor& visitor);
 };
@@ -96,13 +98,13 @@ struct CloudRegistration {
   IcpResult icp;
   double overlap_ratio = 0;  // larger of both directions
   double inlier_ratio = 0;   // smaller of both directions
-  // Larger of both directions. std::nullopt: a viewpoint is unknown.
+  // Larger of both directions. std::nullopt: a viewpoint is unknown, or ICP failed.
   std::optional<double> free_space_violation_ratio;
   double score_margin = 0;
-  double disagreement_m = 0;  // forward and backward registration, RMS of the source points
-  double sigma_m = 0;         // of the source points, in the least certain direction
-  double spacing_m = 0;       // larger median point spacing of both clouds
-  double noise_m = 0;         // larger median deviation of points from a plane
+  double disagreement_m = 0;  // RMS of the source points; infinite: backward registration failed
+  double sigma_m = 0;    // of the source points, in the least certain direction; infinite: none
+  double spacing_m = 0;  // larger median point spacing of both clouds
+  double noise_m = 0;    // larger median deviation of points from a plane
 
   bool accepted() const { return reason == GlobalRegistrationReason::kAccepted; }
 };
@@ -111,9 +113,11 @@ struct CloudRegistration {
 std::string ViolatedCriterion(const CloudRegistration& result, const CloudCriteria& criteria);
 
 // Registers source to target from the initial poses of start.method and verifies the result.
-// Standard deviations of points are at least a tenth of the point spacing and the noise of the
-// clouds. If the distance gate is 0, it follows from spacing and noise. Throws InputError for
-// invalid options. A rejected registration is a result, not an error.
+// `given` is target_from_source for `file` and `auto`. Standard deviations of points are at least
+// the noise of the clouds and a tenth of the point spacing (half for point_to_point). If the
+// distance gate is 0, it is four spacings plus three times the noise. Clouds of 24 points or fewer
+// give kNoStart. Throws InputError for invalid options. A rejected registration is a result, not an
+// error.
 CloudRegistration RegisterCloudsFrom(const SensedCloud& source, const SensedCloud& target,
                                      const std::optional<Rigid3d>& given,
                                      const CloudStartOptions& start,
