@@ -73,9 +73,9 @@ class Fusion {
   // The measured depth of `frame` is merged, because the map averages its noise. `surface` gives
   // normals and the noise model. Points at depth edges use the normal of a neighbour on the same
   // plane, and do not move surfels. Colours are sampled at the surfel centres, with the camera
-  // motion between depth and colour. New surfels without a colour are grey with color_weight 0. Ids
-  // become invalid. The result does not depend on the number of threads. Aborts if the depth image
-  // and the camera of `surface` differ in size.
+  // motion between depth and colour. New surfels without a colour have color_weight 0: grey if the
+  // frame has no colours, else black. Ids become invalid. The result does not depend on the number
+  // of threads. Aborts if the depth image and the camera of `surface` differ in size.
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                     const Rigid3d& world_from_camera, const FrameMotion& motion, SurfelMap* map);
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
@@ -84,10 +84,11 @@ class Fusion {
   }
 
   // First frame of the active window: surfels last observed in this frame or later are active.
-  // Minimum of int: all surfels, until more than active_frames frames are fused.
+  // Minimum of int: all surfels, without active_frames or until more than active_frames frames are
+  // fused.
   int ActiveSince() const;
-  // Restores the state after the fusion of these frames (ascending indices). Call before the first
-  // Fuse().
+  // Restores the state after the fusion of these frames (ascending indices, not checked). Call
+  // before the first Fuse().
   void ContinueAfter(const std::vector<int>& fused_frames);
 
  private:

@@ -20,7 +20,7 @@ struct RenderOptions {
   // Radius of a drawn disc, relative to the surfel radius. 0.5 just closes the gaps of the pixel
   // grid.
   float radius_ratio = 1;
-  int max_half_window_px = 4;  // maximum distance of drawn pixels from the disc centre
+  int max_half_window_px = 4;  // maximum distance of drawn pixels from the disc centre, per axis
   // Thickness of a surface, plus 4 sigma of the depth. All discs of a ray that are this close
   // behind the first disc belong to the surface. The pixel shows the disc whose centre is nearest
   // to the ray, because noise biases the first disc.
@@ -52,8 +52,8 @@ class ModelRenderer {
   std::vector<DiscList> lists_;  // buffers, one per visible cell
 };
 
-// Surfel colours of a view; (0, 0, 0): no surfel. Surfels without an observed colour are grey. The
-// map must not have changed since the view was rendered.
+// Surfel colours of a view; (0, 0, 0): no surfel. Surfels without an observed colour are grey or
+// (0, 0, 0), see Fusion::Fuse(). The map must not have changed since the view was rendered.
 Image<Rgb8> ColorsOf(const ModelView& view, const SurfelMap& map);
 
 }  // namespace surfit

@@ -46,14 +46,16 @@ struct MoveReport {
 MoveReport MoveMap(const FrameCorrections& corrections, SurfelMap* map);
 
 // Also applies a new calibration. In the frame that saw it first, each surfel keeps its pixel and
-// its measured depth. Surfels less than 1 cm in front of this camera only move rigidly. `moved`
-// counts all surfels. `corrections` map the world frame of the old poses to that of the new poses.
-// Aborts if recalibration.world_from_camera and `corrections` differ in size.
+// its measured depth. Surfels less than 1 cm in front of this camera move rigidly and keep their
+// normal in the world frame. `moved` counts all surfels. `corrections` map the world frame of the
+// old poses to that of the new poses. Aborts if recalibration.world_from_camera and `corrections`
+// differ in size.
 MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& recalibration,
                    SurfelMap* map);
 
 // Makes surfels active again, for example after a loop closure: sets last_seen to `now` if it is in
-// [first, last]. Returns the number of changed surfels. See FusionOptions::active_frames.
+// [first, last]. Returns the number of changed surfels. `now` must be at least `first`, which is
+// not checked. See FusionOptions::active_frames.
 std::size_t ReactivateSurfels(int first, int last, int now, SurfelMap* map);
 
 }  // namespace surfit

@@ -31,8 +31,8 @@ inline Rgb8 ToRgb8(const Eigen::Vector3f& color) {
   return {byte(color.x()), byte(color.y()), byte(color.z())};
 }
 
-// Positive floating-point number from 2^-20 to 2^12 in one or two bytes, with 5 exponent bits.
-// Rounds down. Other positive values are clamped. 0 is exact.
+// Positive floating-point number between 2^-20 and 2^12 in one or two bytes, with 5 exponent bits.
+// Rounds down. Other positive values are clamped. 0 is exact. NaN and negative values become 0.
 template <typename Bits>
 class SmallFloat {
  public:
@@ -55,7 +55,7 @@ class SmallFloat {
   static constexpr std::uint32_t kOffset = (127u - 20u) << (23 - kDropped);  // 2^-20
 };
 
-// Relative precision of 1/8. Increments of 1 have no effect above 16, so a running average
+// Relative precision of 1/8. Increments of 1 have no effect at 16 or more, so a running average
 // continues with a weight of 1/17.
 using WeightByte = SmallFloat<std::uint8_t>;
 // Relative precision of 0.05 %, for lengths in m.
@@ -89,7 +89,7 @@ struct SurfelObservation {
   bool at_edge = false;                             // all points are at depth edges
 };
 
-// Conservative bounds of a set of surfels
+// Conservative bounds of a set of surfels.
 struct SurfelBounds {
   float low[3] = {kMost, kMost, kMost};  // of positions in the world, m
   float high[3] = {-kMost, -kMost, -kMost};
@@ -148,7 +148,8 @@ struct SurfelBlock {
   // Averages surfel k (confidence w) with an observation of weight a. The confidence becomes w + a,
   // at most max_confidence. Position and normal move by the ratio shape_weight / (w + a). The
   // radius becomes the minimum of both, unless shape_weight is 0. The colour is averaged by the
-  // colour weights. Does not update the bounds or last_seen.
+  // colour weights. An observation that is not at a depth edge clears the at_edge bit. Does not
+  // update the bounds or last_seen.
   void Merge(int k, const SurfelObservation& observation, float max_confidence);
 };
 

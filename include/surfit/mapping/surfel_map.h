@@ -40,7 +40,8 @@ class SurfelMap {
   Surfel operator[](std::int32_t id) const { return block(BlockOf(id))[PlaceOf(id)]; }
   Rgb8 Color(std::int32_t id) const { return block(BlockOf(id)).Color(PlaceOf(id)); }
 
-  // Returns the id of the new surfel.
+  // Returns the id of the new surfel. The colour must be in [0, 255] and all numbers finite, which
+  // is not checked.
   std::int32_t Append(const Surfel& surfel);
   // Appends surfels in their order. If memory runs out, throws std::bad_alloc and keeps the surfels
   // appended before.
@@ -58,8 +59,8 @@ class SurfelMap {
   // marked surfels. Returns the number of moved surfels. Their ids change.
   std::size_t ReassignCells();
 
-  // Direct access to cells and blocks. References to cells are valid until the next Append(). The
-  // caller must keep masks and bounds consistent.
+  // Direct access to cells and blocks. References to cells are valid until the next Append() or
+  // ReassignCells(). The caller must keep masks and bounds consistent.
   std::int32_t cell_count() const { return static_cast<std::int32_t>(cells_.size()); }
   SurfelCell& cell(std::int32_t i) { return cells_[i]; }
   const SurfelCell& cell(std::int32_t i) const { return cells_[i]; }
