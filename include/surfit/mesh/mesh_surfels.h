@@ -54,13 +54,13 @@ using MeshProgress = std::function<void(const std::string& stage, double share)>
 
 // Computes a triangle mesh from a cloud with normals, in the frame of the cloud, m. The mesh has
 // normals and colours, or is grey if the cloud has no colours. Radii and confidences of the cloud
-// are used if present. Points must be finite (RemoveNonFinite()). Attributes must have the size of
-// the points. Both are not checked. Points with a radius of at most 0, or with a normal length
-// outside 0.5 to 2, are ignored. `summary` must not be null. The result does not depend on the
-// number of threads.
+// are used if present. Points with a radius of at most 0, or with a normal length outside 0.5 to 2,
+// are ignored. `summary` must not be null. The result does not depend on the number of threads.
 //
-// Throws InputError for invalid options, an empty cloud, a cloud without normals, and an empty
-// mesh. Also throws if a point is too far from the origin for the cell size.
+// Throws InputError for invalid options, an empty cloud, a cloud without usable normals, and an
+// empty mesh. Also throws for points that are not finite (see RemoveNonFinite()) or too far from
+// the origin for the cell size. The size of each attribute must be 0 or the number of points, else
+// InputError.
 TriangleMesh MeshSurfels(const PointCloud& cloud, const MeshOptions& options, MeshSummary* summary,
                          const MeshProgress& progress = {});
 

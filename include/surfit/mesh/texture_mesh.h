@@ -19,8 +19,8 @@ class OptionVisitor;
 
 // Options of TextureMesh().
 struct TextureOptions {
-  // Maximum width and height of the texture, px. 0 means no texture, which the caller must handle:
-  // TextureMesh() aborts with 0.
+  // Maximum width and height of the texture, px, up to 16384. 0 means no texture, which the caller
+  // must handle: TextureMesh() throws InputError with 0.
   int max_texture_px = 8192;
   // Maximum number of frames; 0: all. TextureMesh() ignores it: the caller selects the frames.
   int max_texture_frames = 200;
@@ -32,7 +32,8 @@ struct TextureOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Colour frame with pose and camera motion, for a texture.
+// Frame with colours, pose and camera motion, for a texture. Depth and colour have the size of
+// `camera`.
 struct TextureFrame {
   RgbdFrame frame;
   PinholeCamera camera;  // camera of depth and colour
@@ -74,15 +75,17 @@ struct TextureSummary {
 //
 // Calls `frames` twice, and keeps one frame in memory at a time. Without frames, the texture has
 // the vertex colours. `summary` must not be null. The result does not depend on the number of
-// threads. Throws InputError for invalid options, and if the texture is too small for its regions.
-// Aborts if `max_texture_px` is 0, or if the mesh has no normals or colours.
+// threads. Throws InputError for invalid options, for a `max_texture_px` of 0, and if the texture
+// is too small for its regions. Aborts if the mesh has no normals or colours. `frames` must not be
+// null.
 MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
                         const TextureOptions& options, TextureSummary* summary);
 
 // Writes the mesh with its texture, by the extension of the path:
 //   .obj  with a .mtl and a .jpg of the same name in the same folder
 //   .glb  with the texture in the file
-// Throws InputError for other extensions, and if a file cannot be written.
+// Replaces existing files. Throws InputError for other extensions, and if a file cannot be written.
+// A .glb requires at least one texture coordinate, which is not checked.
 void WriteMesh(const TriangleMesh& mesh, const MeshTexture& texture, const std::string& path);
 
 // Throws InputError unless the extension of the path is .obj or .glb.
