@@ -68,8 +68,8 @@ struct PoseGraph {
   // Throws InputError that names the pose or edge, for these errors:
   // - ids that are not unique
   // - poses and measurements that are not finite or have no unit quaternion
-  // - edges with a missing pose or with two equal poses
-  // - edges and priors whose information is not accepted by IsInformation()
+  // - edges with a missing pose or with two equal poses, priors and positions with a missing pose
+  // - edges, priors and positions whose information is not accepted by IsInformation()
   // - planar graphs with a pose, measurement or information outside of SE(2)
   void Validate() const;
 };
@@ -103,8 +103,8 @@ std::vector<std::string> SparseBackendNames();
 
 // Initial poses:
 // - "given": poses of the graph
-// - "odometry": poses chained along odometry edges, from the held poses
-//   (PoseGraphSummary::held_count). Loop closures are used for poses without odometry only.
+// - "odometry": poses chained along odometry edges, from the fixed poses and the first pose of each
+//   component without a fixed pose. Loop closures are used for poses without odometry only.
 // - "chordal": rotations by linear least squares over the matrices of all edges, then translations
 //   (Carlone et al.: Initialization techniques for 3D SLAM, ICRA 2015, IV.B). Poses without
 //   rotation or translation information keep the given values.
@@ -121,8 +121,9 @@ std::vector<std::string> PoseGraphStartNames();
 // - "huber": s for s <= c^2, else 2 c sqrt(s) - c^2
 // - "cauchy": c^2 log(1 + s / c^2)
 // - "geman_mcclure": c^2 s / (c^2 + s)
-// - "auto": the smallest PoseGraphSummary::truncated_cost of several methods and starts
-// The outliers of all methods except "none" are the loop closures with s > c^2 at the end.
+// - "auto": the smallest PoseGraphSummary::truncated_cost of several methods and starts Outliers
+//   are the loop closures with s > c^2 at the end. Exceptions: "none" has no outliers. "gnc" from
+//   "given" or "odometry" uses the final weights of GNC.
 std::vector<std::string> LoopRobustnessNames();
 
 // Options of OptimizePoseGraph(). Construction throws as SparseBackendNames().
@@ -170,7 +171,7 @@ struct PoseGraphIteration {
 struct PoseGraphSummary {
   PoseGraphTermination termination = PoseGraphTermination::kFailed;
   std::string sparse_backend;
-  std::string start, loop_robustness;  // of the result; never "auto"
+  std::string start, loop_robustness;  // of the result; empty if all attempts failed
   double given_cost = 0;               // Cost() of the input graph, all edges
   double initial_cost = 0;             // cost of the initial poses, all edges
   double final_cost = 0;               // final cost, without outliers
@@ -179,7 +180,7 @@ struct PoseGraphSummary {
   std::vector<PoseGraphIteration> iterations;
   int round_count = 0;  // number of Levenberg-Marquardt runs
   // Number of held poses, which do not move: fixed poses, and the first pose of each connected
-  // component without a fixed pose.
+  // component without a fixed pose, prior or position.
   std::size_t held_count = 0;
   // Number of poses of each component, in the order of its first pose.
   std::vector<std::size_t> component_sizes;
@@ -208,8 +209,8 @@ struct PoseGraphFit {
   double degrees_of_freedom = 0;
   double p_value = 1;  // probability of a larger chi_square
   // Squared errors over degrees of freedom of odometry edges and of accepted loop closures. The
-  // degrees of freedom of a class are its rank minus the trace of its part of the hat matrix
-  // J (J^T J)^-1 J^T. 0: class without degrees of freedom.
+  // degrees of freedom of a class are its rank minus the trace of its part of the hat matrix J (J^T
+  // J)^-1 J^T. 0: class without degrees of freedom, or the edges do not determine all poses.
   double odometry_ratio = 0, loop_ratio = 0;
   bool doubtful = false;
   std::string reason;  // empty: no doubt

@@ -147,12 +147,12 @@ struct RefinementSummary {
   bool calibration_kept = false;  // the input calibration is kept
   // Covariance of each keyframe pose, 6 x 6, for the perturbation (w [rad], v [m]) in exp(w) R and
   // t + v. 0 for the first keyframe. Infinite diagonal for a keyframe without shared surfels. Empty
-  // if the first solution fails. If only the second refinement with the kept calibration fails,
-  // they and `after` belong to the first refinement.
+  // after a failure.
   std::vector<Eigen::MatrixXd> pose_covariances;
-  // Fit at the initial poses and at the final poses, each with its own surfels.
+  // Fit at the initial poses and at the final poses, each with its own surfels. With a kept
+  // calibration, both belong to the refinement of the poses. `after` is 0 after a failure.
   RefinementFit before, after;
-  std::vector<RefinementRound> rounds;  // rounds of calibration, then of poses only
+  std::vector<RefinementRound> rounds;  // successful rounds of calibration, then of poses only
 
   bool Succeeded() const {
     return termination == RefinementTermination::kConverged ||
@@ -179,7 +179,7 @@ struct RefinementSummary {
 // `keyframes` must be in the order of time. `given`: input calibration, the mean of the prior.
 // `start`: initial calibration, for example of tracking. Both must have the size of the keyframe
 // images. The result is the same for any number of threads. `progress` must not be empty. It is
-// called after each round, on the calling thread. Throws InputError for invalid options.
+// called after each successful round, on the calling thread. Throws InputError for invalid options.
 RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& given,
                          const DepthCalibration& start, std::vector<RefinementKeyframe>* keyframes,
                          const std::function<void(const RefinementRound&)>& progress);
