@@ -76,7 +76,7 @@ struct FrameReport {
   Image<std::uint8_t> moving;  // cells with moving objects: not 0; empty without moving objects
   IcpResult icp;               // last registration of a tracked or lost frame
   FusionReport fusion;         // if fused
-  std::optional<PosedFrame> confirmed;  // earlier lost frame whose pose this frame has confirmed
+  std::optional<PosedFrame> confirmed;  // lost frame with a pose that this frame confirms
   StageTimes times;
 
   bool HasPose() const { return state != FrameState::kLost; }
@@ -105,9 +105,10 @@ class Slam {
   Slam(const DepthSensor& sensor, const SlamOptions& options, SlamState state, StateUse use);
   ~Slam();
 
-  // Tracks and fuses the next frame. Frames must have increasing indices and timestamps. The frame
-  // may be lost: see FrameReport::state. Aborts if an image does not have the size of the sensor.
-  // Throws the exception of a failed loop closure or calibration.
+  // Tracks and fuses the next frame. Frames must have increasing indices and timestamps, which is
+  // not checked. The frame may be lost: see FrameReport::state. Aborts if the depth image does not
+  // have the size of the sensor, or the colour image has another number of pixels. Throws the
+  // exception of a failed loop closure or calibration.
   FrameReport Process(const RgbdFrame& frame);
 
   // Fuses the next frame at a given pose, without tracking. Ends calibration, because a calibration
@@ -115,21 +116,20 @@ class Slam {
   FrameReport ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera);
 
   // Sets a callback for the report of each frame, called as soon as the pose is known. At this
-  // time, the report lacks `fusion`, `confirmed` and `times`. The callback runs on the thread of
-  // Process(). It must not throw or call this object.
+  // time, the report lacks `is_fused`, `is_held_out`, `fusion`, `confirmed` and `times`. The
+  // callback runs on the thread of Process(). It must not throw or call this object.
   void OnPose(std::function<void(const FrameReport&)> call);
 
   // Sets a callback for each frame whose tracking and global registration have failed. It runs on
   // the thread of Process(). References in LostFrame are valid during the call.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
-  // Replaces FindLoops() for loop closure. Call before OnKeyframe(), because this function removes
-  // the keyframe callback. Not possible for a Slam that continues from a state. Aborts if loops are
-  // disabled or a frame has a pose.
+  // Replaces FindLoops() for loop closure. Keeps the keyframe callback. Aborts if loops are
+  // disabled or a frame has a pose, also in a continued state.
   void UseLoopFinder(LoopFinder finder);
 
-  // Sets a callback for each new keyframe, called by the thread of Process(). Requires enabled
-  // loops.
+  // Sets a callback for each new keyframe, called by the thread of Process(). Throws InputError if
+  // loops are disabled.
   void OnKeyframe(KeyframeCall call);
 
   // Replaces SlamOptions::map_period for the following frames. Use a longer period if frames arrive
@@ -138,7 +138,7 @@ class Slam {
   void SetMapPeriod(int frames);
 
   // Completes loop closure and calibration, and applies their corrections. Call after the last
-  // frame. Throws the exception of a failed task.
+  // frame. No effect in localisation. Throws the exception of a failed task.
   void Finish();
 
   // Map in the world frame. It changes with each frame. The reference is valid until this object is
