@@ -86,7 +86,7 @@ struct LostFrame {
   const FramePyramid& source;
   const FramePyramid& target;
   const Image<Rgb8>& source_color;  // size of the finest level; may be empty
-  const Image<Rgb8>& target_color;  // empty without photometric residuals
+  const Image<Rgb8>& target_color;  // view of the map: empty without photometric residuals
   Rigid3d target_from_source_initial;
   const IcpResult& icp;
 };
