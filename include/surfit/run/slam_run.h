@@ -32,8 +32,7 @@ struct SlamRunOptions {
   int threads = 2;         // maximum number of computing threads
   int queue_capacity = 8;  // maximum number of queued input frames
   // Replays a recording at this rate, 1/s, like a camera (OfferFrames()). This shows if the run is
-  // fast enough. Sets `slam.confident_inlier_ratio` to 0: only lost frames are registered globally.
-  // 0: as fast as possible.
+  // fast enough. 0: as fast as possible.
   double offered_fps = 0;
   // Steps after the last frame, which read the sequence again. `refine`: if the calibration has
   // changed, refines it jointly with the poses. `final_map`: fuses the map again with the final
@@ -41,6 +40,7 @@ struct SlamRunOptions {
   // sources (IsLive()), continued sessions, localisation, and after an early end.
   bool refine = true;
   bool final_map = true;
+  // Writes pictures of the map and of the trajectory.
   bool pictures = true;
   bool keep_views = false;   // saves some frames with their model views, for WriteReport()
   bool keep_places = false;  // writes places.bin (RunPlaces), which connects this run to other runs
@@ -57,7 +57,8 @@ struct SlamRunOptions {
   // none.
   std::string dump_failures;
 
-  // True if frames arrive at a fixed rate. Late frames are then dropped.
+  // True if frames arrive at a fixed rate. Late frames are then dropped. RunSlam() then sets
+  // `slam.real_time`, and `slam.confident_inlier_ratio` to 0.
   bool OffersFrames() const { return offered_fps > 0 || sequence.format == "openni2"; }
 
   void Visit(OptionVisitor& visitor);
@@ -115,7 +116,7 @@ struct FinalRefinement {
 struct Localization {
   int frames = 0;             // frames with a pose
   int relocalisations = 0;    // relocalised frames, including the first frame
-  double longest_loss_s = 0;  // longest time without a pose
+  double longest_loss_s = 0;  // longest time without a pose, except at the end
   // Median standard deviation in the least certain direction, from the registration covariance.
   double median_sigma_m = 0;
   double median_sigma_rad = 0;
@@ -145,7 +146,7 @@ struct SlamRunSummary {
   double paused_s = 0;                          // total time without camera
   BackendCounts loops;                          // 0 without loops and calibration
   std::vector<CalibrationRecord> calibrations;  // calibrations during tracking, in their order
-  // std::nullopt if there was no refinement.
+  // std::nullopt without refinement or final map.
   std::optional<FinalRefinement> refinement;
   // Final calibration of the input frames. std::nullopt: input calibration.
   std::optional<DepthCalibration> calibration;
@@ -208,9 +209,10 @@ struct SlamRunSummary {
 // (WatchFolder()). Unreadable frames are skipped and counted.
 //
 // `progress` must not be empty. It is called on the calling thread after every frame and refinement
-// round, and for every frame of the final map. Frame times exclude it. If `interrupted` becomes
-// true, the current frame is completed and all results are written. `finished`, if not empty, is
-// called on the calling thread after success.
+// round, and for every frame of the final map. Frame times exclude it. Its exceptions end the run
+// like later errors. If `interrupted` becomes true, the current frame is completed and all results
+// are written. At least one frame is processed. `finished`, if not empty, is called on the calling
+// thread after success.
 //
 // Throws InputError for invalid options, for an output folder that another run is writing to, and
 // if no frame can be read. Later errors (out of memory, full disk, read error) end the run: all
