@@ -26,7 +26,7 @@ struct SessionRun {
   std::string sequence;  // absolute path of the sequence
   std::string format;    // SequenceInfo::format
   int first = 0, stride = 1;
-  // Session index of a frame minus its index in the recording
+  // Session index of a frame minus its index in the recording.
   int shift = 0;
   bool mirrored = false;  // SequenceInfo::mirrored
   bool ended = false;     // saved completely; false during the run and after a crash
@@ -69,8 +69,8 @@ void RequireSameSensor(const std::string& folder, const DepthSensor& kept,
                        const DepthSensor& given);
 
 // Checks the database, the checksums of rows and tiles, and the consistency of all rows. Returns
-// one sentence per error; empty: intact. Throws InputError if there is no session, or if another
-// program has locked it.
+// one sentence per error; empty: intact. Throws InputError if there is no readable database of this
+// version, or if another program has locked it.
 std::vector<std::string> CheckSession(const std::string& folder);
 
 }  // namespace surfit
