@@ -197,7 +197,8 @@ SensorImage TofDepth(const Rendering& exact, const PinholeCamera& camera, std::u
 // around each pixel. The weights depend on distance and colour difference (Kopf et al., "Joint
 // Bilateral Upsampling", SIGGRAPH 2007). The image is dense and smoothed across depth edges without
 // colour edges. Confidence is
-// - low within `edge_px` of a depth edge, and if RangeNoise of the pixel exceeds medium_sigma_m,
+// - low without a surface, within `edge_px` of a depth edge, and if RangeNoise of the pixel exceeds
+//   medium_sigma_m,
 // - else medium within 2 `edge_px` of a depth edge, and if RangeNoise exceeds high_sigma_m,
 // - else high.
 struct LidarOptions {
