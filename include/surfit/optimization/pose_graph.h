@@ -121,9 +121,9 @@ std::vector<std::string> PoseGraphStartNames();
 // - "huber": s for s <= c^2, else 2 c sqrt(s) - c^2
 // - "cauchy": c^2 log(1 + s / c^2)
 // - "geman_mcclure": c^2 s / (c^2 + s)
-// - "auto": the smallest PoseGraphSummary::truncated_cost of several methods and starts Outliers
-//   are the loop closures with s > c^2 at the end. Exceptions: "none" has no outliers. "gnc" from
-//   "given" or "odometry" uses the final weights of GNC.
+// - "auto": the smallest PoseGraphSummary::truncated_cost of several methods and starts
+// Outliers are the loop closures with s > c^2 at the end. Exceptions: "none" has no outliers. "gnc"
+// from "given" or "odometry" uses the final weights of GNC.
 std::vector<std::string> LoopRobustnessNames();
 
 // Options of OptimizePoseGraph(). Construction throws as SparseBackendNames().
@@ -209,8 +209,8 @@ struct PoseGraphFit {
   double degrees_of_freedom = 0;
   double p_value = 1;  // probability of a larger chi_square
   // Squared errors over degrees of freedom of odometry edges and of accepted loop closures. The
-  // degrees of freedom of a class are its rank minus the trace of its part of the hat matrix J (J^T
-  // J)^-1 J^T. 0: class without degrees of freedom, or the edges do not determine all poses.
+  // degrees of freedom of a class are its rank minus the trace of its part of the hat matrix
+  // J (J^T J)^-1 J^T. 0: class without degrees of freedom, or the edges do not determine all poses.
   double odometry_ratio = 0, loop_ratio = 0;
   bool doubtful = false;
   std::string reason;  // empty: no doubt

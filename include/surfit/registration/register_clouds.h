@@ -60,8 +60,8 @@ struct CloudCriteria {
   double min_overlap_ratio = 0.1;                // of points on the surface of the other cloud
   double min_inlier_ratio = 0.65;                // points on the other surface, per point near it
   double max_free_space_violation_ratio = 0.06;  // not tested if a viewpoint is unknown
-  double min_score_margin =
-      0.1;  // 1 - second-best score / best score; not tested for a large overlap
+  // 1 - second-best score / best score; not tested for a large overlap with few deviations
+  double min_score_margin = 0.1;
   double max_disagreement_spacings = 1;  // forward and backward registration, RMS; plus 3 sigma_m
   double max_sigma_spacings = 0.5;       // of the points, in the least certain direction
 
