@@ -7,12 +7,12 @@
 
 namespace surfit {
 
-// Computes the corrections of all frame indices from the corrections of the keyframes (new_from_old
-// in the world frame, before the poses are changed). `frames` must not be empty, with ascending
-// indices. `frame_of_keyframe` has positions in `frames`. Between keyframes of a trajectory
-// segment, displacement and rotation are interpolated by frame index. Frames after the last
-// keyframe of a segment move with this keyframe. Indices without a frame have the correction of the
-// previous frame.
+// Computes the corrections of all frame indices from the corrections of the keyframes: new_from_old
+// in the world frame, one per keyframe. `frames` have the poses before the correction. `frames`
+// must not be empty. Indices are strictly ascending. `frame_of_keyframe` has positions in `frames`.
+// Between keyframes of a trajectory segment, displacement and rotation are interpolated by frame
+// index. Frames after the last keyframe of a segment move with this keyframe. Indices without a
+// frame have the correction of the previous frame.
 FrameCorrections CorrectionsOfFrames(const std::vector<PosedFrame>& frames,
                                      const std::vector<int>& frame_of_keyframe,
                                      const std::vector<Rigid3d>& new_from_old_of_keyframe);

@@ -26,7 +26,8 @@ struct KeyframeForLoops {
   ViewOfKeyframe view;
 };
 
-// Input of a task: the keyframes since the last task, and a PoseStore::Snapshot() of all keyframes.
+// Input of a task: the keyframes since the last task, and a PoseStore::Snapshot() with all
+// keyframes of all tasks. Pose positions are keyframe positions.
 struct LoopTask {
   std::vector<KeyframeForLoops> added;
   PoseGraph graph;
@@ -39,30 +40,33 @@ struct LoopOutcome {
   bool optimised = false;
   std::vector<Rigid3d> world_from_keyframe;  // per keyframe of the snapshot
   std::vector<bool> loops_in_graph;          // per loop edge, including new loops; false: outlier
-  std::size_t removed_views = 0;             // by LimitKeyframes()
+  std::size_t removed_views = 0;             // number of views that LimitKeyframes() removed
 };
 
 // Finds loops and optimises the pose graph in background tasks. Owns the keyframe views and their
 // place index. Works on snapshots of the pose store. Not thread-safe: one thread calls all
-// functions.
+// functions. The destructor waits for a running task.
 class LoopCloser {
  public:
-  // If `always_in_background`, tasks have their own thread even if one thread may compute.
+  // A null `finder` stands for FindLoops(). If `always_in_background`, tasks have their own thread
+  // even if one thread may compute. Throws InputError for invalid LoopOptions::places.
   LoopCloser(const LoopOptions& options, LoopFinder finder, bool always_in_background);
 
-  // Adds the keyframes of a saved state, in their order. Call before the first task. Keyframes
-  // without a view keep their position.
+  // Sets the keyframes of a saved state, in their order, and applies LimitKeyframes(). Call at most
+  // once, before the first task. Keyframes without a view keep their position.
   void AddSettled(std::vector<Keyframe> keyframes);
 
   // Starts a task, whose result is due after LoopOptions::delay_frames. Requires that no task is
-  // pending. Get the result by task().Take().
+  // pending. Get the result by task().Take(), which rethrows exceptions of the finder.
   void Start(LoopTask task);
   BackgroundTask<LoopOutcome>& task() { return task_; }
 
-  // Uses the keyframes of all tasks. Waits for the current task, and keeps its outcome for Take().
+  // Relocalises a view in the keyframes of all tasks. `world_from_keyframe` has at least one
+  // current pose per keyframe. Waits for the current task, and keeps its outcome for Take().
   Relocalization Find(const ColoredView& view, const std::vector<Rigid3d>& world_from_keyframe);
 
-  // Keyframes of all tasks, with the poses of the last snapshot. Requires that no task is running.
+  // Keyframes of all tasks, with the poses of the last task or Find(). Requires that no task is
+  // running. Valid until the next Start().
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
 
  private:

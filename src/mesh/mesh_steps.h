@@ -20,7 +20,8 @@ void FindSigmas(std::vector<MeshSurfel>* surfels);
 // Moves surfels along their normals into local planes, and replaces their normals. Planes are
 // fitted to neighbours with similar normals and heights, weighted by 1 / sigma^2. The radius of the
 // neighbourhood gives normals with the standard deviation normal_noise_rad. Surfels without a plane
-// stay. Requires sigmas in m: call FindSigmas() first.
+// stay. Requires sigmas in m (call FindSigmas() first), normal_noise_rad > 0 and at least one
+// surfel.
 //
 // `done` is called from several threads and must be thread-safe. Each call passes the fraction of
 // the work completed since the previous call. The fractions add up to 1.
@@ -35,13 +36,13 @@ void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& d
 TriangleMesh ExtractSurface(const DistanceField& field, const SurfelCubes& surfels,
                             const std::function<void(double)>& done);
 
-// Removes connected components with a bounding-box diagonal below min_component_m. Counts them in
-// the summary.
+// Removes connected components with a bounding-box diagonal below min_component_m. Counts removed
+// and remaining components in the summary.
 void DropSmallPieces(double min_component_m, MeshSummary* summary, TriangleMesh* mesh);
 
 // Reduces the mesh to max_triangles by edge collapses (Garland and Heckbert 1997), which keep
 // borders and components. If necessary, then merges clusters of vertices. Returns the geometric
-// error, m. 0 if the mesh is small enough.
+// error, m. 0 if the mesh is small enough. Requires max_triangles > 0.
 double Decimate(std::size_t max_triangles, TriangleMesh* mesh);
 
 // Makes the mesh watertight:

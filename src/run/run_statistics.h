@@ -11,8 +11,8 @@
 namespace surfit {
 
 // Counts and times of the frames of a run, for the summary. elapsed_s() begins with construction.
-// Order per frame: CountRead(), then CountSkipped() or CountProcessed(), RecordPoseTime(),
-// CompleteFrame() and AddTimes(). Not thread-safe.
+// Order per frame: CountRead(), RecordPoseTime(), CountProcessed(), CompleteFrame(), AddTimes().
+// Order per unreadable frame: CountRead(), CountSkipped(), CompleteFrame(). Not thread-safe.
 class RunStatistics {
  public:
   // Keeps a reference to the options.

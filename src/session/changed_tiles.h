@@ -24,7 +24,7 @@ class ChangedTiles {
   // Returns the tiles that have changed since the last call, by ascending key. The first call, and
   // a call with other `corrections`, return all tiles.
   // - corrections: Slam::corrections_of_map()
-  // - last_frame: index of the newest fused frame
+  // - last_frame: index of the newest frame, at least the largest last_seen
   std::vector<ChangedTile> Take(const SurfelMap& map, int corrections, int last_frame);
 
  private:

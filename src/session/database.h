@@ -12,6 +12,7 @@ struct sqlite3_stmt;
 
 namespace surfit {
 
+// Binary value of a column.
 struct Blob {
   std::string bytes;
 };

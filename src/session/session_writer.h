@@ -30,7 +30,8 @@ struct SessionContent {
   int map_corrections = 0;  // Slam::corrections_of_map()
 };
 
-// Content of a Slam with loop closure. Requires Slam::backend(). The result refers to `slam`.
+// Content of a Slam with loop closure. Requires Slam::backend(). The result refers to `slam`, and
+// is valid until the next frame.
 SessionContent ContentOf(const Slam& slam);
 
 // Saves a session during SLAM, in a background thread. The content does not depend on the writing

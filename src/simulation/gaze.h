@@ -18,7 +18,7 @@ struct ViewQuality {
   double two_planes_ratio = 0;  // pixels on the two largest flat faces / visible pixels
 
   bool IsPlanar() const { return two_planes_ratio >= 0.8; }
-  // True if registration would be degenerate
+  // True if registration would be degenerate.
   bool IsDegenerate() const { return two_planes_ratio > 0.95 || visible_ratio < 0.5; }
 };
 
@@ -34,8 +34,8 @@ struct PathQuality {
 PathQuality EvaluatePath(const Scene& scene, const Trajectory& path);
 
 // Viewing direction that moves continuously from target to target on the unit sphere. It has a
-// given speed and turns gradually. In scenes without cells, 80 % of the targets give views of one
-// or two planes.
+// given speed and turns gradually. In scenes without cells, 80 % of the targets are chosen for
+// views of one or two planes, if there are any.
 class Gaze {
  public:
   // Keeps a pointer to the scene, which must have at least two targets. `position`: camera in

@@ -87,6 +87,7 @@ void AddMonitor(const Item& item, Random* random);
 // Row of upright books from x = 0 to x = width_m, with spines at y <= depth_m.
 void AddRowOfBooks(const Item& item, double width_m, double depth_m, double height_m,
                    Random* random);
+// Random items on an area of width_m x depth_m around the origin.
 void AddClutter(const Item& item, double width_m, double depth_m, Random* random);
 
 // Items on a wall; the origin is in the middle of the lower edge.

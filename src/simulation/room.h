@@ -28,8 +28,8 @@ struct WallItem {
   std::function<void(const Item&)> add;
 };
 
-// Plan of a rectangular room. Does not own `scene` and the random numbers. Several rooms can share
-// a scene.
+// Plan of a rectangular room. Does not own `scene` and the random numbers. AddShell() and the
+// furniture require `random`. Several rooms can share a scene.
 struct RoomPlan {
   static constexpr double kHeight_m = 2.5;
   static constexpr double kThick_m = 0.2;  // thickness of walls, floor and ceiling, outwards
@@ -75,15 +75,15 @@ void AddShell(const RoomPlan& room);
 // Adds shell, lamp and furniture. Walls with a doorway have only posters.
 void AddFurnishedRoom(const RoomPlan& room);
 
-// Adds items along a wall from `from_m` to `to_m`, in random order with random gaps. Wide gaps
-// become camera targets.
+// Adds items along a wall from `from_m` to `to_m`, in random order with random gaps. Items that are
+// too wide together extend beyond `to_m`. Wide gaps become camera targets.
 void Line(const RoomPlan& room, int wall, double from_m, double to_m,
           std::vector<WallItem> stretches);
 
 // Poster of random size, with a camera target below it.
 WallItem PosterItem(const RoomPlan& room);
 
-// Adds shell, lamps, and items along the walls.
+// Adds shell, lamps, and items along the two long walls.
 void AddFurnishedCorridor(const RoomPlan& corridor);
 
 }  // namespace surfit

@@ -23,6 +23,7 @@ struct PreprocessedFrame {
   bool HasIntensities() const { return !surface().intensity.empty(); }
 };
 
+// Estimates of the back end for Preprocess().
 struct SensorCorrection {
   const DepthCalibration* calibration = nullptr;  // null: input calibration
   double color_latency_s = 0;  // s, beyond the input latency; subtracted from color_stamp_s

@@ -21,7 +21,7 @@ class ModelViews {
   virtual ~ModelViews() = default;
 
   // Last view of Update(). Empty before the first Update(). The reference is valid for the life of
-  // this object, its content until the next Update().
+  // this object, its content until the next Update() or correction of the map.
   virtual const ReferenceView& View() const = 0;
   // Renders View() at a predicted pose if `must` is true, after fusion of a frame, or if the image
   // shift exceeds SlamOptions::max_view_shift. Returns whether View() has this pose.

@@ -27,8 +27,9 @@ class MotionModel {
   explicit MotionModel(const TrackingOptions& options);
 
   // Pose of the next frame (camera to world). Returns `world_from_last`, the pose of the last frame
-  // with a pose, for the model constant_pose and if the motion is not predictable. Returns
-  // std::nullopt for the model so3, which needs the images of the frame.
+  // with a pose, for the model constant_pose and if the motion is not predictable. Also in a given
+  // map without a pose. Otherwise returns std::nullopt for the model so3, which needs the images of
+  // the frame.
   std::optional<Rigid3d> PredictPose(const TrackingState& state,
                                      const Rigid3d& world_from_last) const;
   // Camera velocity of the last frame with a pose. Zero after lost frames.

@@ -20,7 +20,7 @@
 namespace surfit {
 
 // Predicted pose of a frame, and the view for its registration. `reference` is valid until the next
-// Predict() or PredictAhead().
+// Predict(), Update() or PredictAhead().
 struct Prediction {
   Rigid3d world_from_camera;
   const ReferenceView* reference = nullptr;

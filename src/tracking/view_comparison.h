@@ -10,8 +10,8 @@
 
 namespace surfit {
 
-// Grid of about 80 columns for the comparison of views. A cell has step x step pixels and uses the
-// values of its centre pixel. Narrower images have one cell per pixel.
+// Grid of 80 to 159 columns for the comparison of views. A cell has step x step pixels and uses the
+// values of its centre pixel. Images below 160 columns have one cell per pixel.
 struct ViewGrid {
   explicit ViewGrid(const PinholeCamera& camera)
       : step(std::max(1, camera.width / 80)),

@@ -11,12 +11,14 @@ namespace surfit::testing {
 
 using Random = std::mt19937_64;
 
+// Random index below `end`, which must not be 0.
 inline std::size_t Below(std::size_t end, Random* random) {
   return std::uniform_int_distribution<std::size_t>(0, end - 1)(*random);
 }
 
-// Applies one to four changes. A change flips a bit, replaces a byte, sets a number to an extreme
-// value, truncates, or duplicates a piece. Numbers have 2, 4 or 8 bytes.
+// Applies one to four changes, and then writes a random number into the first 400 bytes of half of
+// the longer texts. A change flips a bit, replaces a byte, sets a number to an extreme value,
+// truncates, or duplicates a piece. Numbers have 2, 4 or 8 bytes.
 inline std::string Mutated(std::string bytes, Random* random) {
   constexpr std::int64_t kExtremes[] = {-1, 0, 1, INT32_MAX, INT64_MAX, 1LL << 40, 65536, 16384};
   for (std::size_t changes = 1 + Below(4, random); changes > 0 && !bytes.empty(); --changes) {

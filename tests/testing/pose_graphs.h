@@ -21,6 +21,7 @@ struct TrueGraph {
   std::vector<Rigid3d> truth;
 };
 
+// Noisy measurement of true pose b in pose a. It is a loop unless b is a + 1.
 inline PoseGraphEdge MeasuredEdge(const TrueGraph& graph, std::size_t a, std::size_t b,
                                   const GraphNoise& noise, std::mt19937_64* rng) {
   std::normal_distribution<double> normal;
@@ -37,7 +38,8 @@ inline PoseGraphEdge MeasuredEdge(const TrueGraph& graph, std::size_t a, std::si
   return edge;
 }
 
-// Adds odometry edges along the true poses, and sets the poses to the odometry.
+// Adds odometry edges along the true poses, and sets the poses to the odometry. The first pose is
+// exact. Requires at least one true pose.
 inline void AddOdometry(const GraphNoise& noise, std::mt19937_64* rng, TrueGraph* graph) {
   graph->graph.poses.resize(graph->truth.size());
   graph->graph.poses[0].world_from_pose = graph->truth[0];
@@ -139,7 +141,8 @@ inline TrueGraph MakeGrid(int size, const GraphNoise& noise = {0.05, 0.1}) {
 }
 
 // Adds loops between random poses with random measurements of up to 0.5 rad and 1 m, until they are
-// this ratio of all loops. Returns the indices of these edges.
+// at least this ratio of all loops. Requires `share` < 1, an edge, and more than 10 poses. Returns
+// the indices of these edges.
 inline std::vector<std::size_t> PlantWrongLoops(double share, TrueGraph* graph) {
   std::mt19937_64 rng(4);
   std::size_t loops = 0;

@@ -75,7 +75,7 @@ inline Matrix16 TranslationMatrix(float x, float y, float z) {
 
 // Encoder of .sens files with small numbered frames. The colour camera has twice their size.
 struct SensEncoder {
-  int depth_coding = 1;      // 0 raw, 1 zlib, 2 occi
+  int depth_coding = 1;      // 0 raw, 1 zlib; others have zlib bytes
   std::string color_coding;  // "": raw, ".png", ".jpg", or "none": no colour
   bool has_stamps = true;    // 10 Hz from time 5
   int depth_delay_us = 0;    // delay of depth timestamps after colour timestamps

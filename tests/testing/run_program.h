@@ -55,6 +55,7 @@ class RunningProgram {
   RunningProgram(const RunningProgram&) = delete;
   RunningProgram& operator=(const RunningProgram&) = delete;
 
+  // Call it before Wait().
   void Signal(int signal) { kill(pid_, signal); }
   // True until the process ends.
   bool IsRunning() const {
@@ -62,7 +63,7 @@ class RunningProgram {
     return waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
            ended.si_pid == 0;
   }
-  // Resident memory of the process.
+  // Resident memory of the process; 0 after its end.
   std::size_t ResidentBytes() const {
     std::size_t pages = 0, resident = 0;
     std::ifstream("/proc/" + std::to_string(pid_) + "/statm") >> pages >> resident;

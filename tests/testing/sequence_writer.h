@@ -49,8 +49,8 @@ inline SequenceOptions OptionsOf(const std::string& path) {
 }
 inline SequenceOptions Options(const TempFolder& folder) { return OptionsOf(folder.path()); }
 
-// Small images that encode the frame number: depth is between 1 and 2 m at 1000 counts per metre,
-// and red is the frame number.
+// Small images that encode the frame number: depth is 1000 counts plus 10 per frame and up to 6 per
+// pixel, and red is the frame number.
 inline Image<std::uint16_t> NumberedDepth(int frame, int width = 32, int height = 24) {
   Image<std::uint16_t> depth(width, height);
   for (std::size_t i = 0; i < depth.size(); ++i)

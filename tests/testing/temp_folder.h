@@ -29,7 +29,7 @@ class TempFolder {
     std::filesystem::create_directories(file.parent_path());
     return file.string();
   }
-  // Writes a file, and returns its path.
+  // Writes a file, and returns its path. Failures are not reported.
   std::string Write(const std::string& name, const std::string& bytes) const {
     std::ofstream(*this / name, std::ios::binary) << bytes;
     return *this / name;
@@ -39,6 +39,7 @@ class TempFolder {
   std::string path_;
 };
 
+// Content of a file; empty if it cannot be read.
 inline std::string ReadBytes(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};

@@ -7,7 +7,7 @@
 
 namespace surfit::testing {
 
-// Results of a call with each of these numbers of threads.
+// Results of a call with each of these numbers of threads, in this order.
 template <typename Call>
 auto AtThreads(std::initializer_list<int> thread_counts, const Call& call) {
   std::vector<decltype(call())> results;

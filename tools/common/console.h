@@ -7,12 +7,13 @@
 
 namespace surfit::tools {
 
-// Progress on stderr: one line that is overwritten on a terminal; otherwise a new line every 10 s.
+// Progress on stderr: one line that is overwritten on a terminal; otherwise a new line at most
+// every 10 s.
 class ProgressLine {
  public:
   ProgressLine();
-  // Shows the text, at most every 0.2 s on a terminal. `last`: always shows the text and ends the
-  // line.
+  // Shows the text, at most every 0.2 s on a terminal and every 10 s elsewhere, not at the start.
+  // `last`: always shows the text and ends the line.
   void Show(const std::string& text, bool last);
   double elapsed_s() const;  // since construction
 

@@ -30,7 +30,8 @@ std::string GroupHelp(const std::vector<FlagHelp>& flags, const std::string& gro
 // and --name=value for each choice.
 std::string CompletionWords(const std::vector<FlagHelp>& flags);
 
-// Help of the flags of a table. Default values are the present values of the options.
+// Help of the flags of a table. Default values are the present values of the options. `modes` is
+// empty.
 std::vector<FlagHelp> Describe(const OptionTable& table);
 
 // True if a field of the table has this flag.
@@ -44,7 +45,8 @@ class Flags {
   explicit Flags(OptionTable table);
   Flags(const Flags&) = delete;
 
-  // Sets the options whose flags are set. Other options keep their values.
+  // Sets the options whose flags are set. Other options keep their values. Throws InputError for a
+  // text that the option does not accept.
   void Apply() const;
   // Throws InputError with the name of the first flag with an invalid value. Constraints between
   // fields are not checked.

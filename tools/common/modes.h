@@ -37,7 +37,7 @@ struct ModeFlag {
 };
 
 // The modes of a program, at least one. The command line selects one of them. Default: the first
-// mode.
+// mode. The option tables of the modes refer to this object.
 class Modes {
  public:
   // Throws InputError if the flag has an unknown value.
@@ -50,7 +50,8 @@ class Modes {
   // Flags for help: flags of the mode on the command line, or of all modes if none is given.
   std::vector<FlagHelp> Described() const;
 
-  // Sentence that names the modes with this flag. Empty if no mode has the flag.
+  // Sentence that the flag belongs to other modes than the selected one, with their names. Empty if
+  // no mode has the flag.
   std::string ModesOf(const std::string& flag) const;
 
  private:

@@ -16,7 +16,8 @@ void PrintPose(const IcpResult& icp);
 // a failed registration on stderr.
 ExitCode PrintFailure(const IcpResult& icp, const IcpOptions& options);
 
-// Writes the report, and prints its path and its number of surfels. Throws like WriteReport().
+// Writes the report, and prints the shown and the total number of surfels per map and the path of
+// the report. Throws like WriteReport().
 void WriteAndPrintReport(const ReportOptions& options);
 
 }  // namespace surfit::tools

@@ -4,7 +4,7 @@
 
 namespace surfit::tools {
 
-// Sentence that names the replacement of a removed flag. Empty if the program never had the flag.
+// Sentence that names the replacement of a removed flag. Empty for other flags.
 std::string Replacement(const std::string& program, const std::string& flag);
 
 }  // namespace surfit::tools

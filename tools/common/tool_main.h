@@ -11,9 +11,10 @@ namespace surfit::tools {
 enum ExitCode { kDone = 0, kBadInput = 1, kAlgorithmFailed = 2, kFaultsFound = 3 };
 
 // Runs a program. Flags are defined by the option table of the selected mode. Default values are
-// the values of its options. Flags of the user take precedence over `prepare` of the mode.
-// Exceptions, invalid flags, and an output that is also an input print "error: ..." on stderr and
-// return kBadInput. -h, --help, --help=all, --help=GROUP and --version print on stdout.
+// the values of its options. Flags of the user take precedence over `prepare` of the mode. Invalid
+// flags, exceptions, an output that is also an input, and an incomplete stdout print "error: ..."
+// on stderr and return kBadInput. -h, --help, --help=all, --help=GROUP and --version print on
+// stdout.
 int ToolMain(int argc, char** argv, const std::string& summary, const ModeFlag& flag,
              std::vector<Mode> modes);
 

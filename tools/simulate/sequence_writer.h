@@ -30,16 +30,16 @@ struct SequenceTruth {
   std::vector<Eigen::Vector3f> gains;   // gains of the colour channels per frame
 };
 
-// Writes an RGB-D sequence: rgb/, depth/ (16-bit PNG, 0: missing), camera.yaml, groundtruth.txt
-// and the lists of the layout. Sensors with confidence also have confidence/ (8-bit PNG) and
-// confidence.txt.
+// Writes an RGB-D sequence: rgb/, depth/ (16-bit PNG, 0: missing or above the range), camera.yaml,
+// groundtruth.txt and the lists of the layout. Sensors with confidence also have confidence/ (8-bit
+// PNG) and confidence.txt.
 class SequenceWriter {
  public:
   // Creates the folder, or empties the folder of an earlier simulation. `camera` is written to
-  // camera.yaml. In both layouts, the arguments are upright and right-handed; the writer mirrors
-  // them for kIclNuim. Image timestamps are later by latency_s, except for kIclNuim. Throws
-  // InputError if the folder contains other files. All functions throw InputError with the name of
-  // the folder or file.
+  // camera.yaml. In both layouts, the arguments of all functions are upright and right-handed. For
+  // kIclNuim, the writer mirrors the camera, the poses and the field, but not the images. Image
+  // timestamps are later by latency_s, except for kIclNuim. Throws InputError if the folder
+  // contains other files. All functions throw InputError with the name of the folder or file.
   SequenceWriter(const std::string& folder, SequenceLayout layout, const RgbdCamera& camera,
                  double latency_s, bool has_confidence);
 

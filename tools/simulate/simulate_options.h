@@ -46,15 +46,17 @@ struct SimulateOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Error of the inverse depth, added to 1/z of the images. All functions throw InputError with the
-// name of the flag.
+// Error of the inverse depth, added to 1/z of the images. Throws InputError unless
+// `inverse_depth_distortion` is empty or has five numbers from -0.1 to 0.1.
 InverseDepthField DepthErrorOf(const SimulateOptions& options);
 
-// True camera: 640 x 480 px, subsampled, with the true latencies and readout.
+// True camera: that of the sensor, resized to `width` and `height`, then subsampled, with the true
+// latencies and readout. Throws InputError for an unknown sensor.
 RgbdCamera TrueCameraOf(const SimulateOptions& options);
 
 // Camera in camera.yaml: `camera` with the errors of the options. Times that `camera_yaml_times`
-// does not list are 0.
+// does not list are 0. Throws InputError for other names, names that occur twice, and an invalid
+// camera.
 RgbdCamera CameraYamlOf(const SimulateOptions& options, RgbdCamera camera);
 
 // True if camera.yaml and the images may not contain all true values: times, options of colour, or

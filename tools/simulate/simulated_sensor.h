@@ -25,7 +25,8 @@ class SimulatedSensor {
   // False for ideal and kinect, which keep the default noise of camera.yaml.
   bool HasKnownNoise() const { return model_ != Model::kIdeal && model_ != Model::kKinect; }
 
-  // Measures a rendering. `inverse_depth_sigma` is empty without known noise.
+  // Measures a rendering. `inverse_depth_sigma` is empty without known noise, `confidence` is empty
+  // without confidence.
   SensorImage Measure(const Rendering& exact, const PinholeCamera& camera,
                       std::uint64_t seed) const;
 

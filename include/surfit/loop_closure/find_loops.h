@@ -43,8 +43,8 @@ struct FindLoopsOptions {
   int min_gap = 100;           // minimum difference of the frame indices
   int max_similar = 3;         // maximum number of candidates from place recognition
   int max_near = 2;            // maximum number of additional candidates by pose; 0: none
-  double max_near_m = 0.5;     // maximum distance of additional candidates
-  double max_near_rad = 0.52;  // maximum rotation of additional candidates: 30 degrees
+  double max_near_m = 0.5;     // maximum distance of additional candidates; 0: none
+  double max_near_rad = 0.52;  // maximum rotation of additional candidates: 30 degrees; 0: none
   VerifyLoopOptions verify;
 
   void Visit(OptionVisitor& visitor);
@@ -79,7 +79,7 @@ struct Relocalization {
   static constexpr int kNone = -1;
 
   int keyframe = kNone;       // position of the matching keyframe; kNone: not found
-  Rigid3d world_from_camera;  // pose by registration to this keyframe; undefined if not found
+  Rigid3d world_from_camera;  // pose by registration to this keyframe; identity if not found
   // Verified candidates in their order, with source kNone. The match, if any, is the last element.
   std::vector<LoopVerification> attempts;
 
@@ -87,8 +87,8 @@ struct Relocalization {
 };
 
 // Relocalises a view without a prior pose. Numbers in `index` are positions in `keyframes`.
-// Candidates of place recognition are verified until the first success. Without success,
-// Relocalization::keyframe is kNone. Throws InputError for invalid options.
+// Candidates of place recognition are verified until the first success. A view without features has
+// no candidates. Throws InputError for invalid options.
 Relocalization Relocalize(const PlaceView& view, const std::vector<Keyframe>& keyframes,
                           const PlaceIndex& index, const RelocalizeOptions& options);
 

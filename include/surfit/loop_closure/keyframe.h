@@ -22,13 +22,13 @@ struct PlaceFeature {
   BinaryDescriptor descriptor = {};
 };
 
-// Compact view of a keyframe for place recognition and registration: about 260 kB for a camera of
+// Compact view of a keyframe for place recognition and registration: about 250 kB for a camera of
 // 640 x 480 px.
 struct PlaceView {
   PinholeCamera camera;
   DepthNoise noise;
   Image<std::uint16_t> depth;          // filtered depth in 1/kDepthUnitsPerMetre m; 0: missing
-  Image<std::uint8_t> intensity;       // 1: black, 255: white, 0: unknown; empty without colour
+  Image<std::uint8_t> intensity;       // 1: black, 255: white, 0: unknown or RGB 0; empty: none
   std::vector<PlaceFeature> features;  // empty without colour
 
   // Resolution of 0.2 mm. Depth above 13.1 m is missing.
@@ -80,7 +80,7 @@ struct KeyframeOptions {
 };
 
 // True if a frame at `world_from_camera` becomes the keyframe after `last`. `surface`: any level of
-// the pyramid of the frame.
+// the pyramid of the frame. Does not validate the options.
 bool IsKeyframe(const Keyframe& last, int frame_index, const FrameLevel& surface,
                 const Rigid3d& world_from_camera, const KeyframeOptions& options);
 

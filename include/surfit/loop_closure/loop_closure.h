@@ -18,7 +18,8 @@ class OptionVisitor;
 
 // Uncertainty of pose graph edges. The covariance of an odometry edge is the registration
 // covariance times `shared_points` times the number of frames. Calibration and surface errors do
-// not average out, so each edge also gets constant standard deviations, per component.
+// not average out, so the members below add variances per component. Relocalisation edges have the
+// noise of loop closures.
 struct EdgeNoise {
   double shared_points = kSharedPoints;
   double odometry_m = 0.0002;     // between consecutive keyframes, m

@@ -13,9 +13,9 @@ class OptionVisitor;
 
 // Options of PlaceIndex.
 struct PlaceIndexOptions {
-  int tables = 8;                // hash tables of descriptors, each with its own random bits
-  int bits = 14;                 // bits of a hash, at most 20
-  int max_hamming = 48;          // maximum Hamming distance of matching descriptors of 256 bits
+  int tables = 8;        // 1 to 64 hash tables of descriptors, each with its own random bits
+  int bits = 14;         // bits of a hash, 1 to 20
+  int max_hamming = 48;  // maximum Hamming distance of matching descriptors of 256 bits
   double min_similarity = 0.02;  // minimum PlaceCandidate::similarity
 
   void Visit(OptionVisitor& visitor);
@@ -30,8 +30,9 @@ struct PlaceCandidate {
 };
 
 // Place recognition without training. Hash tables find descriptors by random bits (Gionis et al.
-// 1999; ferns: Ozuysal et al. 2010). Each descriptor within `max_hamming` votes for its keyframe.
-// Results are deterministic. Concurrent queries are safe, changes are not.
+// 1999; ferns: Ozuysal et al. 2010). Each query feature votes once for each keyframe with a
+// descriptor within `max_hamming` in a common bucket. Results are deterministic. Concurrent queries
+// are safe, changes are not.
 class PlaceIndex {
  public:
   // Throws InputError for invalid options.
@@ -39,7 +40,7 @@ class PlaceIndex {
 
   // Adds a keyframe by its features. Aborts if the number is in the index.
   void Add(int keyframe, const PlaceView& view);
-  // Removes a keyframe and rebuilds all tables. Does nothing if the keyframe is not in the index.
+  // Removes a keyframe and rebuilds all tables. No effect if the keyframe is not in the index.
   void Remove(int keyframe);
 
   // Returns at most `max_count` keyframes that satisfy `is_wanted` and min_similarity, by

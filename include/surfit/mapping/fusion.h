@@ -89,8 +89,8 @@ class Fusion {
   // Minimum of int: all surfels, until more than active_frames frames are fused, or without a
   // limit.
   int ActiveSince() const;
-  // Restores the state after the fusion of these frames (ascending indices). Call before the first
-  // Fuse().
+  // Restores the state after the fusion of these frames (ascending indices, not checked). Call
+  // before the first Fuse().
   void ContinueAfter(const std::vector<int>& fused_frames);
 
  private:

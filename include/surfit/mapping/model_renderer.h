@@ -20,7 +20,7 @@ struct RenderOptions {
   // Radius of a drawn disc, relative to the surfel radius. 0.5 just closes the gaps of the pixel
   // grid.
   float radius_ratio = 1;
-  int max_half_window_px = 4;  // maximum distance of drawn pixels from the disc centre
+  int max_half_window_px = 4;  // maximum distance of drawn pixels from the disc centre, per axis
   // Thickness of a surface, plus 4 sigma of the depth. All discs of a ray that are this close
   // behind the first disc belong to the surface. The pixel shows the disc whose centre is nearest
   // to the ray, because noise biases the first disc.

@@ -53,7 +53,8 @@ MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& rec
                    SurfelMap* map);
 
 // Makes surfels active again, for example after a loop closure: sets last_seen to `now` if it is in
-// [first, last]. Returns the number of changed surfels. See FusionOptions::active_frames.
+// [first, last]. Returns the number of changed surfels. `now` must be at least `first`, which is
+// not checked. See FusionOptions::active_frames.
 std::size_t ReactivateSurfels(int first, int last, int now, SurfelMap* map);
 
 }  // namespace surfit

@@ -41,7 +41,8 @@ class SurfelMap {
   Surfel operator[](std::int32_t id) const { return block(BlockOf(id))[PlaceOf(id)]; }
   Rgb8 Color(std::int32_t id) const { return block(BlockOf(id)).Color(PlaceOf(id)); }
 
-  // Returns the id of the new surfel.
+  // Returns the id of the new surfel. The colour must be in [0, 255] and all numbers finite, which
+  // is not checked.
   std::int32_t Append(const Surfel& surfel);
   // Appends surfels in their order. If memory runs out, throws std::bad_alloc and keeps the surfels
   // appended before.

@@ -32,7 +32,8 @@ struct TextureOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Colour frame with pose and camera motion, for a texture.
+// Frame with colours, pose and camera motion, for a texture. Depth and colour have the size of
+// `camera`.
 struct TextureFrame {
   RgbdFrame frame;
   PinholeCamera camera;  // of depth and colour, without distortion
@@ -81,7 +82,8 @@ MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
 // Writes the mesh with its texture, by the extension of the path:
 //   .obj  with a .mtl and a .jpg of the same name in the same folder
 //   .glb  with the texture in the file
-// Throws InputError for other extensions, and if a file cannot be written.
+// Replaces existing files. Throws InputError for other extensions, and if a file cannot be written.
+// A .glb requires at least one texture coordinate, which is not checked.
 void WriteMesh(const TriangleMesh& mesh, const MeshTexture& texture, const std::string& path);
 
 // Throws InputError unless the extension of the path is .obj or .glb.

@@ -172,7 +172,7 @@ struct PoseGraphIteration {
 struct PoseGraphSummary {
   PoseGraphTermination termination = PoseGraphTermination::kFailed;
   std::string sparse_backend;
-  std::string start, loop_robustness;  // of the result; never "auto"
+  std::string start, loop_robustness;  // of the result; empty if all attempts failed
   double given_cost = 0;               // Cost() of the input graph, all edges
   double initial_cost = 0;             // cost of the initial poses, all edges
   double final_cost = 0;               // final cost, without outliers

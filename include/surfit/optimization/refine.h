@@ -152,7 +152,7 @@ struct RefinementSummary {
   // Fit at the initial poses and at the final poses, each with its own surfels. `after` is 0 after
   // a failure.
   RefinementFit before, after;
-  std::vector<RefinementRound> rounds;  // rounds of calibration, then of poses only
+  std::vector<RefinementRound> rounds;  // successful rounds of calibration, then of poses only
 
   bool Succeeded() const {
     return termination == RefinementTermination::kConverged ||

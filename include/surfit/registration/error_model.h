@@ -52,8 +52,9 @@ struct ErrorModel {
   double floor_sigma_m = 0.004;
   RobustKernel kernel = {RobustKernelType::kGemanMcClure, 3};
   // If true, the kernel width is in units of an estimated scale instead of the sigma of the model.
-  // The scale is estimated before each solve: the median of |r| / sigma, divided by its value for
-  // normal errors (0.6745 for one component, 1.5382 for three).
+  // The scale is the median of |r| / sigma before each solve, divided by its value for normal
+  // errors. That value is 0.6745, 1.1774 or 1.5382 for one, two or three components. Minimum scale:
+  // 1e-3. Does not apply to `intensity_kernel`.
   bool estimate_scale = false;
 
   // W; 0: geometric residuals only. Errors of neighbouring pixels are correlated, mainly through

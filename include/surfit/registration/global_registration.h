@@ -41,7 +41,7 @@ struct FitCriteria {
 
 // Result of the verification: the first violated criterion, or kAccepted.
 enum class GlobalRegistrationReason {
-  kNoView,              // a view has no depth, or was discarded to limit memory
+  kNoView,              // VerifyLoop(): a view is empty, for example removed to limit memory
   kNoStart,             // too few consistent features, and no initial pose from elsewhere
   kNotRegistered,       // registration failed from all initial poses
   kDegenerate,          // the pose is unobservable or weakly constrained
@@ -74,7 +74,7 @@ struct GlobalRegistrationResult {
   double detail_correlation = 0;
   double score_margin = 0;
   double sigma_m = 0, sigma_rad = 0;                // largest standard deviations of the pose
-  double disagreement_m = 0, disagreement_rad = 0;  // pi if backward registration failed
+  double disagreement_m = 0, disagreement_rad = 0;  // rad: pi if backward registration failed
   Rigid3d start;                                    // initial pose of the best registration
   IcpResult icp;  // last registration from `start`; a failure if all failed
 
@@ -94,7 +94,8 @@ struct InitializeOptions {
   // - features: best pose from feature matches and from a grid of rotations on the coarsest level.
   std::string method = "identity";
   // Factor of IcpOptions::max_iterations, and divisor of min_relative_rmse_change, for initial
-  // poses of `so3` and `features`. Different initial poses must converge to the same pose.
+  // poses of `so3` and `features`. Different initial poses must converge to the same pose. The
+  // increased max_iterations must be at most 1000.
   int iteration_growth = 10;
   // Factor of IcpOptions::max_free_space_violation_ratio for these initial poses. Calibration
   // errors cause more violations between distant views.
@@ -146,10 +147,11 @@ struct ViewPair {
   const Image<Rgb8>& target_color;
 };
 
-// Estimates a rotation about the target camera that aligns brightness and depth of the coarsest
+// Rotates the initial pose about the target camera to align brightness and depth of the coarsest
 // level (Gauss-Newton). This is the SO(3) pre-alignment of Whelan et al., ElasticFusion, RSS 2015.
-// A fast initial pose for fast rotations, with a convergence range of some ten degrees. Without
-// colour it uses depth only. Without a common level, it returns the initial pose.
+// A fast initial pose for fast rotations, with a convergence range of some ten degrees. If a view
+// has no colour, it uses depth only. Without a common level, it returns the initial pose. Requires
+// colours of the size of the finest level, which is not checked.
 Rigid3d AlignRotation(const ViewPair& views, const Rigid3d& target_from_source_initial);
 
 }  // namespace surfit

@@ -28,12 +28,13 @@ struct IcpOptions {
   double kernel_growth = 1;                 // factor of the robust kernel width per coarser level
   ErrorModel error_model;                   // for the finest level
   // Minimum number of source rows on the finest level; 0: all rows. Every n-th row is used, with
-  // the largest possible n. Intensities use all rows. kd_tree uses all points.
+  // the largest possible n. Intensities use all rows, with 1 / n of their weight. kd_tree uses all
+  // points.
   int min_source_rows = 0;
   double min_coarse_step_px = 0;  // coarser levels also end at smaller steps, px of the level
   double min_relative_rmse_change = 1e-3;  // a level ends at smaller relative changes of the RMSE
   double min_increment = 1e-5;             // a level ends at smaller steps, rad and m
-  bool stop_at_rmse_increase = true;       // end a level if the RMSE rises and the inliers do not
+  bool stop_at_rmse_increase = true;       // end a level if the RMSE rises without more inliers
   int min_inliers = 200;  // minimum of correspondences, halved per coarser level; at least 6
   double min_inlier_ratio = 0.1;       // minimum ratio of correspondences to valid source points
   ObservabilityOptions observability;  // thresholds for observable directions
@@ -65,7 +66,7 @@ struct IcpIteration {
   double average_loss = 0;  // weighted mean of |r|^2, m^2
   double cost = 0;          // 1/2 sum of rho(s), geometric
   int inlier_count = 0;     // residual within ErrorModel::kInlierSigmas
-  SolveReport report;       // of the step; empty after the last step
+  SolveReport report;       // of the step from this state; empty without a step
 };
 
 // Result of a registration.

@@ -79,13 +79,13 @@ struct NormalSystem {
 // RmsDistance(), and sums are divided by weight_sum. Eigenvalues are therefore dimensionless: 0
 // along unobservable directions, of the order of 1 along well constrained ones.
 struct Observability {
-  Vector6d eigenvalues = Vector6d::Zero();  // ascending
+  Vector6d eigenvalues = Vector6d::Zero();  // of the Hessian, ascending
   Matrix6d directions = Matrix6d::Zero();   // columns: increments (w [rad], v [m])
   Matrix6d coordinates = Matrix6d::Zero();  // rows: increment -> coordinates in `directions`
   int degenerate_count = 6;  // number of unobservable directions, which are the first columns
 
   bool Degenerate() const { return degenerate_count > 0; }
-  // Projects an increment to the observable directions.
+  // Projects an increment to the observable directions. 0 without correspondences.
   Vector6d Held(const Vector6d& increment) const;
   // Unobservable directions. Each moves the points by about 1 m. Six zero vectors without
   // correspondences.

@@ -78,7 +78,8 @@ class PoseSolver {
 // Solver names:
 // - closed_form_ldlt, closed_form_lu: one Gauss-Newton step from the normal equations.
 // - closed_form_qr: one Gauss-Newton step from the matrix of all rows.
-// - svd: optimal rigid motion; for point_to_point without photometric residuals only.
+// - svd: optimal rigid motion for the kernel weights at the current pose; for point_to_point
+//   without photometric residuals only.
 // - ceres: Levenberg-Marquardt on the robust cost of fixed correspondences, as one reduced block.
 // - ceres_per_point: as ceres, with one block per correspondence. Slow, the reference.
 // - tiny: as ceres, with ceres::TinySolver.

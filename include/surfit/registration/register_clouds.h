@@ -100,7 +100,7 @@ struct CloudRegistration {
   IcpResult icp;
   double overlap_ratio = 0;  // larger of both directions
   double inlier_ratio = 0;   // smaller of both directions
-  // Larger of both directions. std::nullopt: a viewpoint is unknown.
+  // Larger of both directions. std::nullopt: a viewpoint is unknown, or ICP failed.
   std::optional<double> free_space_violation_ratio;
   double score_margin = 0;
   // Forward and backward registration, RMS of the source points. Infinite if backward failed.

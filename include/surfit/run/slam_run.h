@@ -44,6 +44,7 @@ struct SlamRunOptions {
   // sources (IsLive()), continued sessions, localisation, and after an early end.
   bool refine = true;
   bool final_map = true;
+  // Writes pictures of the map and of the trajectory.
   bool pictures = true;
   // World frame of pictures and report. "upright": z is up and the floor is at z = 0, if
   // SlamRunSummary::gravity is known. "run": the world frame of the map.
@@ -65,7 +66,8 @@ struct SlamRunOptions {
   // none.
   std::string dump_failures;
 
-  // True if frames arrive at a fixed rate. Late frames are then dropped.
+  // True if frames arrive at a fixed rate. Late frames are then dropped. RunSlam() then sets
+  // `slam.real_time`, and `slam.confident_inlier_ratio` to 0.
   bool OffersFrames() const { return offered_fps > 0 || sequence.format == "openni2"; }
 
   void Visit(OptionVisitor& visitor);
@@ -124,7 +126,7 @@ struct FinalRefinement {
 struct Localization {
   int frames = 0;             // frames with a pose
   int relocalisations = 0;    // relocalised frames, including the first frame
-  double longest_loss_s = 0;  // longest time without a pose
+  double longest_loss_s = 0;  // longest time without a pose, except at the end
   // Median standard deviation in the least certain direction, from the registration covariance.
   double median_sigma_m = 0;
   double median_sigma_rad = 0;
@@ -162,7 +164,7 @@ struct SlamRunSummary {
   double paused_s = 0;                          // total time without camera
   BackendCounts loops;                          // 0 without loops and calibration
   std::vector<CalibrationRecord> calibrations;  // calibrations during tracking, in their order
-  // std::nullopt if there was no refinement.
+  // std::nullopt without refinement or final map.
   std::optional<FinalRefinement> refinement;
   // Final calibration of the input frames. std::nullopt: input calibration.
   std::optional<DepthCalibration> calibration;

@@ -29,8 +29,9 @@ struct PathOptions {
 // `scene.route`. The camera looks at `scene.targets` with a level horizon and hand tremor. If
 // possible, it keeps 0.5 m from objects.
 //
-// If possible, 25 % to 50 % of the frames are planar: one or two planes cover at least 80 % of the
-// view. No frame has more than 95 %. In buildings, there is no minimum of 25 %.
+// If possible, 28 % to 45 % of the frames are planar: one or two planes cover at least 80 % of the
+// visible pixels. If possible, no frame has more than 95 %. Every tenth frame is tested. In
+// buildings, there is no minimum of 28 %.
 //
 // The same seed gives the same path. Throws InputError for invalid options and if `frames` < 1.
 // Aborts if the scene has no camera space or fewer than two targets.

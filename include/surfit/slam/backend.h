@@ -91,7 +91,7 @@ class Backend {
   // Continues from a state. Requires enabled loops and a state with a keyframe and one view per
   // keyframe. Call before the first frame. Moves from all members of the state except its map.
   void ContinueFrom(SlamState* state, StateUse use);
-  // Sets the callback for new keyframes. Requires enabled loops.
+  // Sets the callback for new keyframes; null: none. Not called without loops.
   void OnKeyframe(KeyframeCall call) { on_keyframe_ = std::move(call); }
 
   // Call before each frame. Returns the corrections to apply before this frame, in order; empty

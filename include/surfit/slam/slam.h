@@ -76,7 +76,7 @@ struct FrameReport {
   Image<std::uint8_t> moving;  // cells with moving objects: not 0; empty without moving objects
   IcpResult icp;               // last registration of a tracked or lost frame
   FusionReport fusion;         // if fused
-  std::optional<PosedFrame> confirmed;  // earlier lost frame whose pose this frame has confirmed
+  std::optional<PosedFrame> confirmed;  // lost frame with a pose that this frame confirms
   StageTimes times;
 
   bool HasPose() const { return state != FrameState::kLost; }
@@ -117,8 +117,8 @@ class Slam {
   FrameReport ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera);
 
   // Sets a callback for the report of each frame, called as soon as the pose is known. At this
-  // time, the report lacks `fusion`, `confirmed` and `times`. The callback runs on the thread of
-  // Process(). It must not throw or call this object.
+  // time, the report lacks `is_fused`, `is_held_out`, `fusion`, `confirmed` and `times`. The
+  // callback runs on the thread of Process(). It must not throw or call this object.
   void OnPose(std::function<void(const FrameReport&)> call);
 
   // Sets a callback for each frame whose tracking and global registration have failed, also if it

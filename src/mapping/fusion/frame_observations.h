@@ -64,6 +64,7 @@ class PointAverage {
   bool at_edge_ = true;
 };
 
+// Observations of the surfels of a frame. Not thread-safe: Gather() uses several threads itself.
 class FrameObservations {
  public:
   // Number of assigned points, and of surfels that have points.

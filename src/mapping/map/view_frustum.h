@@ -16,7 +16,7 @@ class ViewFrustum {
  public:
   ViewFrustum(const PosedCamera& camera, float margin_px);
 
-  // False only if no surfel in these bounds is visible.
+  // False only if no surfel in these bounds is visible. The bounds must not be empty.
   bool MaySee(const SurfelBounds& bounds) const {
     const Eigen::Map<const Eigen::Vector3f> low(bounds.low), high(bounds.high);
     const Eigen::Vector3f middle = 0.5f * (high + low);

@@ -47,8 +47,8 @@ class FrameColors {
   // Keeps a reference to the colour image. `camera`: intrinsics; its pose is not used.
   FrameColors(const RgbdFrame& frame, const PosedCamera& camera, const FrameMotion& motion);
 
-  // Sets colours and weights of the batch. Requires a frame with colours, and points with z > 0.
-  // Thread-safe.
+  // Sets colours and weights of the batch. Requires a colour image of at least 2 x 2 px, and points
+  // with z > 0. Thread-safe.
   void LookUp(ColorBatch* batch) const;
   // Colour of one point. Same requirements.
   SeenColor At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;

@@ -8,6 +8,7 @@
 
 namespace surfit {
 
+// Camera intrinsics (px) and pose in single precision.
 struct PosedCamera {
   PosedCamera(const PinholeCamera& camera, const Rigid3d& world_from_camera)
       : rotation(world_from_camera.Inverse().rotation.toRotationMatrix().cast<float>()),

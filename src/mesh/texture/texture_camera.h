@@ -12,7 +12,8 @@ namespace surfit {
 // RgbdFrame::stamp_s, which is the time of the pose. t is relative to this time.
 class TextureCamera {
  public:
-  // Pixel, depth in m, and image motion in px/s. z = 0: behind the camera.
+  // Pixel, depth in m, and image motion in px/s. z = 0: behind the camera, or less than 0.05 m in
+  // front of it.
   struct Place {
     float u = 0, v = 0, z = 0, speed = 0;
   };

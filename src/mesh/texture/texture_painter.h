@@ -8,7 +8,7 @@
 
 namespace surfit {
 
-// Not thread-safe.
+// Paints the charts of a layout into a texture. Not thread-safe.
 class TexturePainter {
  public:
   // Keeps references to the mesh, which must have colours, and to the layout. The charts must be

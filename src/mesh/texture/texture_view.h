@@ -11,14 +11,16 @@ namespace surfit {
 // Visibility and sharpness of a mesh in a frame with colour.
 class TextureView {
  public:
-  // Computes all results. The mesh needs colours. Keeps references to the arguments.
+  // Computes all results. The mesh needs normals and colours. Keeps references to the arguments.
   TextureView(const TriangleMesh& mesh, const TextureFrame& frame);
 
   const TextureCamera& camera() const { return camera_; }
-  // Sharpness per triangle: the colour weight of FrameColors. 0: not visible. A visible triangle is
-  // not occluded, agrees with the measured depth, and has colours everywhere.
+  // Sharpness per triangle: the colour weight of FrameColors, reduced for overexposed colours. 0:
+  // not visible. A visible triangle is not occluded, agrees with the measured depth, and has
+  // colours everywhere.
   const std::vector<float>& sharpness() const { return sharpness_; }
-  // Gains per channel from frame colours to mesh colours.
+  // Gains per channel from frame colours to mesh colours, 0.5 to 2. 1 if fewer than 100 triangles
+  // give a gain.
   Eigen::Vector3f gain() const { return gain_; }
 
  private:

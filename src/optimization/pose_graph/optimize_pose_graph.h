@@ -115,7 +115,8 @@ class PoseGraphProblem {
   // Weights of all edges, in [0, 1], in the order of the graph. Initially 1. Odometry edges ignore
   // their weights.
   void SetWeights(const std::vector<double>& weights);
-  // Sets the kernel of all loop closures. kNone and kGnc: the squared error.
+  // Sets the kernel of all loop closures, and resets their weights to 1. kNone, kGnc and kAuto: the
+  // squared error.
   void SetKernel(LoopRobustness kernel, double max_squared_error);
 
   // Unweighted squared errors of all edges at the current poses: Mahalanobis distances.

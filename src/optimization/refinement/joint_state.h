@@ -51,7 +51,7 @@ inline void CalibrationFromBlock(const double* block, DepthCalibration* calibrat
 }
 
 // The photometric weight W scales the texture residuals and their kernel width k by sqrt(W). This
-// is a weight of the cost: W rho(s) = rho(W s), with the squared residual s.
+// multiplies the cost rho(s) of a squared residual s by W.
 struct JointKernels {
   RobustKernel plane, texture;
 
@@ -70,7 +70,7 @@ inline JointKernels KernelsOf(const ErrorModel& model) {
   return kernels;
 }
 
-// 1 / sigma of the measured inverse depth, m.
+// 1 / sigma of the measured inverse depth, m. Requires inverse_depth > 0.
 inline double InversePlaneSigma(const ErrorModel& model, const DepthNoise& noise,
                                 double inverse_depth) {
   const double z = 1 / inverse_depth;  // sigma_(1/z) = sigma_z / z^2

@@ -40,8 +40,8 @@ class BlockPattern {
 //   hessian = A^T W A - A^T W b (b^T W b)^-1 b^T W A,
 //   gradient = A^T W r - A^T W b (b^T W b)^-1 b^T W r.
 // The rows are J = [A b], with the derivatives b by the surfel parameters. The weights are W =
-// diag(rho'(r^2)). b^T W b is block diagonal, because each observation has one surfel. Poses
-// without shared surfels have no block.
+// diag(rho'(r^2)). b^T W b is block diagonal, because each observation has one surfel. BlockPattern
+// defines the pairs of poses with a block.
 struct ReducedSystem {
   using PoseMatrix = Eigen::Matrix<double, kPoseTangentSize, kPoseTangentSize>;
   using MixedMatrix = Eigen::Matrix<double, kCalibrationSize, kPoseTangentSize>;

@@ -14,7 +14,8 @@ struct KeyPoints {
   std::vector<Eigen::Vector3f> normals;  // unit length; (0, 0, 0): no plane
 };
 
-// Centroids of the occupied cells of a grid, in the order of the cells.
+// Centroids of the occupied cells of a grid, in the order of the cells. Requires finite points and
+// cell_m > 0.
 std::vector<Eigen::Vector3f> VoxelCentroids(const std::vector<Eigen::Vector3f>& points,
                                             double cell_m);
 
@@ -38,8 +39,9 @@ struct KeyMatch {
   int target = 0;
 };
 
-// Nearest histograms: first the mutual matches, then matches with the smallest ratio of the nearest
-// to the second-nearest distance. At most `max_count`.
+// Nearest histograms, at most `max_count`: mutual matches precede all other matches. Both groups
+// are in ascending order of the ratio of the nearest to the second-nearest squared distance. Source
+// histograms of 0 have no match.
 std::vector<KeyMatch> MatchFpfh(const std::vector<Fpfh>& source, const std::vector<Fpfh>& target,
                                 int max_count);
 
@@ -53,7 +55,8 @@ struct KeyConsensus {
 // their points, and the angles of their normals, agree in both clouds. The matches that share the
 // most compatible matches with a seed are fitted (second-order compatibility: Chen et al., SC2-PCR,
 // 2022; compare Shi, Yang and Carlone, ROBIN, 2021). `tolerance_m`: distance of an inlier. Similar
-// poses are merged.
+// poses are merged. A pose needs three inliers. `matches` begins with the best matches, because
+// only the first 1000 are seeds.
 std::vector<KeyConsensus> FindKeyConsensus(const KeyPoints& source, const KeyPoints& target,
                                            const std::vector<KeyMatch>& matches, double tolerance_m,
                                            int max_count);

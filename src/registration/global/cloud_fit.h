@@ -12,7 +12,7 @@ namespace surfit {
 
 // Length scales of a cloud, in m.
 struct CloudScale {
-  double spacing_m = 0;  // median point spacing; 0: too few different points
+  double spacing_m = 0;  // median point spacing; 0: 24 points or fewer, or equal points
   double noise_m = 0;    // median deviation of points from a plane through their neighbours
 };
 
@@ -50,7 +50,8 @@ class RangeImage {
              double spacing_m);
 
   // Ratio of free-space violations: points more than `tolerance_m` in front of the surface, per
-  // point that is not behind it. 0 without points in view.
+  // point that is not behind it. `pose` maps the points to the frame of the image. 0 without points
+  // in view.
   double ViolationRatio(const std::vector<Eigen::Vector3f>& points, const Rigid3d& pose,
                         double tolerance_m) const;
 

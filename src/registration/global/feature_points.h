@@ -12,6 +12,7 @@
 
 namespace surfit {
 
+// Image features with depth, as structure of arrays.
 struct FeaturePoints {
   std::vector<Eigen::Vector3d> points;  // in the camera frame, m
   std::vector<double> sigmas_m;         // isotropic standard deviation
@@ -61,9 +62,10 @@ Rigid3d FitPose(const FeaturePoints& source, const FeaturePoints& target,
 inline constexpr int kConsensusSamples = 20000;
 
 // RANSAC (Fischler and Bolles 1981) with samples of three matches and a fixed seed. Returns up to
-// `max_count` refined poses in descending order of inliers. A pose needs four inliers within three
-// sigmas. Empty for fewer than four matches. Poses that share more than half of their inliers are
-// duplicates. At most `max_tries` samples with equal side lengths in both views are evaluated.
+// `max_count` refined poses, in descending order of inliers before refinement. A pose needs four
+// inliers within three sigmas. Empty for fewer than four matches. Poses that share more than half
+// of their inliers are duplicates. At most `max_tries` samples with equal side lengths in both
+// views are evaluated.
 std::vector<Consensus> FindConsensus(const FeaturePoints& source, const FeaturePoints& target,
                                      const std::vector<FeatureMatch>& matches, int max_count,
                                      int max_tries = kConsensusSamples);
@@ -95,8 +97,8 @@ class CornerTracks {
   using Expect = std::function<Eigen::Vector2f(const Track&)>;
 
   // Tracks all corners to the next image, from the initial position `expect(track)` in px. The
-  // search range is 12 px per pyramid level. Corners that are not found are removed. `expect` is
-  // called from several threads.
+  // search range is 12 px per pyramid level. Corners that are not found are removed. `next` must
+  // have the size of the first image. `expect` is called from several threads and must not be null.
   void Follow(GreyPyramid next, const Expect& expect);
 
   // Corners whose patches still match the first image, refined by that match. Lost corners are

@@ -60,7 +60,8 @@ struct CandidatePose {
 };
 
 // Rotations of up to 60 degrees in ascending order of the angle. The rotation vectors form a
-// body-centred cubic lattice. Every rotation in this range is within 11 degrees of a lattice point.
+// body-centred cubic lattice. Every rotation of up to 49 degrees is within 11 degrees of a lattice
+// point.
 std::vector<Eigen::Quaterniond> RotationGrid();
 
 // Global search for the relative pose of two views, on the three coarsest levels of both pyramids.

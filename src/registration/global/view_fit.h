@@ -46,7 +46,7 @@ struct ProjectedPixel {
 };
 
 // Calls visit(projected_pixel) row by row for every stride-th source row and column. Skips pixels
-// without depth and projections outside the target image.
+// without depth, points nearer than 0.05 m and projections outside the target image.
 template <typename Visit>
 void ForEachProjection(const FrameLevel& source, const FrameLevel& target,
                        const Rigid3d& target_from_source, const Visit& visit, int stride = 1) {
@@ -131,21 +131,22 @@ struct CorrelationSums {
 // Agreement of two views at a pose. Correlations are averages over both directions.
 struct ViewFit {
   double overlap_ratio = 0;               // ratio of points on the surface of the other view
-  double free_space_violation_ratio = 0;  // larger FreeSpaceViolationRatio() of both directions
+  double free_space_violation_ratio = 0;  // larger ratio of both directions, see MeasureFit()
   double value_correlation = 0;           // brightness correlation in the overlap
   double detail_correlation = 0;          // correlation of the brightness detail
 
   // Score of a fit; larger is better:
   //   sqrt(overlap_ratio) * (1 + I(value_correlation) + 2 I(detail_correlation)),
   // reduced by free-space violations. I(rho) = -log(1 - rho^2) / 2 is the mutual information of
-  // normally distributed values, in nats per pixel. The square root limits the gain from sliding
-  // along unconstrained directions, which adds overlap.
+  // normally distributed values, in nats per pixel, with rho limited to [0, 0.98]. The square root
+  // limits the gain from sliding along unconstrained directions, which adds overlap.
   double Score() const;
 };
 
 // Evaluates every stride-th row and column of both views. Value and detail must have the size of
 // the surface. All ratios are 0 without valid points. Surfaces overlap if their distance is within
-// kFreeSpaceSigmas and their normals agree.
+// kFreeSpaceSigmas and their normals agree. Unlike FreeSpaceViolationRatio(), the ratio of
+// violations ignores other points at the surface.
 ViewFit MeasureFit(const ViewLevel& source, const ViewLevel& target, const ErrorModel& error_model,
                    const Rigid3d& target_from_source, int stride = 1);
 

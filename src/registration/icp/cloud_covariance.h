@@ -31,9 +31,9 @@ struct CloudCovariance {
 // new correspondences at each pose. So J is small along directions in which the correspondences
 // move with the pose, and does not contain information from noise of normals.
 //
-// Directions in which J is not positive are degenerate. They are tested over the extent of the
-// noise too, because a local slope of noise is no constraint. There is no covariance with
-// degenerate directions, or with fewer than 12 cells.
+// Directions in which J is at most 3e-4 of its largest eigenvalue are degenerate. They are tested
+// over the extent of the noise too, because a local slope of noise is no constraint. There is no
+// covariance with degenerate directions, with fewer than 12 cells, or without correspondences.
 CloudCovariance CovarianceOfClouds(const Association& association,
                                    const Rigid3d& target_from_source, ResidualType residual,
                                    const RobustKernel& kernel, const CloudErrorScales& scales);

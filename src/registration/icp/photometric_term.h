@@ -51,11 +51,11 @@ struct Exposure {
 // Ignores points that are occluded in the target.
 class PhotometricTerm {
  public:
-  // Keeps references: both levels must outlive this object and have intensities. Estimates the
-  // exposure at `start` and keeps it, so that all steps minimise the same cost. The term is empty
-  // (no blocks) if fewer than 100 points are available for this estimate. Aborts if an image width
-  // differs from that of its level. Points whose depth differs from the target depth by more than
-  // max_distance_m are occluded; 0: no limit.
+  // Both levels must have intensities. Keeps a reference to the target, which must outlive this
+  // object. Estimates the exposure at `start` and keeps it, so that all steps minimise the same
+  // cost. The term is empty (no blocks) if fewer than 100 points are available for this estimate.
+  // Aborts if an image width differs from that of its level. Points whose depth differs from the
+  // target depth by more than max_distance_m are occluded; 0: no limit.
   PhotometricTerm(const FrameLevel& source, const FrameLevel& target, double max_distance_m,
                   const ErrorModel& error_model, const Rigid3d& start);
 

@@ -87,8 +87,8 @@ struct SymmetricPointToPlaneRows {
 // of the covariances of both planes in units of sigma^2. Each covariance is 1 along the normal and
 // 1 / e within the plane:
 //   C = 1/2 (C_n + C_m),  C_n = n n^T + (I - n n^T) / e.
-// For equal normals, r is the point-to-plane residual plus sqrt(e) times the offset within the
-// plane. e = 1e-3 as in Segal, Haehnel and Thrun 2009.
+// For equal normals, |r|^2 is the squared point-to-plane residual plus e times the squared offset
+// within the plane. e = 1e-3 as in Segal, Haehnel and Thrun 2009.
 struct PlaneToPlaneRows {
   static constexpr int kRows = 3;
   static constexpr double kNormalRatio = 0.5;  // approximately the mean of two normals

@@ -64,7 +64,8 @@ class PairSolver : public PoseSolver {
   }
 };
 
-// Factories of the pose solvers. Return null for names of other solvers.
+// Factories of the pose solvers. Return null for names of other solvers. Throw InputError for
+// invalid combinations.
 std::unique_ptr<PoseSolver> MakeClosedFormSolver(const PoseSolverOptions& options);
 std::unique_ptr<PoseSolver> MakeSvdSolver(const PoseSolverOptions& options);
 std::unique_ptr<PoseSolver> MakeCeresSolver(const PoseSolverOptions& options);

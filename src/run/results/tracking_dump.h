@@ -18,8 +18,9 @@ struct TrackingDump {
 // Writes the registration of a lost frame into a folder, which is created if missing.
 //   source.ply, target.ply  all pixels of the finest level, row by row; (0, 0, 0): invalid pixel
 //   frame.json              cameras, initial pose, options, termination
-// Coarser levels are computed from the finest level, so the repeated registration is bitwise
-// identical. Throws InputError naming the file that cannot be written.
+// Coarser levels are computed from the finest level, so the input of a repeated registration is
+// bitwise identical. The ICP options are those of `options`, without changes by the tracker. Throws
+// InputError naming the file that cannot be written.
 void WriteTrackingDump(const LostFrame& lost, const SlamOptions& options,
                        const std::string& folder);
 

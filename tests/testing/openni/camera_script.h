@@ -14,7 +14,7 @@ struct CameraScript {
   std::int32_t can_register = 1;
   float horizontal_fov_rad = 1, vertical_fov_rad = 0.8F;
   std::int32_t period_us = 3000;  // between frames
-  // The camera is disconnected before this frame, and reconnected with a different name and
+  // The camera is disconnected before this frame, and reconnected with a different URI and
   // timestamps from 0; -1: never.
   std::int32_t unplugged_at = -1;
   std::int32_t away_ms = 0;  // time until reconnection, ms; -1: forever

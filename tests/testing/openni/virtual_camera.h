@@ -31,7 +31,8 @@ class VirtualCamera {
  public:
   static std::string library() { return SURFIT_TOOLS_DIR "/../tests/openni/libOpenNI2.so.0"; }
 
-  // The film determines image sizes and number of frames. The other values are those of `script`.
+  // The film determines image sizes and number of frames, and must not be empty. The other values
+  // are those of `script`.
   VirtualCamera(CameraScript script, const std::vector<FilmFrame>& film) {
     script.width = film[0].depth.width();
     script.height = film[0].depth.height();
@@ -74,7 +75,7 @@ inline FilmFrame FilmFrameOf(int number, Image<std::uint16_t> depth, Image<Rgb8>
   return {stamp_us, stamp_us, std::move(depth), std::move(color)};
 }
 
-// Records all frames of the virtual camera with the recorder of OpenNI2.
+// Records all frames of the existing VirtualCamera with the recorder of OpenNI2.
 inline void RecordOni(const std::string& path) {
   void* const library = dlopen(VirtualCamera::library().c_str(), RTLD_NOW | RTLD_NODELETE);
   ASSERT_NE(library, nullptr) << dlerror();
