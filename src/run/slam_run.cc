@@ -19,6 +19,7 @@
 #include "io/files/output_folder.h"
 #include "io/files/places_file.h"
 #include "output/output_files.h"
+#include "run/given_poses.h"
 #include "run/map_period.h"
 #include "run/posed_views.h"
 #include "run/results/failures.h"
@@ -86,6 +87,7 @@ class SlamRun {
         source_(OpenSource(options, interrupted)),
         info_(WithGroundTruth(source_->info(), options)),
         given_field_(ReadDepthField(options.sequence, info_.format)),
+        given_poses_(info_.pinhole),
         folder_(options.output, RunFileNames(), {options.sequence.camera}) {
     if (!options.trace.empty()) trace_ = std::make_unique<TraceRecorder>(options.trace);
     trajectory_ = std::make_unique<RunTrajectory>(options.output, info_.mirrored);
@@ -180,7 +182,10 @@ class SlamRun {
 
   FrameReport FuseAtTruth(const RgbdFrame& frame) {
     const std::optional<Rigid3d> pose = InterpolatePose(info_.ground_truth, frame.stamp_s);
-    if (pose) return slam_->ProcessAt(frame, *pose);
+    if (pose) {
+      given_poses_.Add(frame, *pose);
+      return slam_->ProcessAt(frame, *pose);
+    }
     without_truth_.Tell(
         Concat("frame ", frame.index, " has no ground-truth pose at its time and is not fused"));
     FrameReport report;
@@ -206,6 +211,7 @@ class SlamRun {
   }
 
   SlamRunSummary Finish(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
+    if (const auto warning = given_poses_.Warning()) LOG(WARNING) << *warning;
     source_.reset();  // frees the frame list, which is large for long recordings
     // The pose store may contain a failed frame, which Replace() drops.
     if (!is_frame_complete_ || !failures_.Try([&] { FinishSlam(); })) {
@@ -406,6 +412,7 @@ class SlamRun {
   std::unique_ptr<FrameSource> source_;   // closed after its last frame
   const SequenceInfo info_;
   InverseDepthField given_field_;  // depth correction that is already applied to the frames
+  GivenPoseCheck given_poses_;      // without frames if poses are tracked
   OutputFolder folder_;
   std::unique_ptr<RunTrajectory> trajectory_;
   std::unique_ptr<FrameTable> frame_table_;
