@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "io/sequences/recording.h"
+#include "io/sequences/recording_warnings.h"
 #include "surfit/frame/frame_source.h"
 #include "surfit/frame/rectify_frame.h"
 
@@ -14,6 +16,7 @@ namespace surfit {
 // empty. Throws InputError naming the image if its size differs from the size of the camera. Call
 // after ResolveCamera(), once per sequence.
 FrameRectifier CompleteInfo(const std::vector<FrameImages>& first, const RectifyOptions& options,
-                            bool scale_is_given, SequenceInfo* info);
+                            bool scale_is_given, SequenceInfo* info,
+                            std::optional<RegistrationFit>* registration);
 
 }  // namespace surfit
