@@ -12,9 +12,9 @@
 
 namespace surfit {
 
-// Compares given poses with depth images. The depth of a frame is projected into a later frame, by
-// the given poses and by other conventions of the pose file: the inverse poses, quaternions with w
-// first, camera axes of OpenGL or ROS, and translations in mm. Not thread-safe.
+// Compares given poses with depth images. Projects the depth of a frame into a later frame, by the
+// given poses and by other conventions of pose files. Conventions: inverse poses, quaternions with
+// w first, camera axes of OpenGL or ROS, and translations in mm. Not thread-safe.
 class GivenPoseCheck {
  public:
   explicit GivenPoseCheck(const PinholeCamera& camera);
@@ -46,7 +46,7 @@ class GivenPoseCheck {
   int step_;              // of subsampling
   int count_ = 0, comparisons_ = 0;
   std::deque<View> views_;             // of the last frames
-  std::vector<Agreement> agreements_;  // one per convention; the first is the given one
+  std::vector<Agreement> agreements_;  // one per convention; first: given convention
   Agreement without_motion_;           // of a camera that does not move
   double given_ = 0;                   // ratio of the given poses in the present comparison
 };

@@ -9,12 +9,13 @@ namespace {
 constexpr std::size_t kFewestImages = 3;
 // Correlation of neighbouring pixels. It is above 0.8 for images and near 0 for noise.
 constexpr double kNoise = 0.3;
-constexpr int kStep = 3;  // every kStep-th pixel of a row is compared with its neighbour
+constexpr int kSampledPixel =
+    3;  // every kSampledPixel-th pixel of a row is compared with its neighbour
 
 double NeighborCorrelation(const Image<Rgb8>& color) {
   double count = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
-  for (int v = 0; v < color.height(); v += kStep) {
-    for (int u = 0; u + 1 < color.width(); u += kStep) {
+  for (int v = 0; v < color.height(); v += kSampledPixel) {
+    for (int u = 0; u + 1 < color.width(); u += kSampledPixel) {
       const double x = color(u, v).g, y = color(u + 1, v).g;
       ++count;
       a += x;

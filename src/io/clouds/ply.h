@@ -106,9 +106,10 @@ void ReadPlyElement(std::string_view file, const PlyHeader& header, const std::s
                     const std::string& path, const std::function<void()>& begin,
                     const std::function<void(const double*)>& row);
 
-// Calls `list` for each row of the first element with this name, with the values of its first list
-// that has one of the names `properties`, in upper or lower case. Calls nothing without such an
-// element or list. Throws like ReadPlyElement(). The argument of `list` is valid during the call.
+// Reads a list of each row of the first element with this name. The list is the first one with a
+// name in `properties`, in upper or lower case. Calls `list` with its values. Calls nothing without
+// such an element or list. Throws like ReadPlyElement(). The argument of `list` is valid during the
+// call.
 void ReadPlyLists(std::string_view file, const PlyHeader& header, const std::string& name,
                   const std::vector<std::string>& properties, const std::string& path,
                   const std::function<void(const std::vector<double>&)>& list);

@@ -52,8 +52,8 @@ std::optional<std::string> RegistrationWarning(const RegistrationFit& fit,
 std::optional<std::string> RegistrationWarning(const std::vector<FrameImages>& frames,
                                                const PinholeCamera& depth_camera);
 
-// Checks the place of a separate colour camera: its distance from the depth camera, the ratio of
-// depth in its view, and colour edges at depth edges. Compares them with the inverse of
+// Checks the place of a separate colour camera. Uses its distance from the depth camera, the ratio
+// of depth in its view, and colour edges at depth edges. Compares them with the inverse of
 // color_from_depth. Returns a warning, or std::nullopt. `images`: raw images. `camera.depth.fy`
 // must be positive. `registration`: alignment of the registered colour.
 std::optional<std::string> ColorCameraWarning(const std::vector<FrameImages>& images,
