@@ -23,8 +23,8 @@ struct StaticParts {
 // for images of different sizes.
 std::optional<StaticParts> FindStaticParts(const std::vector<FrameImages>& images);
 
-// Sets the depth of masked pixels to 0, which means missing. `depth` must have the size of the
-// mask, otherwise it stays as it is.
+// Sets the depth of masked pixels to 0, which means missing. Does nothing for an image of another
+// size.
 void RemoveStaticParts(const Image<std::uint8_t>& mask, RawDepth* depth);
 
 }  // namespace surfit

@@ -20,9 +20,8 @@ namespace surfit {
 //   the angle a = atan(r).
 //
 // `model`: "fisheye" or "equidistant", or a name of the rational model: "rational",
-// "rational_polynomial", "thin_prism". Throws InputError with the name `what` for another model,
-// for a wrong number of coefficients, and if the approximation is off by more than 0.5 px in the
-// image.
+// "rational_polynomial", "thin_prism". Throws InputError with the name `what` for another model and
+// for a wrong number of coefficients. Also throws if the approximation is off by more than 0.5 px.
 std::array<double, 5> FitDistortion(const std::string& model, const std::vector<double>& numbers,
                                     const PinholeCamera& camera, const std::string& what);
 
