@@ -412,7 +412,7 @@ class SlamRun {
   std::unique_ptr<FrameSource> source_;   // closed after its last frame
   const SequenceInfo info_;
   InverseDepthField given_field_;  // depth correction that is already applied to the frames
-  GivenPoseCheck given_poses_;      // without frames if poses are tracked
+  GivenPoseCheck given_poses_;     // without frames if poses are tracked
   OutputFolder folder_;
   std::unique_ptr<RunTrajectory> trajectory_;
   std::unique_ptr<FrameTable> frame_table_;
