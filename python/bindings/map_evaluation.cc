@@ -19,7 +19,8 @@ void BindMapError(py::module_& module) {
       .def_readonly(FIELD(MapError, completeness),
                     "ratio of reference points with a map point nearby")
       .def_readonly(FIELD(MapError, map_points), "number of finite map points")
-      .def_readonly(FIELD(MapError, reference_points), "number of finite reference points");
+      .def_readonly(FIELD(MapError, reference_points), "number of finite reference points")
+      .def_readonly(FIELD(MapError, reference_triangles), "number of triangles; 0 for points");
   module.def(
       "evaluate_map",
       [](const py::object& map, const py::object& reference, const py::object& reference_normals,

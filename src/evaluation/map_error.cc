@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "evaluation/triangle_tree.h"
 #include "geometry/kd_tree.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -15,6 +16,7 @@ namespace {
 using Points = std::vector<Eigen::Vector3f>;
 
 constexpr int kSamplesPerTask = 4096;
+constexpr std::size_t kMaxSurfaceSamples = 4'000'000;
 
 struct Cloud {
   KdTree tree;
@@ -91,6 +93,30 @@ MapError ComputeMapError(const std::vector<Eigen::Vector3f>& map,
   MeasureAccuracy(finite_map, finite_reference, &error);
   error.completeness =
       MeasureCompleteness(finite_reference, finite_map, options.completeness_distance_m);
+  return error;
+}
+
+MapError ComputeMapErrorOfMesh(const std::vector<Eigen::Vector3f>& map,
+                               const std::vector<Eigen::Vector3f>& vertices,
+                               const std::vector<Eigen::Vector3i>& triangles,
+                               const MapErrorOptions& options) {
+  Validate(options);
+  const Cloud finite_map = Prepare(map, {}, "map");
+  const TriangleTree mesh(vertices, triangles);
+  const int count = static_cast<int>(finite_map.tree.size());
+  std::vector<double> to_triangle_m(count);
+  ParallelFor(0, count, kSamplesPerTask, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i)
+      to_triangle_m[i] = mesh.Distance(finite_map.tree.Point(i).cast<double>());
+  });
+  const double distance_m = options.completeness_distance_m;
+  const Cloud surface = Prepare(mesh.Sample(0.5 * distance_m, kMaxSurfaceSamples), {}, "reference");
+  MapError error;
+  error.map_points = finite_map.tree.size();
+  error.reference_points = surface.tree.size();
+  error.reference_triangles = mesh.size();
+  error.accuracy_m = Summarize(std::move(to_triangle_m));
+  error.completeness = MeasureCompleteness(surface, finite_map, distance_m);
   return error;
 }
 

@@ -19,6 +19,7 @@
 #include "io/files/output_folder.h"
 #include "io/files/places_file.h"
 #include "output/output_files.h"
+#include "run/given_poses.h"
 #include "run/map_period.h"
 #include "run/posed_views.h"
 #include "run/results/failures.h"
@@ -86,6 +87,7 @@ class SlamRun {
         source_(OpenSource(options, interrupted)),
         info_(WithGroundTruth(source_->info(), options)),
         given_field_(ReadDepthField(options.sequence, info_.format)),
+        given_poses_(info_.pinhole),
         folder_(options.output, RunFileNames(), {options.sequence.camera}) {
     if (!options.trace.empty()) trace_ = std::make_unique<TraceRecorder>(options.trace);
     trajectory_ = std::make_unique<RunTrajectory>(options.output, info_.mirrored);
@@ -180,7 +182,10 @@ class SlamRun {
 
   FrameReport FuseAtTruth(const RgbdFrame& frame) {
     const std::optional<Rigid3d> pose = InterpolatePose(info_.ground_truth, frame.stamp_s);
-    if (pose) return slam_->ProcessAt(frame, *pose);
+    if (pose) {
+      given_poses_.Add(frame, *pose);
+      return slam_->ProcessAt(frame, *pose);
+    }
     without_truth_.Tell(
         Concat("frame ", frame.index, " has no ground-truth pose at its time and is not fused"));
     FrameReport report;
@@ -191,6 +196,12 @@ class SlamRun {
 
   void Keep(const RgbdFrame& frame, const FrameReport& report) {
     statistics_.CountProcessed(frame, report);
+    has_pose_ = has_pose_ || report.HasPose();
+    if (!has_pose_) {
+      pixels_without_pose_ += frame.depth_m.size();
+      depths_without_pose_ += std::count_if(frame.depth_m.begin(), frame.depth_m.end(),
+                                            [](float depth_m) { return depth_m > 0; });
+    }
     if (localization_) localization_->Add(report);
     if (report.state == FrameState::kDuplicate) {
       repeated_.Tell(Concat("frame ", report.index,
@@ -206,6 +217,8 @@ class SlamRun {
   }
 
   SlamRunSummary Finish(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
+    if (const auto warning = given_poses_.Warning()) LOG(WARNING) << *warning;
+    if (!has_pose_ && pixels_without_pose_ > 0 && slam_->map().size() == 0) WarnOfDepth();
     source_.reset();  // frees the frame list, which is large for long recordings
     // The pose store may contain a failed frame, which Replace() drops.
     if (!is_frame_complete_ || !failures_.Try([&] { FinishSlam(); })) {
@@ -335,6 +348,17 @@ class SlamRun {
 
   const SurfelMap& map() const { return final_map_ ? *final_map_ : slam_->map(); }
 
+  // No frame can begin the map.
+  void WarnOfDepth() const {
+    LOG(WARNING)
+        << "no frame has " << options_.slam.icp.min_inliers
+        << " pixels with a surface normal, so no frame can begin the map. Images have "
+        << info_.pinhole.width << " x " << info_.pinhole.height << " pixels, "
+        << 100 * depths_without_pose_ / pixels_without_pose_
+        << " % of them have depth, and a normal needs depth in the rows and columns beside "
+           "its pixel";
+  }
+
   // The ground truth has no pose at the time of a frame.
   void WarnOfTruthTimes() const {
     const std::vector<double>& stamps_s = statistics_.stamps_s();
@@ -406,6 +430,7 @@ class SlamRun {
   std::unique_ptr<FrameSource> source_;   // closed after its last frame
   const SequenceInfo info_;
   InverseDepthField given_field_;  // depth correction that is already applied to the frames
+  GivenPoseCheck given_poses_;     // without frames if poses are tracked
   OutputFolder folder_;
   std::unique_ptr<RunTrajectory> trajectory_;
   std::unique_ptr<FrameTable> frame_table_;
@@ -422,6 +447,8 @@ class SlamRun {
   std::optional<FinalRefinement> refinement_;
   std::optional<SurfelMap> final_map_;
   std::optional<double> final_map_s_;
+  bool has_pose_ = false;                                          // of any frame
+  std::size_t pixels_without_pose_ = 0, depths_without_pose_ = 0;  // of frames before a pose
   bool is_frame_complete_ = true;  // false after an exception within a frame
 };
 

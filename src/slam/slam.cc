@@ -132,6 +132,11 @@ void Slam::MakeBackend(LoopFinder finder) {
 //   fuse       update the surfels                              Mapper, Fusion
 //   report     outcome and times                               FrameReport
 FrameReport Slam::Process(const RgbdFrame& frame) {
+  if (!frame.color.empty() && !tracker_->AcceptsColor(frame)) {
+    RgbdFrame depth_alone = frame;
+    depth_alone.color = {};
+    return Process(depth_alone);
+  }
   StageTimes times;
   Correct(frame, &times);
   if (tracker_->IsDuplicate(frame)) return ReportDuplicate(frame, times);

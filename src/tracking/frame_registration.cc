@@ -124,6 +124,11 @@ Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target
   tracked.behind_ratio =
       views.compared > 0 ? static_cast<double>(views.behind) / views.compared : 0;
   tracked.verdict = ValidateRegistration(tracked.icp, views, moving, options_);
+  if (tracked.verdict != Verdict::kAccepted) {
+    views.alike = 1;
+    tracked.is_color_contradicted =
+        ValidateRegistration(tracked.icp, views, moving, options_) == Verdict::kAccepted;
+  }
   if (tracked.verdict == Verdict::kRejected) return tracked;
   tracked.state =
       tracked.icp.degenerate_directions.empty() ? FrameState::kTracked : FrameState::kDegenerate;

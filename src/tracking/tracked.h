@@ -33,6 +33,10 @@ struct Tracked {
   Rigid3d world_from_camera;  // undefined if lost
   IcpResult icp;
   Verdict verdict = Verdict::kAccepted;  // of the last registration
+  // Brightness contradicts the pose, and all checks of depth agree with it.
+  bool is_color_contradicted = false;
+  // The previous frame has a pose, the motion is as predicted, and depth constrains all directions.
+  bool is_certain_by_depth = false;
   FrameQuality quality;
   bool found_by_search = false;  // pose from PoseSearch
   bool has_second = false;       // two registrations agree on the pose

@@ -1,5 +1,7 @@
 #include "tracking/tracker.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -11,6 +13,8 @@ namespace surfit {
 namespace {
 
 constexpr std::size_t kReadoutLevel = 3;
+// Minimum inlier ratio of a pose that is certain by depth alone.
+constexpr double kCertainInliers = 0.6;
 
 }  // namespace
 
@@ -52,6 +56,19 @@ bool Tracker::IsDuplicate(const RgbdFrame& frame) {
   const bool repeats = state_.HasStarted() && frame.depth_m == last_depth_m_;
   last_depth_m_ = frame.depth_m;
   return repeats;
+}
+
+bool Tracker::AcceptsColor(const RgbdFrame& frame) {
+  const bool accepts = color_trust_.Accepts(frame.color, !(frame.depth_m == last_depth_m_));
+  if (!accepts) WarnOfColor(frame.index);
+  return accepts;
+}
+
+void Tracker::WarnOfColor(int frame) {
+  if (std::exchange(warned_of_color_, true)) return;
+  LOG(WARNING) << "frame " << frame
+               << ": colour contradicts depth, so tracking uses depth alone: colour is of another "
+                  "time, frozen, rotated, or of another camera";
 }
 
 Tracked Tracker::Repeat() const {
@@ -102,7 +119,14 @@ Tracked Tracker::CheckFeatures(const PreprocessedFrame& frame, Tracked tracked) 
       since_last =
           MotionOver(last_.world_from_view.Inverse() * tracked.world_from_camera, SecondsTo(frame));
     }
+    const FrameState state = tracked.state;
     tracked = ValidateByFeatures(frame, std::move(tracked), since_last, &features_);
+    const bool is_rejected = state != FrameState::kLost && !tracked.has_pose();
+    if (is_rejected && tracked.is_certain_by_depth && !color_trust_.TrustsFeatures(frame.images)) {
+      WarnOfColor(frame.images.index);
+      tracked.state = state;
+      tracked.has_two_motions = false;
+    }
   }
   if (tracked.has_pose()) {
     regions_.Remember(frame.surface(), tracked.moving, tracked.world_from_camera,
@@ -113,7 +137,8 @@ Tracked Tracker::CheckFeatures(const PreprocessedFrame& frame, Tracked tracked) 
 
 Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Prediction& prediction) {
   const ReferenceView& reference = *prediction.reference;
-  Tracked tracked = Register(frame, reference, prediction.world_from_camera);
+  Tracked tracked =
+      ByDepthAlone(frame, prediction, Register(frame, reference, prediction.world_from_camera));
   if (state_.HasLastPose() && !options_.IsFrameToFrame() && MayShowNewSurfaces(tracked)) {
     tracked = AgainstNewest(frame, std::move(tracked));
   }
@@ -142,6 +167,22 @@ Tracked Tracker::Register(const PreprocessedFrame& frame, const ReferenceView& r
   if (state_.last.is_weakly_constrained) icp_options.min_source_rows = 0;
   return registration_.Register(frame, reference, world_from_predicted, icp_options,
                                 motion_model_.PriorCovariance(state_, SecondsTo(frame)));
+}
+
+// Accepts a pose that brightness contradicts, if it is certain by depth.
+Tracked Tracker::ByDepthAlone(const PreprocessedFrame& frame, const Prediction& prediction,
+                              Tracked tracked) {
+  tracked.is_certain_by_depth =
+      (tracked.verdict == Verdict::kAccepted || tracked.is_color_contradicted) &&
+      state_.HasLastPose() && tracked.icp.Succeeded() && tracked.moving.empty() &&
+      !tracked.quality.is_weakly_constrained && tracked.icp.inlier_ratio >= kCertainInliers &&
+      AreOnePlace(prediction.world_from_camera, tracked.world_from_camera);
+  if (!tracked.is_certain_by_depth || frame.images.color.empty()) return tracked;
+  color_trust_.AddBrightness(!tracked.is_color_contradicted);
+  if (!tracked.is_color_contradicted) return tracked;
+  tracked.verdict = Verdict::kAccepted;
+  tracked.state = FrameState::kTracked;
+  return tracked;
 }
 
 // Registers a frame to all surfels, because it may show surfaces whose surfels are not stable

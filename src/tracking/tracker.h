@@ -7,6 +7,7 @@
 #include "surfit/frame/camera_motion.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/tracking/tracking.h"
+#include "tracking/color_trust.h"
 #include "tracking/feature_watch.h"
 #include "tracking/frame_preprocessor.h"
 #include "tracking/frame_registration.h"
@@ -66,6 +67,9 @@ class Tracker {
   // Returns whether the depth equals the depth of the previous frame. Call once per frame. False
   // before the first frame with a pose.
   bool IsDuplicate(const RgbdFrame& frame);
+  // Returns whether the colour of the frame may be used, see ColorTrust. Call once per frame with
+  // colour, before IsDuplicate(). If it is false, give the frame without colour.
+  bool AcceptsColor(const RgbdFrame& frame);
   // Outcome of a duplicate frame: the last pose, or lost after a lost frame. Update() must not
   // follow.
   Tracked Repeat() const;
@@ -90,6 +94,9 @@ class Tracker {
 
  private:
   Tracked CheckFeatures(const PreprocessedFrame& frame, Tracked tracked);
+  void WarnOfColor(int frame);
+  Tracked ByDepthAlone(const PreprocessedFrame& frame, const Prediction& prediction,
+                       Tracked tracked);
   Tracked RegisterOrSearch(const PreprocessedFrame& frame, const Prediction& prediction);
   Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_predicted) const;
@@ -116,6 +123,8 @@ class Tracker {
   PoseSearch search_;
   Relocalizer* relocalizer_ = nullptr;  // null: no place recognition
   FeatureWatch features_;
+  ColorTrust color_trust_;
+  bool warned_of_color_ = false;
   std::function<void(const LostFrame&)> on_lost_;
 
   TrackingState state_;

@@ -120,6 +120,88 @@ TEST(MapError, IgnoresNonFinitePoints) {
   EXPECT_EQ(error.completeness, 0.5);
 }
 
+struct Mesh {
+  Cloud vertices;
+  std::vector<Eigen::Vector3i> triangles;
+};
+
+Mesh RandomMesh(int triangles, int seed) {
+  Mesh mesh{RandomPoints(3 * triangles, 1, seed), {}};
+  for (int i = 0; i < triangles; ++i) mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  return mesh;
+}
+
+// Smallest distance to points on a fine grid of the triangle. The distance to the triangle is
+// smaller by at most the grid spacing.
+double DistanceToGrid(const Eigen::Vector3f& query, const Mesh& mesh, const Eigen::Vector3i& t) {
+  constexpr int kSteps = 60;
+  const Eigen::Vector3f &a = mesh.vertices[t.x()], &b = mesh.vertices[t.y()],
+                        &c = mesh.vertices[t.z()];
+  float least = std::numeric_limits<float>::infinity();
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int j = 0; i + j <= kSteps; ++j) {
+      const Eigen::Vector3f point = a + (b - a) * i / kSteps + (c - a) * j / kSteps;
+      least = std::min(least, (query - point).norm());
+    }
+  }
+  return least;
+}
+
+TEST(MapErrorOfMesh, AgreesWithDistancesToFineGrids) {
+  const Mesh mesh = RandomMesh(40, 1);
+  for (const Eigen::Vector3f& query : RandomPoints(30, 2, 2)) {
+    double expected = std::numeric_limits<double>::infinity();
+    for (const auto& t : mesh.triangles)
+      expected = std::min(expected, DistanceToGrid(query, mesh, t));
+    const MapError error = ComputeMapErrorOfMesh({query}, mesh.vertices, mesh.triangles, {0.5});
+    EXPECT_LE(error.accuracy_m.max, expected + 1e-6);
+    // Edges are at most 2 sqrt(3) m long, and a point is at most half of a grid diagonal away.
+    EXPECT_GE(error.accuracy_m.max, expected - 2 * std::sqrt(3.) / 60);
+  }
+}
+
+// Each triangle is 1 m large, so distances to its vertices would be about 0.5 m.
+TEST(MapErrorOfMesh, IsTheHeightAboveLargeTrianglesAndTheShareOfTheirArea) {
+  const Cloud vertices = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}};
+  Cloud map;
+  for (int i = 0; i <= 100; ++i) {
+    for (int j = 0; j <= 100; ++j) map.push_back({0.01f * i, 0.01f * j, 0.0078125f});
+  }
+  const MapError error =
+      ComputeMapErrorOfMesh(map, vertices, {{0, 1, 2}, {0, 2, 3}, {0, 0, 1}}, {0.0125});
+  EXPECT_NEAR(error.accuracy_m.mean, 0.0078125, 1e-9);
+  EXPECT_NEAR(error.accuracy_m.max, 0.0078125, 1e-9);
+  EXPECT_FALSE(error.plane_accuracy_m);
+  EXPECT_EQ(error.reference_triangles, 3u);
+  EXPECT_NEAR(error.reference_points, 2 / (0.00625 * 0.00625), 1);
+  EXPECT_NEAR(error.completeness, 0.505, 0.002);  // 1 m of 2 m, and half of 0.0125 m around it
+}
+
+TEST(MapErrorOfMesh, IsTheSameAtAnyNumberOfThreads) {
+  const Cloud map = RandomPoints(20000, 1, 1);
+  const Mesh mesh = RandomMesh(500, 2);
+  const auto errors = AtThreads(
+      {1, 4}, [&] { return ComputeMapErrorOfMesh(map, mesh.vertices, mesh.triangles, {0.03}); });
+  EXPECT_EQ(errors[0].accuracy_m.rmse, errors[1].accuracy_m.rmse);
+  EXPECT_EQ(errors[0].completeness, errors[1].completeness);
+}
+
+TEST(MapErrorOfMesh, RejectsMeshWithoutAreaAndInvalidIndex) {
+  const Cloud map = {{0, 0, 0}}, line = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+  EXPECT_THAT(
+      [&] {
+        ComputeMapErrorOfMesh(map, line, {{0, 1, 2}}, {});
+      },
+      ThrowsNaming<InputError>("area", 0));
+  EXPECT_THAT(
+      [&] {
+        ComputeMapErrorOfMesh(map, line, {{0, 1, 3}}, {});
+      },
+      ThrowsNaming<InputError>("triangle", 3, 2));
+  EXPECT_THAT([&] { ComputeMapErrorOfMesh(map, line, {}, {}); },
+              ThrowsNaming<InputError>("mesh", "triangle"));
+}
+
 TEST(MapError, IsTheSameAtAnyNumberOfThreads) {
   const Cloud map = RandomPoints(20000, 1, 1), reference = RandomPoints(30000, 1, 2);
   const auto errors =

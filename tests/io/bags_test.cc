@@ -283,22 +283,38 @@ TEST_F(BagTest, ReadsTheLensOfRawImagesAndTheProjectionOfRectifiedOnes) {
   EXPECT_FALSE(camera.HasDistortion());
   bag_ = {};
   AddDepth();
-  info.model = "equidistant";
+  info.model = "ftheta";
   AddInfo("/camera/depth/camera_info", kOptical, info);
-  ExpectError(Names("/camera/depth/camera_info", "equidistant"));
+  ExpectError(Names("/camera/depth/camera_info", "ftheta"));
 }
 
 TEST_F(BagTest, UsesIntrinsicsOfOptionsForALensOfAnotherModel) {
   RosCameraInfo info;
   info.distortion = {0.1, -0.2, 0.001, 0.002};
-  info.model = "equidistant";
+  info.model = "ftheta";
   AddDepth();
   AddInfo("/camera/depth/camera_info", kOptical, info);
   options_.intrinsics = {33, 34, 15, 12};
   const SequenceInfo opened = Open()->info();
   EXPECT_EQ(opened.camera.depth.fx, 33);
   EXPECT_FALSE(opened.camera.depth.HasDistortion());
-  EXPECT_THAT(opened.camera_from, Names("equidistant"));
+  EXPECT_THAT(opened.camera_from, Names("ftheta"));
+}
+
+// The lens is compared with its model in lens_fit_test.cc.
+TEST_F(BagTest, ReadsRationalAndFisheyeLenses) {
+  RosCameraInfo info;
+  info.distortion = {0.52, -2.73, 0.0007, -0.0002, 1.62, 0.40, -2.55, 1.54};
+  info.model = "rational_polynomial";
+  AddDepth();
+  AddInfo("/camera/depth/camera_info", kOptical, info);
+  EXPECT_TRUE(Open()->info().camera.depth.HasDistortion());
+  bag_ = {};
+  AddDepth();
+  info.distortion = {-0.02, 0.006, -0.002, 0.0003};
+  info.model = "equidistant";
+  AddInfo("/camera/depth/camera_info", kOptical, info);
+  EXPECT_TRUE(Open()->info().camera.depth.HasDistortion());
 }
 
 TEST_F(BagTest, UsesProjectionIfIntrinsicsAreMissing) {

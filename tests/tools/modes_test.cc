@@ -56,17 +56,25 @@ TEST(RenamedFlags, WorkWithAWarning) {
   EXPECT_THAT(slam.out, Not(Names("--max_dormant_frames=")));
 }
 
-TEST(OldNames, PrintTheNewCommandLine) {
-  ExpectRefused(RunProgram("surfit_plan", {"--sequence=a b", "--output=scan"}), "surfit_scan",
-                "--step=plan", "--sequence=a\\ b", "--output=scan");
-  ExpectRefused(RunProgram("surfit_scan_tile", {"--tile=0_0_0"}), "surfit_scan", "--step=tile",
-                "--tile=0_0_0");
-  ExpectRefused(RunProgram("surfit_evaluate_map", {"--map=a.ply"}), "surfit_evaluate", "--what=map",
-                "--map=a.ply");
-  ExpectRefused(RunProgram("surfit_evaluate_views", {"--run=out", "--pictures=3"}),
-                "surfit_evaluate", "--what=views", "--run=out", "--view_pictures=3");
-  ExpectRefused(RunProgram("surfit_evaluate_revisits", {"--min_gap=9", "--max_angle_deg=4"}),
-                "surfit_evaluate", "--what=revisits", "--revisit_gap=9", "--revisit_angle_deg=4");
+// The new program runs: it names its missing flags and files.
+TEST(OldNames, PrintTheNewCommandLineAndRunIt) {
+  const auto expect_renamed = [](const ProgramResult& result, const auto&... words) {
+    EXPECT_NE(result.exit_code, 0);
+    EXPECT_THAT(result.err, HasWarning("renamed", words...));
+    return result.err;
+  };
+  EXPECT_THAT(expect_renamed(RunProgram("surfit_plan", {"--sequence=a b", "--output=scan"}),
+                             "surfit_scan", "--step=plan", "--sequence=a\\ b", "--output=scan"),
+              HasSubstr("a b is neither"));
+  expect_renamed(RunProgram("surfit_scan_tile", {"--tile=0_0_0"}), "surfit_scan", "--step=tile",
+                 "--tile=0_0_0");
+  EXPECT_THAT(expect_renamed(RunProgram("surfit_evaluate_map", {"--map=a.ply"}), "surfit_evaluate",
+                             "--what=map", "--map=a.ply"),
+              HasSubstr("--reference"));
+  expect_renamed(RunProgram("surfit_evaluate_views", {"--run=out", "--pictures=3"}),
+                 "surfit_evaluate", "--what=views", "--run=out", "--view_pictures=3");
+  expect_renamed(RunProgram("surfit_evaluate_revisits", {"--min_gap=9", "--max_angle_deg=4"}),
+                 "surfit_evaluate", "--what=revisits", "--revisit_gap=9", "--revisit_angle_deg=4");
   ExpectRefused(RunProgram("surfit_find_loops", {}), "surfit_slam", "--loop_closure");
 }
 

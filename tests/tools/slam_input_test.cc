@@ -255,6 +255,21 @@ TEST_F(SlamTool, ReportsALostSequenceWithExitCode2) {
   EXPECT_EQ(CountPoses(Output() + "/trajectory.txt"), 1);
 }
 
+TEST_F(SlamTool, NamesTheReasonIfNoFrameCanBeginTheMap) {
+  const std::string tiny = Output("tiny");
+  fs::create_directories(tiny + "/depth");
+  for (int i = 0; i < 3; ++i) {
+    const cv::Mat depth(7, 10, CV_16UC1, cv::Scalar(1000 + i));
+    cv::imwrite(tiny + "/depth/" + std::to_string(i) + ".png", depth);
+  }
+  std::ofstream(tiny + "/camera.yaml")
+      << "depth_camera: { width: 10, height: 7, fx: 9, fy: 9, cx: 4.5, cy: 3 }\n"
+         "depth_units_per_metre: 1000\n";
+  const ProgramResult result = Slam(tiny, Output("run"));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasWarning(10, 7, 200, 100));
+}
+
 TEST_F(SlamTool, RejectsBadInputInOneLine) {
   const RefusedFlags cases = {
       {{"--nonsense"}, {"nonsense"}},

@@ -27,11 +27,10 @@ struct MapOptions {
   void Visit(OptionVisitor& v) {
     v.Group("map");
     v.Add(map, SharedOption("map", Required(), Everyday()));
-    v.Add(
-        reference, "reference",
-        "reference surface: a dense point cloud, PLY or PCD; with --estimate and --groundtruth the "
-        "map is moved by their alignment",
-        Required(), Everyday());
+    v.Add(reference, "reference",
+          "reference surface: a mesh (PLY) or a dense point cloud (PLY, PCD); with --estimate and "
+          "--groundtruth the map is moved by their alignment",
+          Required(), Everyday());
     v.Add(estimate, SharedOption("estimate"));
     v.Add(groundtruth, SharedOption("groundtruth"));
     v.AddPart(error, "error", "map comparison");
@@ -83,6 +82,7 @@ Json ToJson(const MapError& error, const Rigid3d& reference_from_map, MapOptions
                 &json);
   json["map_points"] = error.map_points;
   json["reference_points"] = error.reference_points;
+  json["reference_triangles"] = error.reference_triangles;
   json["reference_from_map"] = {{"translation_m", reference_from_map.translation},
                                 {"quaternion_xyzw", reference_from_map.rotation.coeffs()}};
   json["options"] = FlagsToJson(TableOf(&options));
@@ -93,24 +93,23 @@ int RunMap(const MapOptions& options) {
   const Rigid3d reference_from_map = ReferenceFromMap(options);
   std::optional<Eigen::Vector3d> origin;  // of all coordinates, set by the reference
   const PointCloud reference = ReadPointCloud(options.reference, &origin);
-  // A pipe can only be read once.
+  // A pipe can only be read once, so that its faces are not read.
   const bool is_file = std::filesystem::is_regular_file(options.reference);
-  if (const std::size_t faces = is_file ? CountFaces(options.reference) : 0; faces > 0) {
-    std::cerr << "warning: " << options.reference << " is a mesh with " << faces
-              << " faces: distances are to its " << reference.points.size()
-              << " vertices, so sample points on a mesh of large faces" << std::endl;
-  }
+  const std::vector<Eigen::Vector3i> triangles =
+      is_file ? ReadTriangles(options.reference) : std::vector<Eigen::Vector3i>();
   std::vector<Eigen::Vector3f> map = ReadMapPoints(options.map, &origin);
   for (Eigen::Vector3f& point : map) {
     const Eigen::Vector3d in_map = point.cast<double>() + *origin;
     point = (reference_from_map * in_map - *origin).cast<float>();
   }
-  const MapError error = ComputeMapError(map, reference.points, reference.normals, options.error);
+  const MapError error =
+      triangles.empty() ? ComputeMapError(map, reference.points, reference.normals, options.error)
+                        : ComputeMapErrorOfMesh(map, reference.points, triangles, options.error);
   PrintJson(ToJson(error, reference_from_map, options));
   std::cerr << "mean accuracy " << error.accuracy_m.mean << " m, 90 % quantile "
-            << error.accuracy_m.p90 << " m; " << 100 * error.completeness
-            << " % of the reference points have a map point within "
-            << options.error.completeness_distance_m << " m" << std::endl;
+            << error.accuracy_m.p90 << " m; " << 100 * error.completeness << " % of the "
+            << (triangles.empty() ? "reference points have" : "reference area has")
+            << " a map point within " << options.error.completeness_distance_m << " m" << std::endl;
   return kDone;
 }
 

@@ -1,6 +1,7 @@
 #!/bin/bash
-# Runs under the names of programs of version 0.1 and prints the command line of version 0.2.
+# Runs under the names of programs of version 0.1. Prints the command line of version 0.2 and runs it.
 # Version 0.3 drops these names.
+arguments=()
 name=$(basename "$0")
 renamed=''
 case $name in
@@ -21,7 +22,8 @@ case $name in
     ;;
 esac
 for argument in "$@"; do
-  command+=" $(printf '%q' "$(sed -E "$renamed" <<<"$argument")")"
+  arguments+=("$(sed -E "$renamed" <<<"$argument")")
 done
-echo "error: $name was removed in 0.2: use $command" >&2
-exit 1
+words=($command "${arguments[@]}")
+echo "warning: $name was renamed in 0.2: use$(printf ' %q' "${words[@]}")" >&2
+exec "$(dirname "$0")/${words[0]}" "${words[@]:1}"

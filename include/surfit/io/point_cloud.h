@@ -46,9 +46,10 @@ PointCloud ReadPointCloud(const std::string& path, std::optional<Eigen::Vector3d
 // PointCloud::origin.
 PointCloud ReadPointCloudAboutOrigin(const std::string& path);
 
-// Number of faces of a PLY file, which ReadPointCloud() does not read. 0 for a PCD file. Throws
-// InputError that names the file and the error.
-std::size_t CountFaces(const std::string& path);
+// Triangles of the faces of a PLY file: indices of its vertices. Faces with more corners are split
+// into fans. Empty for a PCD file, and for a PLY file without the list vertex_indices or
+// vertex_index of the element `face`. Throws InputError that names the file and the error.
+std::vector<Eigen::Vector3i> ReadTriangles(const std::string& path);
 
 // Removes the points with a coordinate that is not finite. Returns the number of removed points.
 // Aborts if an attribute has another size than `points`.

@@ -18,7 +18,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kSamples = 24;  // frames sampled for the checks of depth scale and registration
+constexpr int kSamples = 24;         // frames sampled for the check of the depth scale
 constexpr double kFitsBetter = 0.7;  // maximum ratio of the ATE with to the ATE without time offset
 
 class RecordingTracker {
@@ -97,7 +97,7 @@ class RecordingChecker {
                                   sampled_depths_,
                                   doubted_scales_,
                                   depth_step,
-                                  FitRegistration(samples_, sequence_.info.pinhole),
+                                  sequence_.registration,
                                   {}};
     if (tracker_) evidence.tracked = tracker_->Finish();
     RecordingReport report = {
@@ -112,19 +112,17 @@ class RecordingChecker {
   void Look(const RawFrame& raw, const FrameImages& images) {
     RgbdFrame frame = sequence_.MakeFrame(raw, images);
     figures_.Add(raw.head.index, raw.stamps, images, frame.depth_m);
-    if (count_++ % sample_every_ == 0) Sample(images, frame);
+    if (count_++ % sample_every_ == 0) CheckScale(images);
     if (tracker_) tracker_->Process(frame);
   }
 
-  void Sample(const FrameImages& images, const RgbdFrame& frame) {
+  void CheckScale(const FrameImages& images) {
     const RgbdCamera& camera = sequence_.info.camera;
-    if (!camera.disparity.IsGiven()) {
-      ++sampled_depths_;
-      auto doubt = DepthScaleWarning(images.depth, camera.depth_units_per_metre, images.depth_name,
-                                     sequence_.scale_is_given);
-      if (doubt) doubted_scales_.push_back(std::move(*doubt));
-    }
-    samples_.push_back({frame.depth_m, frame.color, images.depth_name, images.color_name});
+    if (camera.disparity.IsGiven()) return;
+    ++sampled_depths_;
+    auto doubt = DepthScaleWarning(images.depth, camera.depth_units_per_metre, images.depth_name,
+                                   sequence_.scale_is_given);
+    if (doubt) doubted_scales_.push_back(std::move(*doubt));
   }
 
   RawSequence sequence_;
@@ -133,7 +131,6 @@ class RecordingChecker {
   const int sample_every_;
   int count_ = 0, sampled_depths_ = 0;
   std::vector<std::string> doubted_scales_;
-  std::vector<FrameImages> samples_;           // metric depth and registered colour
   std::unique_ptr<RecordingTracker> tracker_;  // null: no tracking
 };
 

@@ -66,12 +66,17 @@ RecordingCheck Registration(const RecordingEvidence& evidence) {
       "color_offset", {}, "px", "consistent with the configured camera", "", ""};
   if (!evidence.registration) return check;
   const RegistrationFit& fit = *evidence.registration;
-  check.value = std::hypot(fit.right_px, fit.down_px);
+  // Alignments that are not clearly better are noise.
+  check.value = fit.is_doubtful ? std::hypot(fit.right_px, fit.down_px) : 0;
   if (!fit.is_doubtful) return check;
   check.fault =
-      Concat("colour edges do not match depth edges; the best match has colour scaled to ",
-             std::lround(100 * fit.scale), " % and shifted by ", fit.right_px,
-             " px to the right and ", fit.down_px, " px down");
+      evidence.info.camera.color_is_registered
+          ? *RegistrationWarning(fit, evidence.info.camera.depth)
+          : Concat(
+                "edges of registered colour do not lie on edges of depth: the best match has "
+                "colour at ",
+                std::lround(100 * fit.scale), " % of the size of depth, ", fit.right_px,
+                " px to the right and ", fit.down_px, " px down");
   check.advice = evidence.info.camera.color_is_registered
                      ? "register depth to colour in the camera, or set color_camera and "
                        "color_from_depth in camera.yaml"

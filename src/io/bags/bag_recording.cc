@@ -8,6 +8,7 @@
 #include "io/bags/message_images.h"
 #include "io/bags/messages.h"
 #include "io/files/text.h"
+#include "io/lenses/lens_fit.h"
 #include "io/sequences/recording.h"
 #include "io/sequences/sequence_camera.h"
 #include "io/stamps/time_words.h"
@@ -71,21 +72,19 @@ double Seconds(std::int64_t stamp_ns) {
   return FiniteNumber(text);
 }
 
-// Coefficients k1 k2 p1 p2 k3 of plumb_bob. Throws InputError if further coefficients of
-// rational_polynomial are not 0, and for other models.
-std::array<double, 5> Distortion(const CameraInfo& info, const std::string& name) {
+// Coefficients k1 k2 p1 p2 k3 of plumb_bob. Other models are approximated by FitDistortion(), for
+// the intrinsics of `camera`. Throws InputError like FitDistortion().
+std::array<double, 5> Distortion(const CameraInfo& info, const PinholeCamera& camera,
+                                 const std::string& name) {
   std::array<double, 5> distortion{};
-  for (std::size_t i = 0; i < info.distortion.size(); ++i) {
-    if (info.distortion[i] == 0) continue;
-    const std::string& model = info.distortion_model;
-    const bool is_known =
-        model == "plumb_bob" || model == "rational_polynomial" || model == "Brown Conrady";
-    ThrowIf(!is_known || i >= distortion.size(), name, ": the distortion model is '", model,
-            "' with ", info.distortion.size(),
-            " coefficients, must be plumb_bob with 5; rectify the images and set intrinsics, or ",
-            "set intrinsics and distortion");
-    distortion[i] = info.distortion[i];
-  }
+  const std::string& model = info.distortion_model;
+  std::size_t used = info.distortion.size();
+  while (used > 0 && info.distortion[used - 1] == 0) --used;
+  const bool is_brown = model == "plumb_bob" || model == "Brown Conrady" ||
+                        (model == "rational_polynomial" && used <= distortion.size());
+  if (used > 0 && (!is_brown || used > distortion.size()))
+    return FitDistortion(model, info.distortion, camera, name);
+  std::copy_n(info.distortion.begin(), used, distortion.begin());
   return distortion;
 }
 
@@ -125,8 +124,8 @@ std::optional<PinholeCamera> PinholeOf(const CameraInfo& info, const ImageTopic&
   camera.cx = x.Center(m[2]);
   camera.fy = y.Focal(m[row + 1]);
   camera.cy = y.Center(m[row + 2]);
-  if (!is_rectified && read_distortion) camera.distortion = Distortion(info, name);
   camera.Validate(name);
+  if (!is_rectified && read_distortion) camera.distortion = Distortion(info, camera, name);
   return camera;
 }
 

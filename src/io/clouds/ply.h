@@ -62,6 +62,9 @@ struct PlyHeader {
 // only the header is read.
 PlyHeader ParsePlyHeader(std::string_view file, const std::string& path);
 
+// Compares names of elements or properties without regard to upper and lower case.
+bool IsSamePlyName(std::string_view a, std::string_view b);
+
 // First element with this name in upper or lower case, valid as long as `header`. Throws InputError
 // with `path` and `name` if there is none.
 const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
@@ -104,6 +107,14 @@ std::string FormatPlyHeader(const std::vector<PlyElement>& elements);
 void ReadPlyElement(std::string_view file, const PlyHeader& header, const std::string& name,
                     const std::string& path, const std::function<void()>& begin,
                     const std::function<void(const double*)>& row);
+
+// Reads a list of each row of the first element with this name. The list is the first one with a
+// name in `properties`, in upper or lower case. Calls `list` with its values. Calls nothing without
+// such an element or list. Throws like ReadPlyElement(). The argument of `list` is valid during the
+// call.
+void ReadPlyLists(std::string_view file, const PlyHeader& header, const std::string& name,
+                  const std::vector<std::string>& properties, const std::string& path,
+                  const std::function<void(const std::vector<double>&)>& list);
 
 // Row of a binary little-endian table, filled value by value.
 class PlyRow {

@@ -120,50 +120,73 @@ void CheckSize(const Cursor& cursor, const PlyElement& element) {
           "the file is too short for ", element.count, " rows");
 }
 
+// Returns 0 for a list. Stores its values in `list`, unless that is null.
 template <typename Cursor>
-double ReadValue(const PlyProperty& property, Cursor* cursor) {
+double ReadValue(const PlyProperty& property, Cursor* cursor, std::vector<double>* list) {
   if (!property.count_type) return cursor->Next(property.type);
   const double count = cursor->Next(*property.count_type);
   constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
   ThrowIf(!(count >= 0 && count <= kMost && count == std::floor(count)), "the length of list '",
           property.name, "' is ", count);
-  cursor->Skip(property.type, static_cast<std::uint64_t>(count));
+  const auto values = static_cast<std::uint64_t>(count);
+  if (list == nullptr) {
+    cursor->Skip(property.type, values);
+    return 0;
+  }
+  list->clear();
+  for (std::uint64_t i = 0; i < values; ++i) list->push_back(cursor->Next(property.type));
   return 0;
 }
 
+// Use of the rows of one element.
+struct RowUse {
+  std::string name;  // of the element
+  std::function<void()> begin = [] {};
+  std::function<void(const double*)> row;
+  std::size_t list_column = std::numeric_limits<std::size_t>::max();  // list to read; none
+  std::vector<double> list = {};                                      // its values in a row
+};
+
 template <typename Cursor>
-void ReadRows(const PlyElement& element, const std::function<void(const double*)>& row,
-              Cursor* cursor) {
+void ReadRows(const PlyElement& element, RowUse* use, Cursor* cursor) {
   if (element.properties.empty()) return;
   std::vector<double> values(element.properties.size());
   for (std::int64_t i = 0; i < element.count; ++i) {
     try {
       for (std::size_t k = 0; k < values.size(); ++k) {
-        values[k] = ReadValue(element.properties[k], cursor);
+        const bool is_read = use != nullptr && k == use->list_column;
+        values[k] = ReadValue(element.properties[k], cursor, is_read ? &use->list : nullptr);
       }
       cursor->EndRow();
     } catch (const InputError& error) {
       throw InputError("row ", i, ": ", error.what());
     }
-    row(values.data());
+    if (use != nullptr) use->row(values.data());
   }
 }
 
 template <typename Cursor>
-void ReadElement(Cursor cursor, const PlyHeader& header, const std::string& name,
-                 const std::string& path, const std::function<void()>& begin,
-                 const std::function<void(const double*)>& row) {
+void ReadElement(Cursor cursor, const PlyHeader& header, const std::string& path, RowUse* use) {
   for (const PlyElement& element : header.elements) {
-    const bool wanted = element.name == name;
+    const bool wanted = element.name == use->name;
     try {
       CheckSize(cursor, element);
-      if (wanted) begin();
-      ReadRows(
-          element, wanted ? row : [](const double*) {}, &cursor);
+      if (wanted) use->begin();
+      ReadRows(element, wanted ? use : nullptr, &cursor);
     } catch (const InputError& error) {
       throw InputError(path, ": element '", element.name, "': ", error.what());
     }
     if (wanted) return;
+  }
+}
+
+void ReadElement(std::string_view file, const PlyHeader& header, const std::string& path,
+                 RowUse* use) {
+  const std::string_view body = file.substr(header.size);
+  if (header.ascii) {
+    ReadElement(AsciiCursor(body), header, path, use);
+  } else {
+    ReadElement(BinaryCursor(body, header.big_endian), header, path, use);
   }
 }
 
@@ -172,12 +195,26 @@ void ReadElement(Cursor cursor, const PlyHeader& header, const std::string& name
 void ReadPlyElement(std::string_view file, const PlyHeader& header, const std::string& name,
                     const std::string& path, const std::function<void()>& begin,
                     const std::function<void(const double*)>& row) {
-  const std::string_view body = file.substr(header.size);
-  if (header.ascii) {
-    ReadElement(AsciiCursor(body), header, name, path, begin, row);
-  } else {
-    ReadElement(BinaryCursor(body, header.big_endian), header, name, path, begin, row);
-  }
+  RowUse use = {name, begin, row};
+  ReadElement(file, header, path, &use);
+}
+
+void ReadPlyLists(std::string_view file, const PlyHeader& header, const std::string& name,
+                  const std::vector<std::string>& properties, const std::string& path,
+                  const std::function<void(const std::vector<double>&)>& list) {
+  const auto element =
+      std::find_if(header.elements.begin(), header.elements.end(),
+                   [&](const PlyElement& e) { return IsSamePlyName(e.name, name); });
+  if (element == header.elements.end()) return;
+  const std::vector<PlyProperty>& columns = element->properties;
+  const auto column = std::find_if(columns.begin(), columns.end(), [&](const PlyProperty& p) {
+    const auto is_name = [&](const std::string& other) { return IsSamePlyName(p.name, other); };
+    return p.count_type && std::any_of(properties.begin(), properties.end(), is_name);
+  });
+  if (column == columns.end()) return;
+  RowUse use = {element->name, [] {}, {}, static_cast<std::size_t>(column - columns.begin())};
+  use.row = [&](const double*) { list(use.list); };
+  ReadElement(file, header, path, &use);
 }
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "PLY bodies are copied from memory");

@@ -46,11 +46,6 @@ bool IsSameLetter(char a, char b) {
   return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
 }
 
-// Ignores upper and lower case.
-bool IsSameName(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), IsSameLetter);
-}
-
 PlyProperty ParseProperty(const Words& words) {
   PlyProperty property;
   property.name = words.back();
@@ -78,6 +73,10 @@ void ParseLine(const Words& words, PlyHeader* header) {
 }
 
 }  // namespace
+
+bool IsSamePlyName(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), IsSameLetter);
+}
 
 std::size_t PlySize(PlyType type) { return kTypes[static_cast<std::size_t>(type)].size; }
 
@@ -114,7 +113,7 @@ PlyHeader ParsePlyHeader(std::string_view file, const std::string& path) {
 const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
                                  const std::string& path) {
   for (const PlyElement& element : header.elements) {
-    if (IsSameName(element.name, name)) return element;
+    if (IsSamePlyName(element.name, name)) return element;
   }
   throw InputError(path, ": the header has no element '", name, "'");
 }
@@ -125,7 +124,7 @@ std::optional<std::size_t> FindPlyColumn(const PlyElement& element, std::string_
                          [&](const PlyProperty& p) { return p.name == name && !p.count_type; });
   if (at == properties.end()) {
     at = std::find_if(properties.begin(), properties.end(), [&](const PlyProperty& p) {
-      return IsSameName(p.name, name) && !p.count_type;
+      return IsSamePlyName(p.name, name) && !p.count_type;
     });
   }
   if (at == properties.end()) return std::nullopt;

@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string_view>
 
@@ -114,13 +115,26 @@ PointCloud ReadPointCloudAboutOrigin(const std::string& path) {
   return cloud;
 }
 
-std::size_t CountFaces(const std::string& path) {
+std::vector<Eigen::Vector3i> ReadTriangles(const std::string& path) {
   const std::string bytes = ReadFileOrPipe(path);
   const std::string_view file = WithoutByteOrderMark(bytes);
-  if (!IsPly(file)) return 0;
-  for (const PlyElement& element : ParsePlyHeader(file, path).elements)
-    if (element.name == "face") return static_cast<std::size_t>(element.count);
-  return 0;
+  if (!IsPly(file)) return {};
+  const PlyHeader header = ParsePlyHeader(file, path);
+  const auto vertices = static_cast<double>(FindPlyElement(header, "vertex", path).count);
+  std::vector<Eigen::Vector3i> triangles;
+  std::size_t face = 0;
+  const auto add = [&](const std::vector<double>& corners) {
+    for (const double c : corners) {
+      ThrowIf(!(c >= 0 && c < vertices && c == std::floor(c)), path, ": face ", face,
+              " has the vertex ", c, ", must be 0 to ", vertices - 1);
+    }
+    ++face;
+    const auto corner = [&](std::size_t k) { return static_cast<int>(corners[k]); };
+    for (std::size_t k = 2; k < corners.size(); ++k)
+      triangles.emplace_back(corner(0), corner(k - 1), corner(k));
+  };
+  ReadPlyLists(file, header, "face", {"vertex_indices", "vertex_index"}, path, add);
+  return triangles;
 }
 
 std::size_t RemoveNonFinite(PointCloud* cloud) {

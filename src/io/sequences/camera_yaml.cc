@@ -8,6 +8,7 @@
 #include "core/shared_options.h"
 #include "io/files/text.h"
 #include "io/files/yaml.h"
+#include "io/lenses/lens_fit.h"
 #include "io/sequences/folder.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
@@ -50,6 +51,17 @@ class Node {
             name_, " must be an integer");
     return static_cast<int>(number);
   }
+  std::string Text() const {
+    ThrowIf(!Exists() || node_->kind != YamlNode::Kind::kScalar, name_, " must be a word");
+    return node_->scalar;
+  }
+  std::vector<double> List() const {
+    ThrowIf(!Exists() || node_->kind != YamlNode::Kind::kList, name_, " must be a list of numbers");
+    std::vector<double> numbers;
+    for (const YamlNode& value : node_->values) numbers.push_back(Node(&value, name_).Number());
+    return numbers;
+  }
+  const std::string& name() const { return name_; }
   template <std::size_t kSize>
   std::array<double, kSize> Numbers() const {
     ThrowIf(!Exists() || node_->kind != YamlNode::Kind::kList || node_->values.size() != kSize,
@@ -98,8 +110,24 @@ CalibrationPrior ReadPrior(const Node& node) {
   return prior;
 }
 
+// Five coefficients of PinholeCamera, or of another model that FitDistortion() approximates.
+std::array<double, 5> ReadDistortion(const Node& node, const PinholeCamera& camera) {
+  const Node distortion = node["distortion"], model = node["distortion_model"];
+  const std::vector<double> numbers = distortion.List();
+  const std::string named = model.Exists() ? model.Text() : "";
+  if (named == "plumb_bob" || (named.empty() && numbers.size() == 5))
+    return distortion.Numbers<5>();
+  ThrowIf(named.empty() && numbers.size() != 8 && numbers.size() != 12, distortion.name(), " has ",
+          numbers.size(),
+          " numbers, must have 5 (plumb_bob), 8 or 12 (rational), or 4 with distortion_model: "
+          "fisheye");
+  camera.Validate(node.name());
+  return FitDistortion(named.empty() ? "rational" : named, numbers, camera, node.name());
+}
+
 PinholeCamera ReadPinhole(const Node& node) {
-  node.RequireKeysAmong({"width", "height", "fx", "fy", "cx", "cy", "distortion"});
+  node.RequireKeysAmong(
+      {"width", "height", "fx", "fy", "cx", "cy", "distortion", "distortion_model"});
   PinholeCamera camera;
   camera.width = node["width"].Integer();
   camera.height = node["height"].Integer();
@@ -107,7 +135,7 @@ PinholeCamera ReadPinhole(const Node& node) {
   camera.fy = node["fy"].Number();
   camera.cx = node["cx"].Number();
   camera.cy = node["cy"].Number();
-  if (node["distortion"].Exists()) camera.distortion = node["distortion"].Numbers<5>();
+  if (node["distortion"].Exists()) camera.distortion = ReadDistortion(node, camera);
   return camera;
 }
 

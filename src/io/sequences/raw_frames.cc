@@ -1,8 +1,11 @@
 #include "io/sequences/raw_frames.h"
 
+#include <cmath>
 #include <utility>
 
 #include "core/trace.h"
+#include "io/checks/color_faults.h"
+#include "io/checks/static_parts.h"
 #include "io/depth/depth_encoding.h"
 #include "io/sequences/sequence_info.h"
 #include "surfit/core/error.h"
@@ -39,6 +42,50 @@ class DecodedFrames : public RawFrames {
  private:
   std::unique_ptr<RawFrames> frames_;
   DepthEncoding encoding_;
+};
+
+// Frames without the depth of parts that move with the camera.
+class MaskedFrames : public RawFrames {
+ public:
+  MaskedFrames(std::unique_ptr<RawFrames> frames, Image<std::uint8_t> mask)
+      : frames_(std::move(frames)), mask_(std::move(mask)) {}
+
+  std::vector<FrameImages> FirstImages() override {
+    std::vector<FrameImages> images = frames_->FirstImages();
+    for (FrameImages& image : images) RemoveStaticParts(mask_, &image.depth);
+    return images;
+  }
+  std::optional<RawFrame> Next() override { return frames_->Next(); }
+  FrameImages Read() override {
+    FrameImages images = frames_->Read();
+    RemoveStaticParts(mask_, &images.depth);
+    return images;
+  }
+
+ private:
+  std::unique_ptr<RawFrames> frames_;
+  Image<std::uint8_t> mask_;
+};
+
+// Frames without their colour, which does not belong to the depth.
+class DepthFrames : public RawFrames {
+ public:
+  explicit DepthFrames(std::unique_ptr<RawFrames> frames) : frames_(std::move(frames)) {}
+
+  std::vector<FrameImages> FirstImages() override {
+    std::vector<FrameImages> images = frames_->FirstImages();
+    for (FrameImages& image : images) image.color = {};
+    return images;
+  }
+  std::optional<RawFrame> Next() override { return frames_->Next(); }
+  FrameImages Read() override {
+    FrameImages images = frames_->Read();
+    images.color = {};
+    return images;
+  }
+
+ private:
+  std::unique_ptr<RawFrames> frames_;
 };
 
 class SequenceSource : public FrameSource {
@@ -116,9 +163,27 @@ RawSequence MakeRawSequence(SequenceInfo info, std::unique_ptr<RawFrames> frames
     for (FrameImages& image : images) DecodeDepth(encoding, &image.depth);
     frames = std::make_unique<DecodedFrames>(std::move(frames), encoding);
   }
-  FrameRectifier rectifier = CompleteInfo(images, options.rectify, scale_is_given, &info);
+  if (std::optional<StaticParts> parts = FindStaticParts(images)) {
+    info.warnings.push_back(Concat(
+        std::lround(100 * parts->ratio),
+        " % of the depth at the rim of the view does not change while the rest moves: it is part "
+        "of the robot or of the camera mount, and is missing depth in all frames"));
+    for (FrameImages& image : images) RemoveStaticParts(parts->mask, &image.depth);
+    frames = std::make_unique<MaskedFrames>(std::move(frames), std::move(parts->mask));
+  }
+  if (const auto fault = ColorFault(images)) {
+    info.warnings.push_back(*fault + ": colour is not used");
+    for (FrameImages& image : images) image.color = {};
+    frames = std::make_unique<DepthFrames>(std::move(frames));
+  }
+  std::optional<RegistrationFit> registration;
+  FrameRectifier rectifier =
+      CompleteInfo(images, options.rectify, scale_is_given, &info, &registration);
+  if (registration && registration->turn != ImageTurn::kNone)
+    frames = std::make_unique<DepthFrames>(std::move(frames));
   InverseDepthField field = ReadDepthField(options, info.format);
-  return {std::move(info), std::move(frames), std::move(rectifier), field, scale_is_given};
+  return {std::move(info), std::move(frames), std::move(rectifier),
+          field,           scale_is_given,    registration};
 }
 
 std::unique_ptr<FrameSource> MakeFrameSource(RawSequence sequence) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "io/sequences/recording.h"
+#include "io/sequences/recording_warnings.h"
 #include "surfit/frame/frame_source.h"
 #include "surfit/frame/rectify_frame.h"
 #include "surfit/geometry/inverse_depth_field.h"
@@ -42,6 +43,8 @@ struct RawSequence {
   FrameRectifier rectifier;
   InverseDepthField field;      // ReadDepthField()
   bool scale_is_given = false;  // ResolveCamera()
+  // Alignment of registered colour in the first images. std::nullopt: no colour or too few edges.
+  std::optional<RegistrationFit> registration = {};
 
   // Rectifies the images and applies the depth correction. Throws InputError like RectifyFrame().
   // `images`: result of RawFrames::Read() for this frame. Thread-safe.

@@ -85,7 +85,8 @@ namespace {
 
 // Colour gradients are averaged in square cells of 1/160 of the image width.
 constexpr int kCellsAcross = 160;
-constexpr int kReach = 8;  // maximum shift of colour, cells
+constexpr int kReach = 8;   // maximum shift of colour, cells
+constexpr int kCoarse = 4;  // size of the coarse cells that search large shifts, cells
 constexpr std::array kScales = {.8,    .83,  .86,  .89,  .92,  .95, .975, 1.,
                                 1.025, 1.05, 1.08, 1.12, 1.16, 1.2, 1.25};
 constexpr int kGiven = 7;       // index of scale 1
@@ -95,6 +96,9 @@ constexpr std::size_t kFewestJumps = 200, kEnoughJumps = 2000;  // depth edge pi
 // deviation of all scores. kMarginOfHalf is the minimum for each half of the frames. Different
 // capture times of colour and depth shift colour in changing directions. Then the halves disagree.
 constexpr double kMargin = 1, kMarginOfHalf = 0.5;
+// Minimum score per frame of turned colour, and its margin over the given orientation. Measured:
+// scores of registered colour are 0.5 to 4, and scores of turned colour are below 0.7 of them.
+constexpr double kMinTurnedScore = 0.5, kTurnedRatio = 2, kTurnedMargin = 0.3;
 
 struct Pixel {
   int u = 0, v = 0;
@@ -177,14 +181,17 @@ void ForEachPlace(const Function& function) {
 }
 
 // Adds the mean colour gradient at the pixels for each alignment. Pixels outside the image add 0.
-void AddScores(const std::vector<Pixel>& pixels, const Image<float>& cells, int cell,
-               std::vector<double>* scores) {
+// `right0`, `down0`: shift in cells that is added to each alignment.
+void AddScores(const std::vector<Pixel>& pixels, const Image<float>& cells, int cell, int right0,
+               int down0, std::vector<double>* scores) {
   const double middle_u = 0.5 * cell * cells.width(), middle_v = 0.5 * cell * cells.height();
   for (int scale = 0; scale < static_cast<int>(kScales.size()); ++scale) {
     for (const Pixel& pixel : pixels) {
       const int x =
+          right0 +
           static_cast<int>(std::floor((kScales[scale] * (pixel.u - middle_u) + middle_u) / cell));
       const int y =
+          down0 +
           static_cast<int>(std::floor((kScales[scale] * (pixel.v - middle_v) + middle_v) / cell));
       for (int down = -kReach; down <= kReach; ++down) {
         if (y + down < 0 || y + down >= cells.height()) continue;
@@ -198,13 +205,17 @@ void AddScores(const std::vector<Pixel>& pixels, const Image<float>& cells, int 
   }
 }
 
-// Sum of the scores of the frames [first, last). Frames with few depth edges, or with different
-// sizes of colour and depth, add 0.
-std::vector<double> ScoresOf(const std::vector<FrameImages>& frames, std::size_t first,
-                             std::size_t last, int cell) {
-  std::vector<double> scores(kPlaces);
-  for (std::size_t i = first; i < last; ++i) {
-    const FrameImages& frame = frames[i];
+// Depth edges and colour gradients of a frame.
+struct FrameEdges {
+  std::vector<Pixel> jumps;
+  Image<float> changes;
+};
+
+// Edges of the frames that have enough depth edges, and colour of the size of depth.
+std::vector<FrameEdges> EdgesOf(const std::vector<FrameImages>& frames, int cell,
+                                std::size_t enough) {
+  std::vector<FrameEdges> edges;
+  for (const FrameImages& frame : frames) {
     std::vector<Pixel> jumps = std::visit(
         [&](const auto& depth) {
           const bool fits =
@@ -213,12 +224,64 @@ std::vector<double> ScoresOf(const std::vector<FrameImages>& frames, std::size_t
         },
         frame.depth);
     if (jumps.size() < kFewestJumps) continue;
-    const std::size_t every = std::max<std::size_t>(1, jumps.size() / kEnoughJumps);
+    const std::size_t every = std::max<std::size_t>(1, jumps.size() / enough);
     for (std::size_t j = 0; j * every < jumps.size(); ++j) jumps[j] = jumps[j * every];
     jumps.resize((jumps.size() + every - 1) / every);
-    AddScores(jumps, ColorChanges(frame.color, cell), cell, &scores);
+    edges.push_back({std::move(jumps), ColorChanges(frame.color, cell)});
   }
-  return scores;
+  return edges;
+}
+
+Image<float> Turned(const Image<float>& cells, ImageTurn turn) {
+  Image<float> turned(cells.width(), cells.height());
+  const bool flips_u = turn == ImageTurn::kRotated || turn == ImageTurn::kMirrored;
+  const bool flips_v = turn == ImageTurn::kRotated || turn == ImageTurn::kUpsideDown;
+  for (int v = 0; v < cells.height(); ++v) {
+    for (int u = 0; u < cells.width(); ++u) {
+      turned(u, v) =
+          cells(flips_u ? cells.width() - 1 - u : u, flips_v ? cells.height() - 1 - v : v);
+    }
+  }
+  return turned;
+}
+
+// Largest mean colour gradient at the depth edges of a frame, without scale, within one cell.
+double GivenScore(const FrameEdges& edges, ImageTurn turn, int cell) {
+  const Image<float> cells = Turned(edges.changes, turn);
+  double most = -std::numeric_limits<double>::infinity();
+  for (int down = -1; down <= 1; ++down) {
+    for (int right = -1; right <= 1; ++right) {
+      double sum = 0;
+      for (const Pixel& pixel : edges.jumps) {
+        const int x = pixel.u / cell + right, y = pixel.v / cell + down;
+        if (x >= 0 && y >= 0 && x < cells.width() && y < cells.height()) sum += cells(x, y);
+      }
+      most = std::max(most, sum / static_cast<double>(edges.jumps.size()));
+    }
+  }
+  return most;
+}
+
+// Mean of GivenScore() over the frames [first, last).
+double MeanScore(const std::vector<FrameEdges>& edges, std::size_t first, std::size_t last,
+                 ImageTurn turn, int cell) {
+  double sum = 0;
+  for (std::size_t i = first; i < last; ++i) sum += GivenScore(edges[i], turn, cell);
+  return sum / static_cast<double>(last - first);
+}
+
+// Orientation that matches much better than the given one, in all frames and both halves of them.
+ImageTurn TurnOf(const std::vector<FrameEdges>& edges, double given_score, int cell) {
+  const std::size_t all = edges.size(), half = (all + 1) / 2;
+  for (const ImageTurn turn : {ImageTurn::kRotated, ImageTurn::kMirrored, ImageTurn::kUpsideDown}) {
+    const auto is_better = [&](std::size_t first, std::size_t last) {
+      const double score = MeanScore(edges, first, last, turn, cell);
+      return score > kMinTurnedScore &&
+             score > kTurnedRatio * std::max(given_score, 0.) + kTurnedMargin;
+    };
+    if (is_better(0, half) && (half == all || is_better(half, all))) return turn;
+  }
+  return ImageTurn::kNone;
 }
 
 // Score margin of an alignment over the given registration, in standard deviations over all
@@ -236,18 +299,78 @@ double Advantage(const Place& place, const std::vector<double>& scores) {
 
 int CellOf(const PinholeCamera& camera) { return std::max(1, camera.width / kCellsAcross); }
 
+// Best alignment of the frames near a shift.
+struct AlignmentSearch {
+  Place best;                // relative to the shift
+  bool has_edges = false;    // the best alignment has a positive score
+  bool is_doubtful = false;  // all frames and both halves contradict the given alignment
+};
+
+AlignmentSearch SearchAlignment(const std::vector<FrameEdges>& edges, int cell, int right0,
+                                int down0) {
+  std::vector<double> all(kPlaces);
+  std::vector<std::vector<double>> halves;
+  const std::size_t half = (edges.size() + 1) / 2;
+  for (std::size_t first = 0; first < edges.size(); first += half) {
+    std::vector<double> scores(kPlaces);
+    for (std::size_t i = first; i < std::min(first + half, edges.size()); ++i)
+      AddScores(edges[i].jumps, edges[i].changes, cell, right0, down0, &scores);
+    for (std::size_t i = 0; i < kPlaces; ++i) all[i] += scores[i];
+    halves.push_back(std::move(scores));
+  }
+  AlignmentSearch search;
+  ForEachPlace([&](const Place& place) {
+    if (all[IndexOf(place)] > all[IndexOf(search.best)]) search.best = place;
+  });
+  search.has_edges = all[IndexOf(search.best)] > 0;
+  const bool agree = std::all_of(halves.begin(), halves.end(), [&](const auto& scores) {
+    return Advantage(search.best, scores) > kMarginOfHalf;
+  });
+  search.is_doubtful = agree && Advantage(search.best, all) >= kMargin;
+  return search;
+}
+
+// Searches shifts beyond the reach of fine cells with coarse cells, and then refines the best one.
+// std::nullopt if no such shift is clearly better.
+std::optional<RegistrationFit> FitLargeShift(const std::vector<FrameImages>& frames,
+                                             const std::vector<FrameEdges>& edges, int cell) {
+  const int coarse = kCoarse * cell;
+  const AlignmentSearch far =
+      SearchAlignment(EdgesOf(frames, coarse, kEnoughJumps / kCoarse), coarse, 0, 0);
+  const bool is_far =
+      kCoarse * std::max(std::abs(far.best.right), std::abs(far.best.down)) > kReach;
+  if (!far.has_edges || !far.is_doubtful || !is_far) return std::nullopt;
+  const int right0 = kCoarse * far.best.right, down0 = kCoarse * far.best.down;
+  const AlignmentSearch near = SearchAlignment(edges, cell, right0, down0);
+  if (!near.has_edges) return std::nullopt;
+  RegistrationFit fit;
+  fit.scale = kScales[near.best.scale];
+  fit.right_px = (right0 + near.best.right) * cell;
+  fit.down_px = (down0 + near.best.down) * cell;
+  fit.is_doubtful = true;
+  return fit;
+}
+
+const char* NameOf(ImageTurn turn) {
+  if (turn == ImageTurn::kRotated) return "rotated by 180 degrees";
+  return turn == ImageTurn::kMirrored ? "mirrored left to right" : "upside down";
+}
+
 std::string Sentence(const RegistrationFit& found, const PinholeCamera& c) {
+  const std::string doubt =
+      "colour may not be registered to depth: edges of colour do not lie on edges of depth. ";
+  if (found.turn != ImageTurn::kNone)
+    return Concat(doubt, "They do if colour images are ", NameOf(found.turn),
+                  ": colour is not used");
   const auto fit = [&](double center, int size, int moved_px) {
     return std::round(found.scale * (center - 0.5 * size) + 0.5 * size + moved_px);
   };
-  return Concat(
-      "colour may not be registered to depth: colour edges match depth edges best with colour at ",
-      std::lround(100 * found.scale), " % of the size of depth, ", found.right_px,
-      " px to the right and ", found.down_px,
-      " px down. If colour is not registered, set its intrinsics, about ",
-      std::round(found.scale * c.fx), ",", std::round(found.scale * c.fy), ",",
-      fit(c.cx, c.width, found.right_px), ",", fit(c.cy, c.height, found.down_px),
-      ", as color_camera in a camera.yaml or as color_intrinsics");
+  return Concat(doubt, "The best match has colour at ", std::lround(100 * found.scale),
+                " % of the size of depth, ", found.right_px, " px to the right and ", found.down_px,
+                " px down. If colour is not registered, set its intrinsics, about ",
+                std::round(found.scale * c.fx), ",", std::round(found.scale * c.fy), ",",
+                fit(c.cx, c.width, found.right_px), ",", fit(c.cy, c.height, found.down_px),
+                ", as color_camera in a camera.yaml or as color_intrinsics");
 }
 
 }  // namespace
@@ -255,31 +378,122 @@ std::string Sentence(const RegistrationFit& found, const PinholeCamera& c) {
 std::optional<RegistrationFit> FitRegistration(const std::vector<FrameImages>& frames,
                                                const PinholeCamera& depth_camera) {
   const int cell = CellOf(depth_camera);
-  if (frames.empty()) return std::nullopt;
-  const std::size_t half = (frames.size() + 1) / 2;
-  std::vector<double> all(kPlaces);
-  std::vector<std::vector<double>> halves;
-  for (std::size_t first = 0; first < frames.size(); first += half) {
-    halves.push_back(ScoresOf(frames, first, std::min(first + half, frames.size()), cell));
-    for (std::size_t i = 0; i < kPlaces; ++i) all[i] += halves.back()[i];
+  const std::vector<FrameEdges> edges = EdgesOf(frames, cell, kEnoughJumps);
+  if (edges.empty()) return std::nullopt;
+  const AlignmentSearch search = SearchAlignment(edges, cell, 0, 0);
+  if (!search.has_edges) return std::nullopt;
+  RegistrationFit fit = {kScales[search.best.scale], search.best.right * cell,
+                         search.best.down * cell, search.is_doubtful};
+  fit.given_score = MeanScore(edges, 0, edges.size(), ImageTurn::kNone, cell);
+  if (search.best.IsGiven()) return fit;
+  fit.turn = TurnOf(edges, fit.given_score, cell);
+  if (fit.turn != ImageTurn::kNone) {
+    fit.scale = 1;
+    fit.right_px = fit.down_px = 0;
+    fit.is_doubtful = true;
+    return fit;
   }
-  Place best;
-  ForEachPlace([&](const Place& place) {
-    if (all[IndexOf(place)] > all[IndexOf(best)]) best = place;
-  });
-  if (!(all[IndexOf(best)] > 0)) return std::nullopt;
-  const bool agree = std::all_of(halves.begin(), halves.end(), [&](const auto& scores) {
-    return Advantage(best, scores) > kMarginOfHalf;
-  });
-  return RegistrationFit{kScales[best.scale], best.right * cell, best.down * cell,
-                         agree && Advantage(best, all) >= kMargin};
+  if (auto large = FitLargeShift(frames, edges, cell)) {
+    large->given_score = fit.given_score;
+    return large;
+  }
+  return fit;
+}
+
+std::optional<std::string> RegistrationWarning(const RegistrationFit& fit,
+                                               const PinholeCamera& depth_camera) {
+  if (!fit.is_doubtful) return std::nullopt;
+  return Sentence(fit, depth_camera);
 }
 
 std::optional<std::string> RegistrationWarning(const std::vector<FrameImages>& frames,
                                                const PinholeCamera& depth_camera) {
   const auto fit = FitRegistration(frames, depth_camera);
-  if (!fit || !fit->is_doubtful) return std::nullopt;
-  return Sentence(*fit, depth_camera);
+  return fit ? RegistrationWarning(*fit, depth_camera) : std::nullopt;
+}
+
+namespace {
+
+// A separate colour camera is in the same device.
+constexpr double kFarthestCamera_m = 0.5;
+constexpr double kMinVisible = 0.3;      // of depth that the colour camera sees
+constexpr double kMinInverseGain = 0.3;  // of RegistrationFit::given_score
+
+// Colour of the first images as seen by a colour camera.
+struct ColorView {
+  double visible = 0;  // ratio of depth with colour
+  std::optional<RegistrationFit> fit;
+};
+
+ColorView ViewOf(const std::vector<FrameImages>& images, const RgbdCamera& camera,
+                 const RectifyOptions& options) {
+  const FrameRectifier rectifier(camera, options);
+  std::vector<FrameImages> frames;
+  std::size_t depths = 0, visible = 0;
+  for (const FrameImages& image : images) {
+    if (image.color.empty()) continue;
+    RgbdFrame frame = rectifier.Rectify(image.depth, image.color);
+    for (std::size_t i = 0; i < frame.depth_m.size(); ++i) {
+      if (!(frame.depth_m[i] > 0)) continue;
+      const Rgb8 c = frame.color[i];
+      ++depths;
+      visible += c.r != 0 || c.g != 0 || c.b != 0;
+    }
+    frames.push_back({std::move(frame.depth_m), std::move(frame.color), "", ""});
+  }
+  ColorView view;
+  if (depths == 0) return {1, std::nullopt};
+  view.visible = static_cast<double>(visible) / static_cast<double>(depths);
+  view.fit = FitRegistration(frames, rectifier.pinhole());
+  return view;
+}
+
+}  // namespace
+
+std::optional<std::string> ColorCameraWarning(const std::vector<FrameImages>& images,
+                                              const RgbdCamera& camera,
+                                              const RectifyOptions& options,
+                                              std::optional<RegistrationFit>* registration) {
+  const ColorView given = ViewOf(images, camera, options);
+  *registration = given.fit;
+  const double distance_m = camera.color_from_depth.translation.norm();
+  if (distance_m > kFarthestCamera_m) {
+    return Concat("the colour camera is ", distance_m,
+                  " m from the depth camera, must be in the same device: color_from_depth has "
+                  "its translation in m",
+                  distance_m > 1 ? Concat(", and these may be mm (", distance_m, " mm)") : "");
+  }
+  RgbdCamera inverse = camera;
+  inverse.color_from_depth = camera.color_from_depth.Inverse();
+  const bool is_unseen = given.visible < kMinVisible;
+  const double given_score = given.fit ? given.fit->given_score : 0;
+  if (!is_unseen && (!given.fit || given.fit->scale == 1)) {
+    const bool is_matched = !given.fit || (!given.fit->is_doubtful && given.fit->right_px == 0 &&
+                                           given.fit->down_px == 0);
+    if (is_matched) return std::nullopt;
+  }
+  const ColorView other = ViewOf(images, inverse, options);
+  const double other_score = other.fit ? other.fit->given_score : 0;
+  const bool inverse_is_seen = is_unseen && other.visible > 2 * kMinVisible;
+  if (inverse_is_seen || (!is_unseen && other_score > given_score + kMinInverseGain)) {
+    return Concat(
+        "the colour camera is probably at the inverse place: edges of colour match "
+        "edges of depth better with the inverse of color_from_depth (score ",
+        other_score, " for ", given_score,
+        "), which maps points of the depth camera to the colour camera");
+  }
+  if (is_unseen) {
+    return Concat("the colour camera sees only ", std::lround(100 * given.visible),
+                  " % of the depth: check color_camera and color_from_depth, which maps points of "
+                  "the depth camera to the colour camera, in m");
+  }
+  if (!given.fit || !given.fit->is_doubtful) return std::nullopt;
+  return Concat(
+      "edges of registered colour do not lie on edges of depth: the best match has "
+      "colour at ",
+      std::lround(100 * given.fit->scale), " % of the size of depth, ", given.fit->right_px,
+      " px to the right and ", given.fit->down_px,
+      " px down. Check color_camera and color_from_depth");
 }
 
 }  // namespace surfit

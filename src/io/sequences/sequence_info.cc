@@ -121,7 +121,8 @@ void Tell(const std::string& assumed) {
 }  // namespace
 
 FrameRectifier CompleteInfo(const std::vector<FrameImages>& images, const RectifyOptions& options,
-                            bool scale_is_given, SequenceInfo* info) {
+                            bool scale_is_given, SequenceInfo* info,
+                            std::optional<RegistrationFit>* registration) {
   const FrameImages& first = images[0];
   CompleteCamera(first, info);
   RequirePixelUnits(info->camera.depth, "the depth camera", info->camera_from);
@@ -138,12 +139,20 @@ FrameRectifier CompleteInfo(const std::vector<FrameImages>& images, const Rectif
   if (auto warning = FarDepthWarning(images, info->camera, options.max_depth_m))
     info->warnings.push_back(*warning);
   if (info->camera.color_is_registered) {
-    if (auto doubt = RegistrationWarning(images, info->camera.depth))
-      info->warnings.push_back(*doubt);
+    *registration = FitRegistration(images, info->camera.depth);
+    if (*registration) {
+      if (auto doubt = RegistrationWarning(**registration, info->camera.depth))
+        info->warnings.push_back(*doubt);
+    }
   }
   info->mirrored = info->camera.depth.fy < 0;
   if (info->mirrored) Mirror(&info->ground_truth);
-  FrameRectifier rectifier(info->mirrored ? Mirrored(info->camera) : info->camera, options);
+  const RgbdCamera upright = info->mirrored ? Mirrored(info->camera) : info->camera;
+  if (!upright.color_is_registered) {
+    if (auto doubt = ColorCameraWarning(images, upright, options, registration))
+      info->warnings.push_back(*doubt);
+  }
+  FrameRectifier rectifier(upright, options);
   info->pinhole = rectifier.pinhole();
   Tell(info->assumed);
   for (const std::string& warning : info->warnings) LOG(WARNING) << warning;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "io/sequences/recording.h"
+#include "io/sequences/recording_warnings.h"
 #include "surfit/frame/frame_source.h"
 #include "surfit/frame/rectify_frame.h"
 
@@ -15,6 +17,7 @@ namespace surfit {
 // camera, and for intrinsics that are not in px. Without a colour image, a separate colour camera
 // becomes registered. Call after ResolveCamera(), once per sequence.
 FrameRectifier CompleteInfo(const std::vector<FrameImages>& first, const RectifyOptions& options,
-                            bool scale_is_given, SequenceInfo* info);
+                            bool scale_is_given, SequenceInfo* info,
+                            std::optional<RegistrationFit>* registration);
 
 }  // namespace surfit
