@@ -60,8 +60,13 @@ struct CloudCriteria {
   double min_inlier_ratio = 0.65;                // points on the other surface, per point near it
   double max_free_space_violation_ratio = 0.06;  // if both viewpoints are known
   double min_score_margin = 0.1;                 // 1 - second-best score / best score
-  double max_disagreement_spacings = 1;          // forward and backward registration, RMS of points
-  double max_sigma_spacings = 0.5;               // of the points, in the least certain direction
+  // RMS distance of the source points, in point spacings: after forward and backward registration,
+  // and after registration from poses that are displaced along an uncertain direction.
+  double max_disagreement_spacings = 1;
+  // Standard deviation of the source points along a direction, in point spacings. A direction with
+  // a larger or unknown standard deviation is uncertain. ICP must return from poses that are
+  // displaced along this direction by the distance gate.
+  double max_sigma_spacings = 0.5;
 
   void Visit(OptionVisitor& visitor);
 };
@@ -100,9 +105,11 @@ struct CloudRegistration {
   std::optional<double> free_space_violation_ratio;
   double score_margin = 0;
   double disagreement_m = 0;  // forward and backward registration, RMS of the source points
-  double sigma_m = 0;         // of the source points, in the least certain direction
-  double spacing_m = 0;       // larger median point spacing of both clouds
-  double noise_m = 0;         // larger median deviation of points from a plane
+  // Largest standard deviation of the source points along a direction. Uncertain directions: at
+  // least the distance of the poses after registration from displaced poses.
+  double sigma_m = 0;
+  double spacing_m = 0;  // larger median point spacing of both clouds
+  double noise_m = 0;    // larger median deviation of points from a plane
 
   bool accepted() const { return reason == GlobalRegistrationReason::kAccepted; }
 };
