@@ -65,7 +65,7 @@ struct CloudCriteria {
   double max_disagreement_spacings = 1;
   // Standard deviation of the source points along a direction, in point spacings. A direction with
   // a larger or unknown standard deviation is uncertain. ICP must return from poses that are
-  // displaced along this direction by the distance gate.
+  // displaced along this direction by half the distance gate.
   double max_sigma_spacings = 0.5;
 
   void Visit(OptionVisitor& visitor);

@@ -250,18 +250,20 @@ class CloudRegistrar {
   }
 
   // Largest distance between a pose and the poses that ICP finds after motions of the points by
-  // the distance gate, along both senses of a direction. Surfaces that determine the direction
+  // half the distance gate, along both senses of a direction. Surfaces that determine the direction
   // pull the points back. Points that slide along surfaces stay away. A local slope of the cost
   // does not show this: it depends on the sampling of the surfaces. Infinite if ICP fails.
   double ReturnDistance(const Vector6d& direction, const Rigid3d& pose) const {
     constexpr double kSmallMotion = 1e-3;  // of motions of the points by about 1 m
+    constexpr double kGateRatio = 0.5;     // correct correspondences remain within the gate
     const Vector6d unit = direction.normalized();
     const double change_m =
         forward_->Distance(LeftIncrement<double>(kSmallMotion * unit, pose), pose) / kSmallMotion;
     if (!(change_m > 0)) return std::numeric_limits<double>::infinity();
     double largest_m = 0;
     for (const double sign : {-1., 1.}) {
-      const Vector6d motion = sign * options_.icp.gates.max_distance_m / change_m * unit;
+      const Vector6d motion =
+          sign * kGateRatio * options_.icp.gates.max_distance_m / change_m * unit;
       const IcpResult moved = Register(LeftIncrement<double>(motion, pose), 1);
       if (!moved.Succeeded()) return std::numeric_limits<double>::infinity();
       largest_m = std::max(largest_m, forward_->Distance(moved.target_from_source, pose));
