@@ -219,6 +219,7 @@ Json ToJson(const G2oFile& file, const PoseGraphSummary& s, const PoseGraphFit& 
                {"initial_cost", s.initial_cost},
                {"final_cost", s.final_cost},
                {"truncated_cost", s.truncated_cost},
+               {"loop_error_limit", s.loop_error_limit},
                {"fit", FitToJson(fit)},
                {"rounds", s.round_count},
                {"initialize_ms", s.initialize_ms},

@@ -82,7 +82,8 @@ void BindGraphSummary(py::module_& module) {
       .def_readonly(FIELD(Summary, initial_cost), "cost after initialisation, all edges")
       .def_readonly(FIELD(Summary, final_cost), "final cost, without outlier edges")
       .def_readonly(FIELD(Summary, truncated_cost),
-                    "final cost with squared errors of loops of at most max_loop_squared_error")
+                    "final cost with squared errors of loops of at most loop_error_limit")
+      .def_readonly(FIELD(Summary, loop_error_limit), "largest squared error of an inlier loop")
       .def_readonly(FIELD(Summary, start), "initial poses of the result")
       .def_readonly(FIELD(Summary, loop_robustness), "kernel of the result")
       .def_readonly(FIELD(Summary, component_sizes), "number of poses of each component")

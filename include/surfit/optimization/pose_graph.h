@@ -117,7 +117,8 @@ std::vector<std::string> PoseGraphStartNames();
 // - "none": all loop closures have the kernel s
 // - "gnc": rejects outliers by graduated non-convexity with the kernel min(s, c^2) (Yang et al.,
 //   RA-L 2020). GNC with the start "chordal" also runs from odometry, because outliers can fold
-//   chordal poses. The result with the smaller truncated cost is used.
+//   chordal poses, and repeats with smaller limits: see PoseGraphSummary::loop_error_limit. The
+//   result with the smallest truncated cost is used.
 // - "dcs": s for s <= c^2, else 3 c^2 - 4 c^4 / (c^2 + s) (Agarwal et al., ICRA 2013)
 // - "huber": s for s <= c^2, else 2 c sqrt(s) - c^2
 // - "cauchy": c^2 log(1 + s / c^2)
@@ -176,8 +177,13 @@ struct PoseGraphSummary {
   double given_cost = 0;               // Cost() of the input graph, all edges
   double initial_cost = 0;             // cost of the initial poses, all edges
   double final_cost = 0;               // final cost, without outliers
-  // Final cost in which the squared error of each loop closure is at most max_loop_squared_error.
+  // Final cost in which the squared error of each loop closure is at most loop_error_limit.
   double truncated_cost = 0;
+  // Largest squared error of an inlier loop closure. "auto", and "gnc" from "chordal":
+  // max_loop_squared_error * min(1, 4 f) with the variance factor f, which is the chi-square of the
+  // inliers over its degrees of freedom. Otherwise max_loop_squared_error. Example: the information
+  // of a graph states 10 times the standard deviation of its residuals. Then f is 0.01.
+  double loop_error_limit = 0;
   std::vector<PoseGraphIteration> iterations;
   int round_count = 0;  // number of Levenberg-Marquardt runs
   // Number of constant poses: fixed poses, and the first pose of each component without fixed

@@ -132,10 +132,38 @@ void EstimateLeverage(const PoseGraph& graph, const Linearized& at, ClassSums* o
 
 }  // namespace
 
+double DegreesOfFreedom(const PoseGraph& graph, const ChainedPoses& chained,
+                        const std::vector<std::size_t>& left_out) {
+  std::vector<bool> is_measured(graph.poses.size(), false);
+  double freedom = 0;
+  auto next = left_out.begin();
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    if (next != left_out.end() && *next == i) {
+      ++next;
+      continue;
+    }
+    is_measured[graph.edges[i].a] = is_measured[graph.edges[i].b] = true;
+    freedom += RankOf(graph.edges[i].information);
+  }
+  for (const PoseGraphPrior& prior : graph.priors) {
+    is_measured[prior.pose] = true;
+    freedom += RankOf(prior.information);
+  }
+  for (const PoseGraphPosition& position : graph.positions) {
+    is_measured[position.pose] = true;
+    freedom += RankOf(position.information);
+  }
+  for (std::size_t i = 0; i < graph.poses.size(); ++i) {
+    if (is_measured[i] && !chained.held[i]) freedom -= graph.planar ? 3 : 6;
+  }
+  return std::max(0., freedom);
+}
+
 PoseGraphFit TestFit(const PoseGraph& graph, const PoseGraphSummary& summary) {
   PoseGraphFit fit;
   Linearized at(graph, summary);
-  ClassSums odometry, loops, priors;
+  ClassSums odometry, loops;
+  double prior_error = 0;
   for (std::size_t i = 0; i < graph.edges.size(); ++i) {
     if (!at.used[i]) continue;
     ClassSums& sums = graph.edges[i].loop ? loops : odometry;
@@ -143,16 +171,13 @@ PoseGraphFit TestFit(const PoseGraph& graph, const PoseGraphSummary& summary) {
     sums.rank += RankOf(graph.edges[i].information);
   }
   for (const PoseGraphPrior& prior : graph.priors) {
-    priors.squared_error += SquaredError(graph, prior);
-    priors.rank += RankOf(prior.information);
+    prior_error += SquaredError(graph, prior);
   }
   for (const PoseGraphPosition& position : graph.positions) {
-    priors.squared_error += SquaredError(graph, position);
-    priors.rank += RankOf(position.information);
+    prior_error += SquaredError(graph, position);
   }
-  fit.chi_square = odometry.squared_error + loops.squared_error + priors.squared_error;
-  fit.degrees_of_freedom = std::max(0., odometry.rank + loops.rank + priors.rank -
-                                            static_cast<double>(at.system.jacobian.cols()));
+  fit.chi_square = odometry.squared_error + loops.squared_error + prior_error;
+  fit.degrees_of_freedom = DegreesOfFreedom(graph, ChainPoses(graph), summary.outlier_edges);
   fit.p_value = ChiSquareTail(fit.chi_square, fit.degrees_of_freedom);
   if (at.Factorize() && at.system.jacobian.cols() > 0) {
     EstimateLeverage(graph, at, &odometry, &loops);

@@ -7,6 +7,7 @@
 #include "core/trace.h"
 #include "optimization/pose_graph/pose_graph_names.h"
 #include "optimization/pose_graph/robust_loops.h"
+#include "optimization/pose_graph/several_starts.h"
 #include "surfit/core/options.h"
 #include "surfit/optimization/pose_graph.h"
 
@@ -78,23 +79,21 @@ PoseGraphTermination Solve(const PoseGraph& graph, const PoseGraphOptions& optio
   return SolveRobustly(graph, options, is_near ? kNearMinimum : kFarFromMinimum, problem, summary);
 }
 
-struct Attempt {
-  PoseGraphSummary summary;
-  std::vector<Rigid3d> world_from_pose;
-};
+}  // namespace
 
 void Finish(const PoseGraph& graph, const PoseGraphOptions& options,
-            const PoseGraphProblem& problem, Attempt* attempt) {
+            const PoseGraphProblem& problem, GraphAttempt* attempt) {
   PoseGraphSummary& summary = attempt->summary;
   summary.final_cost = CountedCost(problem, summary.outlier_edges);
   summary.truncated_cost = TruncatedCost(graph, problem, options.max_loop_squared_error);
+  summary.loop_error_limit = options.max_loop_squared_error;
   if (!std::isfinite(summary.final_cost)) summary.termination = PoseGraphTermination::kFailed;
   attempt->world_from_pose = problem.Poses();
 }
 
-Attempt Optimize(const PoseGraph& graph, const PoseGraphOptions& options,
-                 const ChainedPoses& chained) {
-  Attempt attempt;
+GraphAttempt OptimizeOnce(const PoseGraph& graph, const PoseGraphOptions& options,
+                          const ChainedPoses& chained) {
+  GraphAttempt attempt;
   PoseGraphSummary& summary = attempt.summary;
   summary.start = options.start;
   summary.loop_robustness = options.loop_robustness;
@@ -111,68 +110,6 @@ Attempt Optimize(const PoseGraph& graph, const PoseGraphOptions& options,
   Finish(graph, options, problem, &attempt);
   return attempt;
 }
-
-// Method and start of one attempt of "auto".
-struct Candidate {
-  const char *loop_robustness, *start;
-  bool for_gnc;  // also an attempt of "gnc" from "chordal"
-};
-constexpr Candidate kCandidates[] = {{"gnc", "odometry", true},
-                                     {"dcs", "odometry", false},
-                                     {"geman_mcclure", "odometry", false},
-                                     {"gnc", "chordal", true}};
-// Limits of the rounds of "gnc" of an attempt. Polish() ends each attempt in a minimum.
-constexpr int kAttemptIterations = 10;
-constexpr double kAttemptCostChange = 1e-3;
-
-// Lets the attempt end in a minimum of the truncated cost.
-void Polish(const PoseGraph& graph, const PoseGraphOptions& options, const ChainedPoses& chained,
-            Attempt* attempt) {
-  PoseGraphProblem problem(graph, attempt->world_from_pose, chained.held);
-  {
-    const StageTimer timer("solve", TraceSlice::kNoFrame, &attempt->summary.solve_ms);
-    attempt->summary.termination = PolishTruncated(graph, options, &problem, &attempt->summary);
-  }
-  Finish(graph, options, problem, attempt);
-}
-
-// Keeps the attempt with the smallest truncated cost. The first one of equal attempts wins.
-Attempt OptimizeFromSeveralStarts(const PoseGraph& graph, const PoseGraphOptions& options,
-                                  const ChainedPoses& chained) {
-  Attempt best;
-  std::vector<PoseGraphIteration> iterations;
-  int rounds = 0;
-  double initialize_ms = 0, solve_ms = 0;
-  const bool only_gnc = options.loop_robustness == "gnc";
-  for (const Candidate& candidate : kCandidates) {
-    if (only_gnc && !candidate.for_gnc) continue;
-    PoseGraphOptions one = options;
-    one.loop_robustness = candidate.loop_robustness;
-    one.start = candidate.start;
-    one.max_round_iterations = std::min(options.max_round_iterations, kAttemptIterations);
-    one.min_round_cost_change = std::max(options.min_round_cost_change, kAttemptCostChange);
-    Attempt attempt = Optimize(graph, one, chained);
-    if (attempt.summary.Succeeded()) Polish(graph, options, chained, &attempt);
-    for (PoseGraphIteration iteration : attempt.summary.iterations) {
-      iteration.round += rounds;
-      iterations.push_back(iteration);
-    }
-    rounds += attempt.summary.round_count;
-    initialize_ms += attempt.summary.initialize_ms;
-    solve_ms += attempt.summary.solve_ms;
-    if (!attempt.summary.Succeeded()) continue;
-    if (!best.summary.Succeeded() || attempt.summary.truncated_cost < best.summary.truncated_cost) {
-      best = std::move(attempt);
-    }
-  }
-  best.summary.iterations = std::move(iterations);
-  best.summary.round_count = rounds;
-  best.summary.initialize_ms = initialize_ms;
-  best.summary.solve_ms = solve_ms;
-  return best;
-}
-
-}  // namespace
 
 void DescribeGraph(const PoseGraph& graph, const ChainedPoses& chained, PoseGraphSummary* summary) {
   summary->held_count = std::count(chained.held.begin(), chained.held.end(), true);
@@ -208,14 +145,14 @@ PoseGraphSummary OptimizePoseGraph(const PoseGraphOptions& options, PoseGraph* g
   Validate(options);
   graph->Validate();
   const ChainedPoses chained = ChainPoses(*graph);
-  Attempt best;
+  GraphAttempt best;
   const auto robustness = ValueOf("loop_robustness", options.loop_robustness, kLoopRobustness);
   const bool is_chordal =
       ValueOf("start", options.start, kPoseGraphStarts) == PoseGraphStart::kChordal;
   if (robustness == LoopRobustness::kAuto || (robustness == LoopRobustness::kGnc && is_chordal)) {
     best = OptimizeFromSeveralStarts(*graph, options, chained);
   } else {
-    best = Optimize(*graph, options, chained);
+    best = OptimizeOnce(*graph, options, chained);
   }
   PoseGraphSummary& summary = best.summary;
   summary.sparse_backend = options.sparse_backend;

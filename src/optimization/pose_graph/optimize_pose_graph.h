@@ -160,7 +160,12 @@ void DescribeGraph(const PoseGraph& graph, const ChainedPoses& chained, PoseGrap
 // Indices of the loop closures in graph.edges, ascending.
 std::vector<std::size_t> LoopsOf(const PoseGraph& graph);
 
-// Half the sum of squared errors of all edges except `left_out` (edge indices), and of all priors.
+// Sum of the ranks of all information matrices without some edges, minus the number of unknowns. At
+// least 0.
+double DegreesOfFreedom(const PoseGraph& graph, const ChainedPoses& chained,
+                        const std::vector<std::size_t>& left_out);
+
+// Half the sum of squared errors without some edges.
 double CountedCost(const PoseGraphProblem& problem, const std::vector<std::size_t>& left_out);
 // Half the sum of squared errors, where loop closures have the kernel min(s, c^2).
 double TruncatedCost(const PoseGraph& graph, const PoseGraphProblem& problem,

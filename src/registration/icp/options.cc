@@ -183,10 +183,13 @@ void CloudCriteria::Visit(OptionVisitor& v) {
   v.Add(min_score_margin, "min_score_margin",
         "minimum score margin over other poses, relative to the best score", Share());
   v.Add(max_disagreement_spacings, "max_disagreement_spacings",
-        "maximum distance of points after forward and backward registration, in point spacings",
+        "maximum distance of points after forward and backward registration, and after "
+        "registration from displaced poses, in point spacings",
         Positive());
   v.Add(max_sigma_spacings, "max_sigma_spacings",
-        "maximum standard deviation of points in any direction, in point spacings", Positive());
+        "standard deviation of points above which a direction is verified from displaced poses, in "
+        "point spacings",
+        Positive());
 }
 
 void CloudStartOptions::Visit(OptionVisitor& v) {

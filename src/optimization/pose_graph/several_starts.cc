@@ -1,0 +1,163 @@
+#include "optimization/pose_graph/several_starts.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/trace.h"
+#include "optimization/pose_graph/robust_loops.h"
+
+namespace surfit {
+namespace {
+
+// Method and start of one attempt of "auto".
+struct Candidate {
+  const char *loop_robustness, *start;
+  bool for_gnc;  // also an attempt of "gnc" from "chordal"
+};
+constexpr Candidate kCandidates[] = {{"gnc", "odometry", true},
+                                     {"dcs", "odometry", false},
+                                     {"geman_mcclure", "odometry", false},
+                                     {"gnc", "chordal", true}};
+// Limits of the rounds of "gnc" of an attempt. Polish() ends each attempt in a minimum.
+constexpr int kAttemptIterations = 10;
+constexpr double kAttemptCostChange = 1e-3;
+// GNC from odometry repeats with a smaller limit while the variance factor decreases below this
+// ratio.
+constexpr double kFactorDecrease = 0.7;
+constexpr int kMaxRepeats = 6;
+// Errors of correct loop closures have heavier tails than a normal distribution. A loop closure
+// with twice the standard deviation of the others is accepted.
+constexpr double kTailFactor = 4;
+
+// The information matrices of many graphs understate the accuracy. Then wrong loop closures that
+// bend the odometry a little fit max_loop_squared_error, and the truncated cost can be smaller with
+// them. Therefore, costs are compared with limits that are scaled by the variance factor: the
+// chi-square over its degrees of freedom (Baarda: A testing procedure for use in geodetic
+// networks, 1968). The factor is at most 1, so the limit never increases.
+class SeveralStarts {
+ public:
+  SeveralStarts(const PoseGraph& graph, const PoseGraphOptions& options,
+                const ChainedPoses& chained)
+      : graph_(graph), options_(options), chained_(chained) {}
+
+  GraphAttempt Run() {
+    const bool only_gnc = options_.loop_robustness == "gnc";
+    for (const Candidate& candidate : kCandidates) {
+      if (candidate.for_gnc || !only_gnc) Try(candidate, 1);
+    }
+    double factor = 1;
+    for (int i = 0; i < kMaxRepeats && factor_ < kFactorDecrease * factor; ++i) {
+      factor = factor_;
+      Try(kCandidates[0], factor);
+    }
+    if (factor_ < 1 && best_.summary.Succeeded()) AcceptTails();
+    best_.summary.iterations = std::move(iterations_);
+    best_.summary.round_count = rounds_;
+    best_.summary.initialize_ms = initialize_ms_;
+    best_.summary.solve_ms = solve_ms_;
+    return std::move(best_);
+  }
+
+ private:
+  PoseGraphOptions WithLimit(double factor) const {
+    PoseGraphOptions options = options_;
+    options.max_loop_squared_error *= factor;
+    return options;
+  }
+
+  // Adds the iterations and times of an attempt to those of all attempts.
+  void Count(PoseGraphSummary* summary) {
+    for (PoseGraphIteration iteration : summary->iterations) {
+      iteration.round += rounds_;
+      iterations_.push_back(iteration);
+    }
+    rounds_ += summary->round_count;
+    initialize_ms_ += summary->initialize_ms;
+    solve_ms_ += summary->solve_ms;
+  }
+
+  // Lets the attempt end in a minimum of the truncated cost.
+  void Polish(const PoseGraphOptions& options, GraphAttempt* attempt) const {
+    PoseGraphProblem problem(graph_, attempt->world_from_pose, chained_.held);
+    {
+      const StageTimer timer("solve", TraceSlice::kNoFrame, &attempt->summary.solve_ms);
+      attempt->summary.termination = PolishTruncated(graph_, options, &problem, &attempt->summary);
+    }
+    Finish(graph_, options, problem, attempt);
+  }
+
+  // Accepts correct loop closures that the smallest limit rejects. They deviate more if they are
+  // rejected. Therefore, one of the two trials begins with the largest limit.
+  void AcceptTails() {
+    GraphAttempt narrow = best_, wide = best_;
+    for (GraphAttempt* attempt : {&narrow, &wide}) {
+      attempt->summary.iterations.clear();
+      attempt->summary.round_count = 0;
+      attempt->summary.initialize_ms = attempt->summary.solve_ms = 0;
+    }
+    Polish(options_, &wide);
+    double factor = factor_;
+    for (GraphAttempt* attempt : {&narrow, &wide}) {
+      if (attempt->summary.Succeeded()) {
+        const double own = attempt == &wide ? VarianceFactor(wide.summary) : factor_;
+        Polish(WithLimit(std::min(1., kTailFactor * own)), attempt);
+      }
+      Count(&attempt->summary);
+      factor = std::min(factor, VarianceFactor(attempt->summary));
+    }
+    const double common = std::min(1., kTailFactor * factor);
+    if (!narrow.summary.Succeeded()) return;
+    const bool is_wider = wide.summary.Succeeded() && CostOf(wide, common) < CostOf(narrow, common);
+    best_ = std::move(is_wider ? wide : narrow);
+  }
+
+  // Few accepted loop closures do not show the accuracy of the information: the factor is 1.
+  double VarianceFactor(const PoseGraphSummary& summary) const {
+    const double freedom = DegreesOfFreedom(graph_, chained_, summary.outlier_edges);
+    if (2 * summary.outlier_edges.size() > LoopsOf(graph_).size() || !(freedom > 0)) return 1;
+    return std::min(1., 2 * summary.final_cost / freedom);
+  }
+
+  double CostOf(const GraphAttempt& attempt, double factor) const {
+    const PoseGraphProblem problem(graph_, attempt.world_from_pose, chained_.held);
+    return TruncatedCost(graph_, problem, factor * options_.max_loop_squared_error);
+  }
+
+  // Keeps the attempt with the smallest truncated cost. The first one of equal attempts wins.
+  void Try(const Candidate& candidate, double limit_factor) {
+    PoseGraphOptions one = WithLimit(limit_factor);
+    one.loop_robustness = candidate.loop_robustness;
+    one.start = candidate.start;
+    one.max_round_iterations = std::min(options_.max_round_iterations, kAttemptIterations);
+    one.min_round_cost_change = std::max(options_.min_round_cost_change, kAttemptCostChange);
+    GraphAttempt attempt = OptimizeOnce(graph_, one, chained_);
+    if (attempt.summary.Succeeded()) Polish(WithLimit(limit_factor), &attempt);
+    Count(&attempt.summary);
+    if (!attempt.summary.Succeeded()) return;
+    const double factor = VarianceFactor(attempt.summary);
+    if (best_.summary.Succeeded()) {
+      const double common = std::min(factor, factor_);
+      if (!(CostOf(attempt, common) < CostOf(best_, common))) return;
+    }
+    best_ = std::move(attempt);
+    factor_ = factor;
+  }
+
+  const PoseGraph& graph_;
+  const PoseGraphOptions& options_;
+  const ChainedPoses& chained_;
+  GraphAttempt best_;
+  double factor_ = 1;  // variance factor of the best attempt
+  std::vector<PoseGraphIteration> iterations_;
+  int rounds_ = 0;
+  double initialize_ms_ = 0, solve_ms_ = 0;
+};
+
+}  // namespace
+
+GraphAttempt OptimizeFromSeveralStarts(const PoseGraph& graph, const PoseGraphOptions& options,
+                                       const ChainedPoses& chained) {
+  return SeveralStarts(graph, options, chained).Run();
+}
+
+}  // namespace surfit
