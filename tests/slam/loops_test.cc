@@ -84,9 +84,6 @@ TEST(SlamLoops, StartsNewSubmapAfterLongLoss) {
   EXPECT_EQ(run.reports[30 + 4].state, FrameState::kNewMap);
   EXPECT_EQ(run.counts.submaps, 2u);
   EXPECT_EQ(run.counts.disconnected_submaps, 1u);
-  const Eigen::Vector3d way = run.reports[30 + 4].world_from_camera.translation -
-                              run.reports[29].world_from_camera.translation;
-  EXPECT_GT(way.norm(), Backend::kSubmapDistance / 2);
   EXPECT_EQ(run.reports.back().state, FrameState::kTracked);
 }
 

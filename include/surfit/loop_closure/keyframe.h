@@ -29,7 +29,7 @@ struct PlaceView {
   DepthNoise noise;
   Image<std::uint16_t> depth;          // filtered depth in 1/kDepthUnitsPerMetre m; 0: missing
   Image<std::uint8_t> intensity;       // 1: black, 255: white, 0: unknown; empty without colour
-  std::vector<PlaceFeature> features;  // empty without colour
+  std::vector<PlaceFeature> features;  // of the colour image, or else of the relief of the depth
 
   // Resolution of 0.2 mm. Depth above 13.1 m is missing.
   static constexpr double kDepthUnitsPerMetre = 5000;
@@ -45,6 +45,7 @@ struct Keyframe {
   double stamp_s = 0;
   Rigid3d world_from_camera;  // latest estimate
   PlaceView view;             // empty if removed by LimitKeyframes()
+  int piece = 0;              // poses of different pieces are not comparable
 };
 
 // Options of MakePlaceView().
@@ -57,10 +58,13 @@ struct PlaceViewOptions {
 
 // Makes a view from the finest pyramid level within `max_width`, or from the coarsest level. The
 // pyramid must have a level. Features come from `color`, which has the size of the finest pyramid
-// level. Without colour, `color` is empty, and so is PlaceView::features. Throws InputError for
-// invalid options.
+// level. Without colour, `color` is empty, and features come from the shaded relief of the depth.
+// Throws InputError for invalid options.
 PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
                         const PlaceViewOptions& options);
+
+// Makes a view without intensities and features. Otherwise like MakePlaceView().
+PlaceView MakeDepthView(const FramePyramid& pyramid, const PlaceViewOptions& options);
 
 // Pyramid of the surfaces of a view, which must not be empty. Its finest level has the camera of
 // the view. Normals are computed again. Intensities are included if the view has them.
