@@ -89,8 +89,8 @@ class Tracker {
   // Predict(). `has_color`: the next frame will have colour.
   void PredictAhead(bool has_color);
 
-  // Applies a correction of the world frame to all stored poses: `new_from_old_now` to the last
-  // pose, and the entry of its keyframe to a tentative pose in another submap.
+  // Applies a correction of the world frame to all stored poses. `new_from_old_now` moves the last
+  // pose. A tentative pose in another submap moves with its keyframe, by `corrections`.
   void Move(const Rigid3d& new_from_old_now, const FrameCorrections& corrections);
 
  private:

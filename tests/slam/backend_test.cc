@@ -75,7 +75,9 @@ std::vector<LoopVerification> TrueLoops(int source, const std::vector<Keyframe>&
                                         const PlaceIndex&) {
   const int frame = keyframes[source].frame_index;
   if (frame < kFrames - 20) return {};
-  return {Loop(source, 0, TruePose(0).Inverse() * TruePose(frame))};
+  std::vector<LoopVerification> loops;  // GCC 12 warns of an initializer list
+  loops.push_back(Loop(source, 0, TruePose(0).Inverse() * TruePose(frame)));
+  return loops;
 }
 
 LoopOptions Enabled() {
@@ -228,8 +230,9 @@ TEST(Backend, RejectsWrongLoop) {
 
 TEST(Backend, ConnectsSubmapByLoop) {
   const auto finder = [](int source, const auto&, const auto&) {
-    if (source != 1) return std::vector<LoopVerification>();
-    return std::vector<LoopVerification>{Loop(1, 0, {Eigen::Quaterniond::Identity(), {0, 0, 0.5}})};
+    std::vector<LoopVerification> loops;
+    if (source == 1) loops.push_back(Loop(1, 0, {Eigen::Quaterniond::Identity(), {0, 0, 0.5}}));
+    return loops;
   };
   Backend backend({}, {}, Enabled(), NoCalibration(), finder);
   const FramePyramid pyramid = FlatPyramid();

@@ -106,7 +106,7 @@ class PoseStore {
   std::vector<int> PieceOfKeyframe() const;
   // Piece of the first keyframe of each submap.
   std::vector<int> PieceOfSubmap() const;
-  // Number of pieces except the first.
+  // Returns the number of pieces without the first piece.
   std::size_t CountDisconnectedSubmaps() const;
 
   // Adds a frame of the last keyframe. Call MakeKeyframe() directly after the first frame. Its

@@ -176,9 +176,9 @@ struct SlamRunSummary {
   double compression_ratio = 0;   // input_points / map_points
   double match_ratio_last = 0;    // merged points / valid points, last fused frame
   double match_ratio_median = 0;  // median over all fused frames
-  // By first frame; at least one if a frame has a pose.
+  // Sorted by their first frames. Empty if no frame has a pose.
   std::vector<TrajectoryPiece> pieces;
-  // Of the piece with the most frames; with ground truth only.
+  // Evaluates the piece with the most frames; with ground truth only.
   std::optional<TrajectoryEvaluation> evaluation;
   double sensor_latency_s = 0;  // RgbdCamera::latency_s: file timestamp minus pose timestamp
   // ATE with the timestamps of the files, and ATE with a time offset fitted to the ground truth.
