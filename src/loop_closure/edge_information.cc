@@ -39,6 +39,15 @@ Matrix6d OdometryInformation(const IcpResult& icp, int frames, const Rigid3d& a_
                              noise.odometry_m + noise.odometry_ratio * way_m));
 }
 
+// The map was rendered near pose b, so the registration covariance is in the frame of b.
+Matrix6d RelocalizationInformation(const IcpResult& icp, const Rigid3d& a_from_b,
+                                   const EdgeNoise& noise) {
+  const Matrix6d transform = IncrementTransform(a_from_b);
+  const Matrix6d of_registration = CovarianceOf(InformationOf(icp) / noise.shared_points);
+  return InverseOf(transform * of_registration * transform.transpose() +
+                   Variances(noise.loop_rad, noise.loop_m));
+}
+
 Matrix6d LoopInformation(const Matrix6d& registration_information, const EdgeNoise& noise) {
   return InverseOf(CovarianceOf(registration_information) +
                    Variances(noise.loop_rad, noise.loop_m));

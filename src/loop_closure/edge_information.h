@@ -13,6 +13,12 @@ namespace surfit {
 Matrix6d OdometryInformation(const IcpResult& icp, int frames, const Rigid3d& a_from_b,
                              const EdgeNoise& noise);
 
+// Information matrix of the edge of a relocalisation, from keyframe a to the relocalised keyframe
+// b, in the frame of a. `icp` is the registration of b to the map. The covariance is the
+// registration covariance of correlated points plus the noise of a loop closure.
+Matrix6d RelocalizationInformation(const IcpResult& icp, const Rigid3d& a_from_b,
+                                   const EdgeNoise& noise);
+
 // Information matrix of a loop closure, for GlobalRegistrationResult::information. The covariance
 // is the registration covariance plus the noise, with the same prior. Both matrices are in the
 // frame of the target keyframe.

@@ -18,6 +18,7 @@ std::vector<Neighbour> Neighbours(int source, const std::vector<Keyframe>& keyfr
                                   const FindLoopsOptions& options) {
   std::vector<Neighbour> neighbours;
   for (int target = 0; target < source; ++target) {
+    if (keyframes[target].piece != keyframes[source].piece) continue;
     const Rigid3d motion =
         keyframes[target].world_from_camera.Inverse() * keyframes[source].world_from_camera;
     const double relative_distance =
@@ -37,8 +38,10 @@ std::vector<LoopCandidate> ProposeLoopCandidates(int source, const std::vector<K
                                                  const PlaceIndex& index,
                                                  const FindLoopsOptions& options) {
   const auto is_wanted = [&](int keyframe) {
+    const bool is_other_piece = keyframes[keyframe].piece != keyframes[source].piece;
     return !keyframes[keyframe].view.empty() &&
-           keyframes[source].frame_index - keyframes[keyframe].frame_index >= options.min_gap;
+           (is_other_piece ||
+            keyframes[source].frame_index - keyframes[keyframe].frame_index >= options.min_gap);
   };
   std::vector<LoopCandidate> proposals;
   for (const PlaceCandidate& candidate :

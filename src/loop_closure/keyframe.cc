@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "registration/global/feature_points.h"
@@ -60,6 +61,41 @@ Image<float> IntensityOf(const PlaceView& view) {
   return intensity;
 }
 
+// Shaded relief: the brightness of a pixel is the slope of the smoothed depth to the right and
+// down. Near viewpoints have similar reliefs. Pixels without depth are black.
+Image<Rgb8> ReliefOf(const FrameLevel& surface) {
+  constexpr double kBlur_px = 1.5;
+  constexpr float kMinWeight = 0.6f;
+  constexpr int kHalfStep_px = 2;
+  constexpr float kGrey = 128, kContrast = 60;
+  const Image<float>& depth_m = surface.vertex.z;
+  const int width = depth_m.width(), height = depth_m.height();
+  Image<float> weight(width, height), smooth_m = depth_m;
+  for (std::size_t i = 0; i < depth_m.size(); ++i) weight[i] = depth_m[i] > 0 ? 1 : 0;
+  for (Image<float>* image : {&weight, &smooth_m}) {
+    cv::Mat pixels(height, width, CV_32FC1, image->data());
+    cv::GaussianBlur(pixels, pixels, {}, kBlur_px);
+  }
+  for (std::size_t i = 0; i < depth_m.size(); ++i) {
+    smooth_m[i] = depth_m[i] > 0 && weight[i] > kMinWeight ? smooth_m[i] / weight[i] : 0;
+  }
+  Image<Rgb8> relief(width, height);
+  for (int v = kHalfStep_px; v + kHalfStep_px < height; ++v) {
+    for (int u = kHalfStep_px; u + kHalfStep_px < width; ++u) {
+      const float z = smooth_m(u, v);
+      const float left = smooth_m(u - kHalfStep_px, v), right = smooth_m(u + kHalfStep_px, v);
+      const float up = smooth_m(u, v - kHalfStep_px), down = smooth_m(u, v + kHalfStep_px);
+      if (!(z > 0 && left > 0 && right > 0 && up > 0 && down > 0)) continue;
+      const double x = surface.camera.fx * (right - left) / (2 * kHalfStep_px * z);
+      const double y = surface.camera.fy * (down - up) / (2 * kHalfStep_px * z);
+      const double grey = kGrey + kContrast * (x + y) / std::sqrt(1 + x * x + y * y);
+      const auto value = static_cast<std::uint8_t>(std::lround(grey));
+      relief(u, v) = {value, value, value};
+    }
+  }
+  return relief;
+}
+
 std::vector<PlaceFeature> FindPlaceFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
                                             int max_count) {
   const FeaturePoints found = FindFeatures(color, surface, ErrorModel(), max_count);
@@ -71,6 +107,16 @@ std::vector<PlaceFeature> FindPlaceFeatures(const Image<Rgb8>& color, const Fram
   return features;
 }
 
+// Finest level within the maximum width, or the coarsest level.
+int LevelOf(const FramePyramid& pyramid, const PlaceViewOptions& options) {
+  int level = 0;
+  while (level + 1 < static_cast<int>(pyramid.levels.size()) &&
+         pyramid.levels[level].camera.width > options.max_width) {
+    ++level;
+  }
+  return level;
+}
+
 }  // namespace
 
 std::size_t PlaceView::Bytes() const {
@@ -78,21 +124,25 @@ std::size_t PlaceView::Bytes() const {
          features.size() * sizeof(features[0]);
 }
 
-PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
-                        const PlaceViewOptions& options) {
+PlaceView MakeDepthView(const FramePyramid& pyramid, const PlaceViewOptions& options) {
   Validate(options);
   PlaceView view;
-  int level = 0;
-  while (level + 1 < static_cast<int>(pyramid.levels.size()) &&
-         pyramid.levels[level].camera.width > options.max_width) {
-    ++level;
-  }
-  const FrameLevel& surface = pyramid.levels[level];
+  const FrameLevel& surface = pyramid.levels[LevelOf(pyramid, options)];
   view.camera = surface.camera;
   view.noise = surface.noise;
   view.depth = CompactDepth(surface.vertex.z);
+  return view;
+}
+
+PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
+                        const PlaceViewOptions& options) {
+  PlaceView view = MakeDepthView(pyramid, options);
+  const int level = LevelOf(pyramid, options);
+  const FrameLevel& surface = pyramid.levels[level];
   view.intensity = CompactIntensity(color, level);
-  view.features = FindPlaceFeatures(color, pyramid.levels.front(), options.max_features);
+  view.features = color.empty()
+                      ? FindPlaceFeatures(ReliefOf(surface), surface, options.max_features)
+                      : FindPlaceFeatures(color, pyramid.levels.front(), options.max_features);
   return view;
 }
 

@@ -96,6 +96,7 @@ LoopOutcome LoopCloser::Run(LoopTask task) {
   }
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
     keyframes_[k].world_from_camera = task.graph.poses[k].world_from_pose;
+    keyframes_[k].piece = task.piece_of_keyframe[k];
   }
   const std::size_t edges_before = task.graph.edges.size();
   for (int k = first; k < static_cast<int>(keyframes_.size()); ++k) {

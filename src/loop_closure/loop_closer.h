@@ -31,6 +31,7 @@ struct KeyframeForLoops {
 struct LoopTask {
   std::vector<KeyframeForLoops> added;
   PoseGraph graph;
+  std::vector<int> piece_of_keyframe;  // see PoseStore; one per pose of the graph
 };
 
 // Result of a task, applied to the pose store by the caller.

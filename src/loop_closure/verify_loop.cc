@@ -10,6 +10,8 @@
 namespace surfit {
 namespace {
 
+constexpr double kMinOverlapWithoutColor = 0.5;
+
 class ExpandedView {
  public:
   // The view must not be empty.
@@ -87,8 +89,14 @@ GlobalRegistrationResult VerifyLoop(const PlaceView& source, const PlaceView& ta
   coarse_icp.gates.max_distance_m *= options.icp.gate_growth;
   coarse_icp.error_model.floor_sigma_m *= 2;
   const ExpandedView from(source, options.preprocess), to(target, options.preprocess);
+  FitCriteria fit = options.fit;
+  // The surfaces alone decide. They must overlap more, because many places have similar shapes.
+  if (source.intensity.empty() && target.intensity.empty()) {
+    fit.needs_color = false;
+    fit.min_overlap_ratio = std::max(fit.min_overlap_ratio, kMinOverlapWithoutColor);
+  }
   return RegisterFrom(starts, from.ForRegistration(), to.ForRegistration(),
-                      {coarse_icp, options.icp, options.fit}, verdict);
+                      {coarse_icp, options.icp, fit}, verdict);
 }
 
 }  // namespace surfit

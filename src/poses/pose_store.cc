@@ -1,6 +1,7 @@
 #include "surfit/poses/pose_store.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace surfit {
@@ -15,6 +16,7 @@ LoopRecord RecordOf(const PoseGraphEdge& edge, const std::vector<KeyframeLink>& 
   record.attempt.verdict.reason = GlobalRegistrationReason::kAccepted;
   record.attempt.verdict.target_from_source = edge.a_from_b;
   record.is_kept = true;
+  record.is_relocalization = keyframes[edge.b].parent_frame == record.target_frame;
   return record;
 }
 
@@ -44,6 +46,8 @@ PoseStore::PoseStore(StoredPoses state)
   for (std::size_t i = 0; i < edges_.size(); ++i) {
     if (edges_[i].b < state.settled_keyframes) graph_edges_.push_back(i);
     if (!edges_[i].loop) continue;
+    loop_of_edge_.resize(i + 1);
+    loop_of_edge_[i] = loops_.size();
     loops_.push_back(RecordOf(edges_[i], keyframes_));
     loops_.back().in_graph = state.loops_in_graph[loop++];
   }
@@ -87,21 +91,50 @@ int PoseStore::submap_count() const {
   return count;
 }
 
-// Each pass propagates connections over the loops. One pass per submap is sufficient.
-std::size_t PoseStore::CountDisconnectedSubmaps() const {
-  const auto submap_at = [&](int frame_index) {
-    return keyframes_[FrameAt(frame_index).keyframe].submap;
+// The root of a set is its first keyframe.
+std::vector<int> PoseStore::PieceOfKeyframe() const {
+  std::vector<int> root(keyframes_.size());
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int k) {
+    while (root[k] != k) k = root[k] = root[root[k]];
+    return k;
   };
-  std::vector<bool> connected(static_cast<std::size_t>(submap_count()), false);
-  if (!connected.empty()) connected[0] = true;
-  for (std::size_t pass = 0; pass < connected.size(); ++pass) {
-    for (const LoopRecord& loop : loops_) {
-      if (!loop.in_graph) continue;
-      const int a = submap_at(loop.source_frame), b = submap_at(loop.target_frame);
-      if (connected[a] || connected[b]) connected[a] = connected[b] = true;
+  const auto join = [&](int a, int b) {
+    const int root_a = find(a), root_b = find(b);
+    root[std::max(root_a, root_b)] = std::min(root_a, root_b);
+  };
+  std::vector<bool> is_apart(keyframes_.size(), false);  // from its parent
+  for (const LoopRecord& loop : loops_) {
+    const int source = FrameAt(loop.source_frame).keyframe;
+    if (loop.in_graph) join(source, FrameAt(loop.target_frame).keyframe);
+    if (!loop.in_graph && loop.is_relocalization) is_apart[source] = true;
+  }
+  for (int k = 0; k < static_cast<int>(keyframes_.size()); ++k) {
+    const int parent = ParentOf(k);
+    if (parent != KeyframeLink::kNone && !is_apart[k]) join(k, parent);
+  }
+  std::vector<int> piece(keyframes_.size());
+  int count = 0;
+  for (int k = 0; k < static_cast<int>(keyframes_.size()); ++k) {
+    piece[k] = root[k] == k ? count++ : piece[find(k)];
+  }
+  return piece;
+}
+
+std::vector<int> PoseStore::PieceOfSubmap() const {
+  const std::vector<int> piece_of_keyframe = PieceOfKeyframe();
+  std::vector<int> pieces;
+  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+    if (keyframes_[k].submap == static_cast<int>(pieces.size())) {
+      pieces.push_back(piece_of_keyframe[k]);
     }
   }
-  return static_cast<std::size_t>(std::count(connected.begin(), connected.end(), false));
+  return pieces;
+}
+
+std::size_t PoseStore::CountDisconnectedSubmaps() const {
+  const std::vector<int> pieces = PieceOfKeyframe();
+  return pieces.empty() ? 0 : *std::max_element(pieces.begin(), pieces.end());
 }
 
 void PoseStore::AddFrame(int index, double stamp_s, const Rigid3d& world_from_camera, int segment) {
@@ -126,15 +159,28 @@ void PoseStore::MakeKeyframe(int parent) {
 void PoseStore::AddLoop(LoopRecord record, const std::optional<PoseGraphEdge>& edge) {
   if (edge) {
     graph_edges_.push_back(edges_.size());
-    edges_.push_back(*edge);
+    AddLoopEdge(*edge);
   }
   loops_.push_back(std::move(record));
 }
 
+// The edge joins the next snapshot. A running optimisation has no flag for this edge.
+void PoseStore::AddRelocalization(LoopRecord record, const PoseGraphEdge& edge) {
+  AddLoopEdge(edge);
+  loops_.push_back(std::move(record));
+}
+
+// The record of the edge is the next one in loops_.
+void PoseStore::AddLoopEdge(const PoseGraphEdge& edge) {
+  loop_of_edge_.resize(edges_.size() + 1);
+  loop_of_edge_.back() = loops_.size();
+  edges_.push_back(edge);
+}
+
 void PoseStore::SetLoopsInGraph(const std::vector<bool>& in_graph) {
   std::size_t loop = 0;
-  for (LoopRecord& record : loops_) {
-    if (record.attempt.verdict.accepted()) record.in_graph = in_graph[loop++];
+  for (const std::size_t i : graph_edges_) {
+    if (edges_[i].loop) loops_[loop_of_edge_[i]].in_graph = in_graph[loop++];
   }
 }
 

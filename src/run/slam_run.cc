@@ -235,6 +235,7 @@ class SlamRun {
     summary.sensor_latency_s = info_.camera.latency_s;
     failures_.Try([&] { trajectory_->Finish(); });
     if (slam_->backend()) FinishBackend(&summary);
+    failures_.Try([&] { FindPieces(&summary); });
     if (session_) summary.session_waits = session_->waits();
     if (localization_) summary.localization = localization_->Summary();
     failures_.Try([&] { summary.digest = Digest(trajectory_->poses(), slam_->map()); });
@@ -371,9 +372,52 @@ class SlamRun {
                  << std::to_string(info_.ground_truth.back().stamp_s) << " s";
   }
 
+  // Piece of each frame in the trajectory.
+  std::vector<int> PieceOfFrame() const {
+    std::vector<int> pieces(trajectory_->frames().size(), 0);
+    if (!slam_->backend() || options_.localize) return pieces;
+    const PoseStore& poses = slam_->backend()->poses();
+    const std::vector<int> piece_of_keyframe = poses.PieceOfKeyframe();
+    std::map<int, int> piece_of_frame;
+    for (const PosedFrame& frame : poses.frames()) {
+      piece_of_frame[frame.index] = piece_of_keyframe[frame.keyframe];
+    }
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      pieces[i] = piece_of_frame[trajectory_->frames()[i]];
+    }
+    return pieces;
+  }
+
+  void FindPieces(SlamRunSummary* summary) {
+    const std::vector<int>& frames = trajectory_->frames();
+    summary->frames_with_pose = static_cast<int>(frames.size());
+    std::map<int, std::pair<TrajectoryPiece, Trajectory>> pieces;
+    const std::vector<int> piece_of_frame = PieceOfFrame();
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      auto& [piece, poses] = pieces[piece_of_frame[i]];
+      if (poses.empty()) piece.first_frame = frames[i];
+      piece.last_frame = frames[i];
+      ++piece.frames;
+      poses.push_back(trajectory_->poses()[i]);
+    }
+    int most = 0;
+    for (auto& [number, piece] : pieces) {
+      if (!info_.ground_truth.empty()) {
+        piece.first.evaluation =
+            EvaluateTrajectory(info_.ground_truth, piece.second, statistics_.stamps_s(), {});
+      }
+      summary->pieces.push_back(piece.first);
+      if (piece.first.frames > most) {
+        most = piece.first.frames;
+        largest_piece_ = std::move(piece.second);
+      }
+    }
+  }
+
+  // Errors are those of the largest piece.
   void Evaluate(SlamRunSummary* summary) const {
     const Trajectory& truth = info_.ground_truth;
-    const Trajectory& estimate = trajectory_->poses();
+    const Trajectory& estimate = largest_piece_;
     summary->evaluation = EvaluateTrajectory(truth, estimate, statistics_.stamps_s(), {});
     const bool is_own_file = !options_.groundtruth.empty();  // OpenSequence() checks other files
     if (is_own_file && summary->evaluation->expected == 0) WarnOfTruthTimes();
@@ -449,6 +493,7 @@ class SlamRun {
   std::optional<double> final_map_s_;
   bool has_pose_ = false;                                          // of any frame
   std::size_t pixels_without_pose_ = 0, depths_without_pose_ = 0;  // of frames before a pose
+  Trajectory largest_piece_;  // piece of the trajectory with the most frames
   bool is_frame_complete_ = true;  // false after an exception within a frame
 };
 

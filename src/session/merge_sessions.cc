@@ -40,6 +40,19 @@ FrameCorrections MoveTo(const Rigid3d& new_from_old, SlamState* state) {
   return {state->frames.front().index, {new_from_old}};
 }
 
+// Sessions are placed beside each other with this gap, until a loop closure connects them.
+constexpr double kGap_m = 1;
+
+// Bounding box of cameras and surfels in world coordinates, m.
+Eigen::AlignedBox3d BoxOf(const SlamState& state) {
+  Eigen::AlignedBox3d box;
+  for (const PosedFrame& frame : state.frames) box.extend(frame.world_from_camera.translation);
+  for (const std::int32_t id : state.map.Ids()) {
+    box.extend(state.map[id].position_in_world.cast<double>());
+  }
+  return box;
+}
+
 // Sorts loop closures by their later keyframe, after all odometry edges. The back end adds edges in
 // this order.
 void SortLoops(SlamState* state) {
@@ -64,20 +77,6 @@ void SortLoops(SlamState* state) {
   }
 }
 
-void AddSurfels(const SurfelMap& from, int shift, SurfelMap* to) {
-  for (std::int32_t c = 0; c < from.cell_count(); ++c) {
-    for (const std::int32_t b : from.cell(c).blocks) {
-      SurfelBlock block = from.block(b);
-      for (int k = 0; k < block.count; ++k) {
-        block.first_seen[k] += shift;
-        block.last_seen[k] += shift;
-        const std::int32_t added = to->Append(block[k]);
-        to->block(added / SurfelBlock::kCapacity).Take(added % SurfelBlock::kCapacity, block, k);
-      }
-    }
-  }
-}
-
 template <typename T>
 void Append(std::vector<T> from, std::vector<T>* to) {
   to->insert(to->end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
@@ -97,8 +96,8 @@ class Merger {
     first_keyframe_.push_back(state.keyframes.size());
     Shift(shift, static_cast<int>(state.keyframes.size()), 1 + state.frames.back().segment, submaps,
           &added);
-    const double beside = Backend::kSubmapDistance * submaps;
-    const Rigid3d moved(Eigen::Quaterniond::Identity(), {beside, 0, 0});
+    const double beside_m = std::max(0., BoxOf(state).max().x() + kGap_m - BoxOf(added).min().x());
+    const Rigid3d moved(Eigen::Quaterniond::Identity(), {beside_m, 0, 0});
     for (SessionRun& run : other.runs) run.shift += shift;
     MoveMap(MoveTo(moved, &added), &added.map);
     if (!state.calibration) state.calibration = added.calibration;
@@ -110,7 +109,7 @@ class Merger {
     Append(std::move(added.edges), &state.edges);
     state.loops_in_graph.insert(state.loops_in_graph.end(), added.loops_in_graph.begin(),
                                 added.loops_in_graph.end());
-    AddSurfels(added.map, shift, &state.map);
+    AppendSurfels(added.map, shift, &state.map);
   }
 
   Session& all() { return all_; }

@@ -24,6 +24,20 @@ double Displacement(const Rigid3d& new_from_old, const Eigen::Vector3d& camera) 
          kDistanceM * RotationAngle(new_from_old.rotation);
 }
 
+// Moves pieces far apart, so that a calibration does not compare their surfaces.
+void KeepPiecesApart(const PoseStore& poses, std::vector<Rigid3d>* keyframes,
+                     Trajectory* trajectory) {
+  constexpr double kApart_m = 100;
+  const std::vector<int> pieces = poses.PieceOfKeyframe();
+  for (std::size_t k = 0; k < keyframes->size(); ++k) {
+    (*keyframes)[k].translation.x() += kApart_m * pieces[k];
+  }
+  for (std::size_t i = 0; i < trajectory->size(); ++i) {
+    const double shift_m = kApart_m * pieces[poses.frames()[i].keyframe];
+    (*trajectory)[i].world_from_camera.translation.x() += shift_m;
+  }
+}
+
 }  // namespace
 
 Backend::Backend(const DepthSensor& sensor, const PreprocessOptions& preprocess,
@@ -132,10 +146,9 @@ void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
   const int parent = begins_submap_ ? KeyframeLink::kNone : anchor_.value_or(last);
   poses_.MakeKeyframe(parent);
   const PosedFrame& posed = poses_.frames().back();
-  const std::optional<PoseGraphEdge> edge = EdgeTo(posed, parent, icp);
-  if (edge) poses_.AddEdge(*edge);
+  AddEdgeTo(posed, parent, icp);
   last_keyframe_ = {posed.index, posed.stamp_s, posed.world_from_camera,
-                    MakePlaceView(pyramid, {}, options_.views)};
+                    MakeDepthView(pyramid, options_.views)};
   begins_submap_ = false;
   anchor_.reset();
   if (calibrator_) calibrator_->AddKeyframe(frame);
@@ -151,18 +164,33 @@ void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
   if (calibrator_ && calibrator_->IsTaskDue()) StartCalibration();
 }
 
-std::optional<PoseGraphEdge> Backend::EdgeTo(const PosedFrame& keyframe, int parent,
-                                             const IcpResult& icp) const {
-  if (parent == KeyframeLink::kNone) return std::nullopt;
+void Backend::AddEdgeTo(const PosedFrame& keyframe, int parent, const IcpResult& icp) {
+  if (parent == KeyframeLink::kNone) return;
   const PosedFrame& from = poses_.FrameOf(parent);
   PoseGraphEdge edge;
   edge.a = static_cast<std::size_t>(parent);
   edge.b = static_cast<std::size_t>(keyframe.keyframe);
   edge.a_from_b = from.world_from_camera.Inverse() * keyframe.world_from_camera;
-  edge.information = anchor_ ? LoopInformation(icp.information, options_.noise)
-                             : OdometryInformation(icp, keyframe.index - from.index, edge.a_from_b,
-                                                   options_.noise);
-  return edge;
+  if (!anchor_) {
+    edge.information =
+        OdometryInformation(icp, keyframe.index - from.index, edge.a_from_b, options_.noise);
+    poses_.AddEdge(edge);
+    return;
+  }
+  edge.information = RelocalizationInformation(icp, edge.a_from_b, options_.noise);
+  edge.loop = true;
+  LoopRecord record;
+  record.source_frame = keyframe.index;
+  record.target_frame = from.index;
+  record.in_graph = record.is_relocalization = true;
+  record.attempt.proposal = {keyframe.keyframe, parent, 0, std::nullopt};
+  record.attempt.verdict.reason = GlobalRegistrationReason::kAccepted;
+  record.attempt.verdict.target_from_source = edge.a_from_b;
+  record.attempt.verdict.icp = icp;
+  record.attempt.verdict.inlier_ratio = icp.inlier_ratio;
+  record.attempt.verdict.rmse_m = icp.rmse_m;
+  record.attempt.verdict.information = edge.information;
+  poses_.AddRelocalization(std::move(record), edge);
 }
 
 void Backend::AfterRelocalization(int keyframe) {
@@ -170,15 +198,15 @@ void Backend::AfterRelocalization(int keyframe) {
   ++counts_.relocalisations;
 }
 
-Rigid3d Backend::BeginSubmap(const Rigid3d& world_from_last) {
+int Backend::BeginSubmap() {
   begins_submap_ = true;
-  const double beside = kSubmapDistance * poses_.submap_count();
-  return {world_from_last.rotation, Eigen::Vector3d(beside, 0, 0)};
+  anchor_.reset();
+  return poses_.submap_count();
 }
 
 void Backend::StartLoopTask() {
   in_task_ = waiting_.size();
-  closer_->Start({std::move(waiting_), poses_.Snapshot()});
+  closer_->Start({std::move(waiting_), poses_.Snapshot(), poses_.PieceOfKeyframe()});
   waiting_.clear();
 }
 
@@ -191,7 +219,10 @@ void Backend::StartCalibration() {
   record.keyframes = poses_.keyframes().size();
   record.begun_frame = poses_.frames().back().index;
   calibrations_.push_back(record);
-  calibrator_->StartTask(poses_.KeyframePoses(), poses_.trajectory());
+  std::vector<Rigid3d> keyframes = poses_.KeyframePoses();
+  Trajectory trajectory = poses_.trajectory();
+  KeepPiecesApart(poses_, &keyframes, &trajectory);
+  calibrator_->StartTask(std::move(keyframes), std::move(trajectory));
 }
 
 void Backend::EndCalibration() {
@@ -205,6 +236,31 @@ std::vector<WorldCorrection> Backend::Finish() {
   FinishLoops(&corrections);
   if (calibrator_ && calibrator_->task().IsPending()) TakeCalibration(&corrections);
   return corrections;
+}
+
+std::optional<WorldCorrection> Backend::PlacePieces(const std::vector<Eigen::AlignedBox3d>& boxes) {
+  constexpr double kGap_m = 1;
+  const std::vector<int> piece_of_keyframe = poses_.PieceOfKeyframe();
+  const std::size_t pieces = 1 + poses_.CountDisconnectedSubmaps();
+  if (pieces == 1) return std::nullopt;
+  std::vector<Eigen::AlignedBox3d> box_of_piece(pieces);
+  for (std::size_t k = 0; k < piece_of_keyframe.size(); ++k) {
+    Eigen::AlignedBox3d& box = box_of_piece[piece_of_keyframe[k]];
+    box.extend(boxes[poses_.keyframes()[k].submap]);
+    box.extend(poses_.FrameOf(static_cast<int>(k)).world_from_camera.translation);
+  }
+  std::vector<Rigid3d> move_of_piece(pieces);
+  double end_m = box_of_piece[0].max().x();
+  for (std::size_t p = 1; p < pieces; ++p) {
+    const double shift_m = std::max(0., end_m + kGap_m - box_of_piece[p].min().x());
+    move_of_piece[p].translation.x() = shift_m;
+    end_m = box_of_piece[p].max().x() + shift_m;
+  }
+  std::vector<Rigid3d> of_keyframes;
+  for (const int piece : piece_of_keyframe) of_keyframes.push_back(move_of_piece[piece]);
+  WorldCorrection correction = Move(of_keyframes);
+  correction.piece_of_submap.assign(boxes.size(), 0);
+  return correction;
 }
 
 void Backend::FinishLoops(std::vector<WorldCorrection>* corrections) {
@@ -261,6 +317,7 @@ void Backend::TakeLoops(std::vector<WorldCorrection>* corrections) {
   for (std::size_t i = loops_before; i < poses_.loops().size(); ++i) {
     if (poses_.loops()[i].in_graph) correction.joined.push_back(poses_.loops()[i].target_frame);
   }
+  correction.piece_of_submap = poses_.PieceOfSubmap();
   if (correction.moves || !correction.joined.empty()) corrections->push_back(std::move(correction));
 }
 

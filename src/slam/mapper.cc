@@ -28,6 +28,9 @@ RenderOptions WithAllStable(RenderOptions options) {
   return options;
 }
 
+// DuplicateOptions::frames_apart of surfels in two submaps. No frame observes both.
+constexpr int kFramesBetweenSubmaps = 1;
+
 }  // namespace
 
 Mapper::Mapper(const DepthSensor& sensor, const SlamOptions& options, StateUse use)
@@ -39,8 +42,9 @@ Mapper::Mapper(const DepthSensor& sensor, const SlamOptions& options, StateUse u
       fusion_(options.fusion),
       period_(options.map_period) {}
 
-void Mapper::ContinueFrom(SurfelMap map, const std::vector<int>& fused_frames) {
+void Mapper::ContinueFrom(SurfelMap map, const std::vector<int>& fused_frames, int submaps) {
   map_ = std::move(map);
+  map_of_submap_.assign(submaps, 0);
   fusion_.ContinueAfter(fused_frames);
   if (!fused_frames.empty()) merged_until_ = fused_frames.back();
 }
@@ -109,20 +113,83 @@ void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
   const int active_frames = options_.fusion.active_frames;
   if (correction.recalibration) {
     MoveMap(correction.corrections, *correction.recalibration, &map_);
+    for (auto& [number, map] : parked_) {
+      MoveMap(correction.corrections, *correction.recalibration, &map);
+    }
     has_view_ = false;
   } else if (correction.moves) {
     MoveMap(correction.corrections, &map_);
+    for (auto& [number, map] : parked_) MoveMap(correction.corrections, &map);
     view_.world_from_view = correction.new_from_old_now * view_.world_from_view;
   }
+  const bool joins_maps = JoinMaps(correction.piece_of_submap);
   // A calibration moves neighbouring surfels equally and creates no duplicates.
   if ((correction.moves && !correction.recalibration) || active_frames > 0) {
     DuplicateOptions doubles;
     doubles.frames_apart = std::max(active_frames, options_.loops.frames_apart);
-    if (!correction.moves) doubles.newer_since = merged_until_;  // older surfels have not changed
+    if (joins_maps) doubles.frames_apart = kFramesBetweenSubmaps;
+    if (!correction.moves && !joins_maps)
+      doubles.newer_since = merged_until_;  // older surfels have not changed
     merged_duplicates_ += MergeDuplicates(options_.fusion, doubles, &map_);
     merged_until_ = frame_index;
   }
   for (const int joined : correction.joined) ActivateAround(joined, frame_index);
+}
+
+// Appends the later of two maps with a common piece to the earlier map. Returns whether any maps
+// were joined.
+bool Mapper::JoinMaps(const std::vector<int>& piece_of_submap) {
+  bool joins_maps = false;
+  std::map<int, int> map_of_piece;
+  for (std::size_t submap = 0; submap < piece_of_submap.size(); ++submap) {
+    const int from = MapOfSubmap(static_cast<int>(submap));
+    const int to = map_of_piece.emplace(piece_of_submap[submap], from).first->second;
+    if (from == to) continue;
+    joins_maps = true;
+    AppendSurfels(MapAt(from), 0, &MapAt(to));
+    if (from == current_) {
+      map_ = std::move(parked_.at(to));
+      current_ = to;
+      parked_.erase(to);
+    } else {
+      parked_.erase(from);
+    }
+    std::replace(map_of_submap_.begin(), map_of_submap_.end(), from, to);
+  }
+  return joins_maps;
+}
+
+int Mapper::MapOfSubmap(int submap) {
+  while (static_cast<int>(map_of_submap_.size()) <= submap) {
+    map_of_submap_.push_back(static_cast<int>(map_of_submap_.size()));
+    parked_[map_of_submap_.back()];
+  }
+  return map_of_submap_[submap];
+}
+
+void Mapper::UseSubmap(int submap) {
+  const int next = MapOfSubmap(submap);
+  if (next == current_) return;
+  SurfelMap map = std::move(parked_.at(next));
+  parked_.erase(next);
+  parked_[current_] = std::move(map_);
+  map_ = std::move(map);
+  current_ = next;
+  has_view_ = is_view_new_ = false;
+  ++corrections_;
+}
+
+std::vector<Eigen::AlignedBox3d> Mapper::Boxes() const {
+  std::map<int, Eigen::AlignedBox3d> box_of_map;
+  const auto add = [&](int number, const SurfelMap& map) {
+    Eigen::AlignedBox3d& box = box_of_map[number];
+    for (const std::int32_t id : map.Ids()) box.extend(map[id].position_in_world.cast<double>());
+  };
+  add(current_, map_);
+  for (const auto& [number, map] : parked_) add(number, map);
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const int number : map_of_submap_) boxes.push_back(box_of_map[number]);
+  return boxes;
 }
 
 void Mapper::ActivateAround(int frame_index, int now) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
+#include <map>
 #include <vector>
 
 #include "surfit/mapping/fusion.h"
@@ -20,15 +22,17 @@ class Mapper : public ModelViews {
   Mapper(const DepthSensor& sensor, const SlamOptions& options, StateUse use);
 
   // Replaces the map. Call before the first frame. `fused_frames`: indices of its fused frames,
-  // ascending; may be empty.
-  void ContinueFrom(SurfelMap map, const std::vector<int>& fused_frames);
+  // ascending; may be empty. The map contains the first `submaps` submaps.
+  void ContinueFrom(SurfelMap map, const std::vector<int>& fused_frames, int submaps);
   // Keeps the pointer, and reads it in each call. Null: the calibration of the input sensor.
   void UseCalibration(const DepthCalibration* calibration) { calibration_ = calibration; }
 
-  // Current map. The reference stays valid, the content changes with Fuse(), Correct() and
-  // ActivateAround().
+  // Map of the current submap. The reference stays valid, the content changes with Fuse(),
+  // Correct(), ActivateAround() and UseSubmap().
   const SurfelMap& map() const { return map_; }
-  // Total number of merged duplicate surfels, and number of calls of Correct().
+  // Bounding box of the map of each submap, m. Empty box without surfels.
+  std::vector<Eigen::AlignedBox3d> Boxes() const;
+  // Total number of merged duplicate surfels, and number of changes by Correct() and UseSubmap().
   std::size_t merged_duplicates() const { return merged_duplicates_; }
   int corrections() const { return corrections_; }
 
@@ -45,6 +49,7 @@ class Mapper : public ModelViews {
   }
   // Does nothing in localisation.
   void ActivateAround(int frame_index, int now) override;
+  void UseSubmap(int submap) override;
 
   // Replaces SlamOptions::map_period. Requires frames >= 1.
   void SetPeriod(int frames) { period_ = frames; }
@@ -64,6 +69,9 @@ class Mapper : public ModelViews {
   void Correct(const WorldCorrection& correction, int frame_index);
 
  private:
+  int MapOfSubmap(int submap);
+  SurfelMap& MapAt(int map) { return map == current_ ? map_ : parked_.at(map); }
+  bool JoinMaps(const std::vector<int>& piece_of_submap);
   ReferenceView Render(ModelRenderer* renderer, const Rigid3d& world_from_view,
                        bool with_intensities);
 
@@ -74,7 +82,10 @@ class Mapper : public ModelViews {
   ModelRenderer renderer_;
   ModelRenderer newest_renderer_;  // treats all surfels as stable
   Fusion fusion_;
-  SurfelMap map_;
+  SurfelMap map_;                    // current map
+  std::map<int, SurfelMap> parked_;  // maps of submaps that are not connected to the current one
+  int current_ = 0;                  // number of `map_`: its first submap
+  std::vector<int> map_of_submap_ = {0};
   ReferenceView view_;
   bool has_view_ = false;  // `view_` uses the current calibration
   bool is_view_new_ = false;

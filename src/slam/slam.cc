@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -60,13 +61,13 @@ class BackendRelocalizer : public Relocalizer {
   std::optional<KeyframePose> Find(const ColoredView& view) override {
     const Relocalization found = backend_->Find(view);
     if (!found.found()) return std::nullopt;
-    return KeyframePose{found.keyframe, backend_->poses().FrameOf(found.keyframe).index,
-                        found.world_from_camera};
+    const KeyframeLink& link = backend_->poses().keyframes()[found.keyframe];
+    return KeyframePose{found.keyframe, link.frame, link.submap, found.world_from_camera};
   }
 
-  std::optional<Rigid3d> BeginSubmap(int lost_frames, const Rigid3d& world_from_last) override {
+  std::optional<int> BeginSubmap(int lost_frames) override {
     if (new_map_after_ == 0 || lost_frames < new_map_after_) return std::nullopt;
-    return backend_->BeginSubmap(world_from_last);
+    return backend_->BeginSubmap();
   }
 
  private:
@@ -106,7 +107,10 @@ Slam::Slam(const DepthSensor& sensor, const SlamOptions& options, SlamState stat
   tracker_->StartInGivenMap(state.frames.back().stamp_s);
   std::vector<int> fused;
   if (use == StateUse::kContinue) fused = FusedFrames(state.frames, options_.map_period);
-  mapper_->ContinueFrom(std::move(state.map), fused);
+  int submaps = 0;
+  for (const KeyframeLink& link : state.keyframes) submaps = std::max(submaps, link.submap + 1);
+  tracker_->UseSubmap(state.keyframes.back().submap);
+  mapper_->ContinueFrom(std::move(state.map), fused, submaps);
   backend_->ContinueFrom(&state, use);
 }
 
@@ -175,7 +179,7 @@ void Slam::Correct(const RgbdFrame& frame, StageTimes* times) {
 
 // Map and camera move equally, so tracking continues without a jump.
 void Slam::Apply(const WorldCorrection& correction, int frame_index) {
-  if (correction.moves) tracker_->Move(correction.new_from_old_now);
+  if (correction.moves) tracker_->Move(correction.new_from_old_now, correction.corrections);
   mapper_->Correct(correction, frame_index);
 }
 
@@ -298,6 +302,9 @@ void Slam::Finish() {
   if (!keeper() || keeper()->poses().frames().empty()) return;
   for (const WorldCorrection& correction : keeper()->Finish()) {
     Apply(correction, keeper()->poses().frames().back().index);
+  }
+  if (const std::optional<WorldCorrection> apart = keeper()->PlacePieces(mapper_->Boxes())) {
+    Apply(*apart, keeper()->poses().frames().back().index);
   }
 }
 

@@ -178,6 +178,12 @@ FeatureMotion FeatureWatch::Check(const ColoredView& view, const CellMask& movin
   return motion;
 }
 
+void FeatureWatch::Forget() {
+  last_.reset();
+  tracks_ = {};
+  was_apart_ = false;
+}
+
 void FeatureWatch::Move(const Rigid3d& new_from_old_world) {
   if (last_) last_->world_from_camera = new_from_old_world * last_->world_from_camera;
   world_from_followed_ = new_from_old_world * world_from_followed_;

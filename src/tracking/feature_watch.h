@@ -62,6 +62,8 @@ class FeatureWatch {
   // empty: none. Call only for frames with a pose.
   FeatureMotion Check(const ColoredView& view, const CellMask& moving, const MovingPose& frame,
                       double stamp_s);
+  // Forgets the last checked frame. Call if the world frame changes without a known correction.
+  void Forget();
   // Applies a correction of the world frame to the stored poses.
   void Move(const Rigid3d& new_from_old_world);
 

@@ -36,6 +36,9 @@ class ModelViews {
   // Activates inactive surfels that were last observed near frame `frame_index`. `now`: index of
   // the current frame. Does nothing if surfels never become inactive.
   virtual void ActivateAround(int frame_index, int now) = 0;
+  // Switches to the map of a submap. Submaps that are connected share a map. A new submap has an
+  // empty map.
+  virtual void UseSubmap(int submap) = 0;
 };
 
 // Approximate image shift by a relative camera motion, as a ratio of the image width: fx / width

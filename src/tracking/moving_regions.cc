@@ -61,7 +61,7 @@ std::vector<int> Grow(int first, const FrameLevel& frame, CellMask* left) {
 }
 
 void Mark(const std::vector<int>& cells, const CellMask& kinds, CellMask* mask) {
-  constexpr int kBeyond = 2;
+  constexpr int kBeyond = 3;
   const int width = mask->width(), height = mask->height();
   for (const int cell : cells) {
     const int u = cell % width, v = cell / width;
@@ -245,6 +245,11 @@ void MovingRegions::Remember(const FrameLevel& frame, const CellMask& moving,
   if (!is_due) return;
   if (past_views_.size() == kMaxPastViews) past_views_.pop_front();
   past_views_.push_back(std::move(past_view));
+}
+
+void MovingRegions::Forget() {
+  past_views_.clear();
+  last_.reset();
 }
 
 void MovingRegions::Move(const Rigid3d& new_from_old_world) {

@@ -31,6 +31,8 @@ class MovingRegions {
   // that moved stays detected in the next frame.
   void Remember(const FrameLevel& frame, const CellMask& moving, const Rigid3d& world_from_camera,
                 double stamp_s);
+  // Forgets all stored views. Call if the world frame changes without a known correction.
+  void Forget();
   // Applies a correction of the world frame to the stored poses.
   void Move(const Rigid3d& new_from_old_world);
 

@@ -47,6 +47,7 @@ Tracked Better(const SearchStart& start, Tracked tracked, std::optional<Tracked>
 // motion, or without a second registration.
 bool NeedsConfirmation(const SearchStart& start, const Tracked& tracked) {
   if (!start.state.is_localised) return true;
+  if (tracked.submap && *tracked.submap != start.submap) return true;
   if (start.state.lost_frames == 0 && !tracked.found_by_search) return false;
   if (!tracked.has_second) return true;
   const Rigid3d motion = start.last.world_from_view.Inverse() * tracked.world_from_camera;
@@ -60,29 +61,39 @@ Tracked PoseSearch::Search(const PreprocessedFrame& frame, const SearchStart& st
   const bool follows =
       start.state.is_localised || (start.seconds > 0 && start.seconds < kFollows_s);
   if (!follows) tracked.state = FrameState::kLost;
-  tracked = Better(start, std::move(tracked), FromLastFrame(frame, start));
+  std::optional<Tracked> found = FromLastFrame(frame, start, tracked.moving);
+  if (!found && StaticPartAgrees(frame, start, tracked)) {
+    tracked.verdict = Verdict::kAccepted;
+    tracked.has_second = true;
+  }
+  tracked = Better(start, std::move(tracked), std::move(found));
   if (!tracked.has_pose()) {
-    if (std::optional<Tracked> found = ByKeyframes(frame, start)) tracked = *std::move(found);
+    if (std::optional<Tracked> again = ByKeyframes(frame, start)) tracked = *std::move(again);
   }
   if (tracked.has_pose() && NeedsConfirmation(start, tracked)) {
     ColoredView rest = {Without(frame.view.pyramid, tracked.moving), frame.view.color};
     tracked.tentative = {Without(frame.measured, tracked.moving),
                          {std::move(rest), tracked.world_from_camera, {}},
                          tracked.icp,
-                         tracked.keyframe};
+                         tracked.keyframe,
+                         tracked.keyframe_frame,
+                         tracked.submap.value_or(start.submap)};
     tracked.keyframe = -1;
     tracked.state = FrameState::kLost;
   }
   return tracked;
 }
 
+// Features and surfaces of moving objects are not used, because these objects are also in the last
+// frame if they were not detected there.
 std::optional<Tracked> PoseSearch::FromLastFrame(const PreprocessedFrame& frame,
-                                                 const SearchStart& start) const {
+                                                 const SearchStart& start,
+                                                 const CellMask& moving) const {
   const TrackingState& state = start.state;
   if (options_.initialize == "identity" || !state.is_localised) return std::nullopt;
   const bool verifies = options_.VerifiesBySearch();
-  const bool is_soon = verifies && state.lost_frames < kSearchStride;
-  if (!is_soon && state.lost_frames % kSearchStride != 0) return std::nullopt;
+  const bool is_soon = verifies && start.lost_frames < kSearchStride;
+  if (!is_soon && start.lost_frames % kSearchStride != 0) return std::nullopt;
   if (!HasEnoughDepth(frame, options_.icp)) return std::nullopt;
   const TraceSlice slice("find_again", frame.images.index);
   InitializeOptions initialization;
@@ -92,23 +103,52 @@ std::optional<Tracked> PoseSearch::FromLastFrame(const PreprocessedFrame& frame,
   if (verifies && !is_plain) initialization.fit = ShapesAlone();
   IcpOptions icp_options = GlobalIcpOptions();
   icp_options.min_source_rows = options_.icp.min_source_rows;
+  const ColoredView static_view =
+      moving.empty() ? frame.view
+                     : ColoredView{Without(frame.view.pyramid, moving), frame.view.color};
   const GlobalRegistrationResult found =
-      RegisterGlobally(frame.view, start.last.view, initialization, icp_options);
+      RegisterGlobally(static_view, start.last.view, initialization, icp_options);
   if (!found.accepted()) return std::nullopt;
   return Confirm(frame, start, start.last.world_from_view * found.target_from_source);
 }
 
+// Global registration fails if a moving object covers much of both views, or if little of the views
+// overlaps. The static part of the frame is then registered to that of the last frame.
+bool PoseSearch::StaticPartAgrees(const PreprocessedFrame& frame, const SearchStart& start,
+                                  const Tracked& tracked) const {
+  const bool is_partial =
+      !tracked.moving.empty() || tracked.icp.inlier_ratio < options_.min_inlier_ratio;
+  if (!tracked.has_pose() || tracked.verdict != Verdict::kUncertain || !is_partial ||
+      options_.IsFrameToFrame() || options_.initialize == "identity" || !start.state.is_localised ||
+      start.seconds > kFollows_s) {
+    return false;
+  }
+  const Rigid3d last_from_frame = start.last.world_from_view.Inverse() * tracked.world_from_camera;
+  const IcpResult second = Register(Without(frame.view.pyramid, tracked.moving),
+                                    start.last.view.pyramid, last_from_frame, options_.icp);
+  return second.Succeeded() && second.degenerate_directions.empty() &&
+         second.rmse_m <= options_.max_rmse_m &&
+         AgreeClosely(second.target_from_source, last_from_frame);
+}
+
 std::optional<Tracked> PoseSearch::ByKeyframes(const PreprocessedFrame& frame,
                                                const SearchStart& start) const {
-  if (!relocalizer_ || start.state.lost_frames % kRelocalizeStride != 0) return std::nullopt;
+  if (!relocalizer_ || start.lost_frames % kRelocalizeStride != 0) return std::nullopt;
   if (!HasEnoughDepth(frame, options_.icp)) return std::nullopt;
   const std::optional<KeyframePose> found = relocalizer_->Find(frame.view);
   if (!found) return std::nullopt;
+  views_->UseSubmap(found->submap);
+  if (found->submap != start.submap) regions_->Forget();
   views_->ActivateAround(found->frame_index, frame.images.index);
   std::optional<Tracked> tracked = Confirm(frame, start, found->world_from_camera);
-  if (!tracked) return std::nullopt;
+  if (!tracked) {
+    views_->UseSubmap(start.submap);
+    return std::nullopt;
+  }
   tracked->state = FrameState::kRelocalized;
   tracked->keyframe = found->keyframe;
+  tracked->keyframe_frame = found->frame_index;
+  tracked->submap = found->submap;
   return tracked;
 }
 

@@ -17,6 +17,7 @@ namespace surfit {
 struct KeyframePose {
   int keyframe = 0;  // position in the list of keyframes
   int frame_index = 0;
+  int submap = 0;             // of the keyframe
   Rigid3d world_from_camera;  // of the lost camera
 };
 
@@ -27,9 +28,9 @@ class Relocalizer {
 
   // Returns std::nullopt if no keyframe matches.
   virtual std::optional<KeyframePose> Find(const ColoredView& view) = 0;
-  // Begins a new submap if `lost_frames` consecutive lost frames are enough. Returns the
-  // camera pose in the new submap, or std::nullopt if no submap was begun.
-  virtual std::optional<Rigid3d> BeginSubmap(int lost_frames, const Rigid3d& world_from_last) = 0;
+  // Begins a new submap if `lost_frames` lost frames with enough depth are enough. Returns its
+  // number, or std::nullopt if no submap was begun. The submap has a world frame of its own.
+  virtual std::optional<int> BeginSubmap(int lost_frames) = 0;
 };
 
 // Situation before the searched frame. References must be valid during the search.
@@ -38,7 +39,9 @@ struct SearchStart {
   // Last frame with a pose. `view` is set if tracking is frame-to-frame, for the motion model so3,
   // and unless TrackingOptions::initialize is "identity".
   const ReferenceView& last;
-  double seconds = 0;  // since the last frame with a pose
+  double seconds = 0;   // since the last frame with a pose
+  int submap = 0;       // of the last pose
+  int lost_frames = 0;  // lost frames with enough depth since the last pose
   // Predicted pose; std::nullopt without a motion prior.
   std::optional<Rigid3d> expected;
 };
@@ -46,27 +49,32 @@ struct SearchStart {
 // Estimates poses of lost or uncertain frames by global registration and relocalisation. Each pose
 // is verified by registration to the map. Global registration runs for every fifth lost frame, and
 // for each of the first five with TrackingOptions::VerifiesBySearch(). Relocalisation runs for
-// every third lost frame.
+// every third lost frame. Frames with too little depth do not count.
 class PoseSearch {
  public:
   // Keeps references and the pointer.
   PoseSearch(const TrackingOptions& options, const FrameRegistration& registration,
-             ModelViews* views)
-      : options_(options), registration_(registration), views_(views) {}
+             MovingRegions* regions, ModelViews* views)
+      : options_(options), registration_(registration), regions_(regions), views_(views) {}
 
   // Null: no place recognition.
   void UseRelocalizer(Relocalizer* relocalizer) { relocalizer_ = relocalizer; }
 
   // Searches the pose of a frame. `tracked`: outcome of its registration from the predicted pose. A
   // pose that needs confirmation becomes tentative, and the frame is lost. An uncertain frame
-  // without a search result is lost. Changes only the model views: ActivateAround().
+  // without a search result is lost. Changes only the model views: ActivateAround(), and
+  // UseSubmap() for a pose in another submap, which also forgets the moving regions.
   Tracked Search(const PreprocessedFrame& frame, const SearchStart& start, Tracked tracked) const;
 
  private:
-  // Global registration to the last frame with a pose. Returns std::nullopt if the
-  // registration fails or is not due.
-  std::optional<Tracked> FromLastFrame(const PreprocessedFrame& frame,
-                                       const SearchStart& start) const;
+  // Global registration to the last frame with a pose, without the cells in `moving`. Returns
+  // std::nullopt if the registration fails or is not due.
+  std::optional<Tracked> FromLastFrame(const PreprocessedFrame& frame, const SearchStart& start,
+                                       const CellMask& moving) const;
+  // Returns whether a registration to the last frame confirms the pose of an uncertain frame with
+  // moving objects or few inliers.
+  bool StaticPartAgrees(const PreprocessedFrame& frame, const SearchStart& start,
+                        const Tracked& tracked) const;
   // Returns std::nullopt if no keyframe matches, or if no relocalisation is due.
   std::optional<Tracked> ByKeyframes(const PreprocessedFrame& frame,
                                      const SearchStart& start) const;
@@ -75,6 +83,7 @@ class PoseSearch {
 
   const TrackingOptions& options_;
   const FrameRegistration& registration_;
+  MovingRegions* regions_;
   ModelViews* views_;
   Relocalizer* relocalizer_ = nullptr;
 };

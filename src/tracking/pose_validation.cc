@@ -10,8 +10,8 @@ namespace {
 // the ratio is below kSureRatio. For errors of more than 10 cm, it is above kMostRatio, unless
 // wrong frames were fused before.
 constexpr double kSureRatio = 0.12, kMostRatio = 0.25;
-// Bound on the same ratio without moving cells.
-constexpr double kSureRest = 0.08;
+// Bounds on the same ratio without moving cells.
+constexpr double kSureRest = 0.08, kMostRest = 0.16;
 constexpr double kSureAlike = 0.5, kMinAlike = 0.3;
 
 // Bound on cells behind the model / compared cells. Beside a door frame, the ratio is below 0.2
@@ -19,10 +19,30 @@ constexpr double kSureAlike = 0.5, kMinAlike = 0.3;
 // %.
 constexpr double kMaxBehindNewest = 0.02;
 
-bool IsRegistered(const IcpResult& icp, const TrackingOptions& options) {
+// A pose with few inliers is uncertain instead of rejected if these bounds hold. Points that no
+// view can compare are then the reason for the few inliers: they are on moving objects, on new
+// surfaces, or too distant. The bounds are inliers per correspondence, cells at the model surface
+// per cell with depth, and the inlier ratio relative to TrackingOptions::min_inlier_ratio.
+constexpr double kMinInliersPerPair = 0.8, kMinAtSurface = 0.25, kMinRelativeInliers = 0.3;
+
+bool HasInliers(const IcpResult& icp, const TrackingOptions& options) {
+  return icp.inlier_ratio >= options.min_inlier_ratio;
+}
+
+bool IsConstrainedByFewInliers(const IcpResult& icp, const ViewComparison& views,
+                               const TrackingOptions& options) {
+  return icp.degenerate_directions.empty() && icp.eigenvalues[0] >= options.min_turn_eigenvalue &&
+         icp.inlier_ratio >= kMinRelativeInliers * options.min_inlier_ratio &&
+         icp.inlier_count >= kMinInliersPerPair * icp.system.pair_count &&
+         views.compared - views.in_front - views.behind >= kMinAtSurface * views.points;
+}
+
+bool IsRegistered(const IcpResult& icp, const ViewComparison& views,
+                  const TrackingOptions& options) {
   const bool is_degenerate = icp.termination == Termination::kSingularSystem;
-  return (icp.Succeeded() || is_degenerate) && icp.inlier_ratio >= options.min_inlier_ratio &&
-         icp.rmse_m <= options.max_rmse_m;
+  const bool has_inliers =
+      HasInliers(icp, options) || IsConstrainedByFewInliers(icp, views, options);
+  return (icp.Succeeded() || is_degenerate) && has_inliers && icp.rmse_m <= options.max_rmse_m;
 }
 
 bool AreWithin(double distance_m, double angle_rad, const Rigid3d& a, const Rigid3d& b) {
@@ -34,15 +54,18 @@ bool AreWithin(double distance_m, double angle_rad, const Rigid3d& a, const Rigi
 
 Verdict ValidateRegistration(const IcpResult& icp, const ViewComparison& views, int moving,
                              const TrackingOptions& options) {
-  if (!IsRegistered(icp, options)) return Verdict::kRejected;
+  if (!IsRegistered(icp, views, options)) return Verdict::kRejected;
   if (views.compared <= moving) return Verdict::kRejected;
   const double all = static_cast<double>(views.in_front + views.behind) / views.compared;
   const double rest =
       static_cast<double>(views.in_front - moving + views.behind) / (views.compared - moving);
   const bool agrees = all <= kSureRatio || (moving > 0 && rest <= kSureRest);
   if (views.alike < kMinAlike) return Verdict::kRejected;
-  if (agrees && views.alike >= kSureAlike) return Verdict::kAccepted;
-  const bool may_agree = all <= kMostRatio && (all <= kSureRatio || views.alike >= kSureAlike);
+  const bool is_sure = HasInliers(icp, options) || moving > 0;
+  if (agrees && views.alike >= kSureAlike && is_sure) return Verdict::kAccepted;
+  const bool may_agree =
+      all <= kSureRatio ||
+      (views.alike >= kSureAlike && (all <= kMostRatio || (moving > 0 && rest <= kMostRest)));
   return agrees || may_agree ? Verdict::kUncertain : Verdict::kRejected;
 }
 

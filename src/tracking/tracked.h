@@ -23,7 +23,9 @@ struct TentativePose {
   RgbdFrame frame;     // measured frame without moving objects
   ReferenceView view;  // view of `frame`; view.world_from_view is the pose
   IcpResult icp;
-  int keyframe = -1;  // keyframe of the relocalisation; -1: none
+  int keyframe = -1;        // keyframe of the relocalisation; -1: none
+  int keyframe_frame = -1;  // its frame index
+  int submap = 0;           // of the pose
 };
 
 // Outcome of a frame. The first frame, a frame with a given pose and a duplicate have no
@@ -41,6 +43,8 @@ struct Tracked {
   bool found_by_search = false;  // pose from PoseSearch
   bool has_second = false;       // two registrations agree on the pose
   int keyframe = -1;             // keyframe of the relocalisation; -1: none
+  int keyframe_frame = -1;       // its frame index
+  std::optional<int> submap;     // of the pose; std::nullopt: the submap of the last pose
   bool has_own_view = false;     // the reference view was rendered for this frame
   CellMask moving;               // moving cells: neither registered nor fused
   double moving_ratio = 0;       // moving cells / cells with depth

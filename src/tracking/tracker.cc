@@ -23,7 +23,7 @@ Tracker::Tracker(const TrackingOptions& options, const Rigid3d& world_from_first
     : options_(options),
       views_(views),
       registration_(options, regions_),
-      search_(options, registration_, views),
+      search_(options, registration_, &regions_, views),
       features_(options.icp.error_model),
       last_{{}, world_from_first_camera, {}},
       motion_model_(options) {}
@@ -113,9 +113,11 @@ Tracked Tracker::TrackFirst(const PreprocessedFrame& frame) {
 }
 
 Tracked Tracker::CheckFeatures(const PreprocessedFrame& frame, Tracked tracked) {
+  const bool changes_submap = tracked.submap && *tracked.submap != submap_;
+  if (changes_submap) features_.Forget();
   if (options_.VerifiesBySearch()) {
     CameraMotion since_last;
-    if (tracked.has_pose() && state_.is_localised) {
+    if (tracked.has_pose() && state_.is_localised && !changes_submap) {
       since_last =
           MotionOver(last_.world_from_view.Inverse() * tracked.world_from_camera, SecondsTo(frame));
     }
@@ -142,11 +144,12 @@ Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Predicti
   if (state_.HasLastPose() && !options_.IsFrameToFrame() && MayShowNewSurfaces(tracked)) {
     tracked = AgainstNewest(frame, std::move(tracked));
   }
-  if (std::optional<Tracked> confirmed = CompareWithTentative(frame, tracked)) {
+  if (std::optional<Tracked> confirmed = CompareWithTentative(frame, &tracked)) {
     tracked = *std::move(confirmed);
   } else if (IsUncertain(frame, prediction, tracked)) {
-    tracked = search_.Search(frame, {state_, last_, SecondsTo(frame), ExpectedPose()},
-                             std::move(tracked));
+    tracked = search_.Search(
+        frame, {state_, last_, SecondsTo(frame), submap_, lost_with_depth_, ExpectedPose()},
+        std::move(tracked));
   }
   tracked.has_own_view = prediction.has_own_view;
   if (tracked.has_pose()) {
@@ -196,14 +199,29 @@ Tracked Tracker::AgainstNewest(const PreprocessedFrame& frame, Tracked tracked) 
   return by_newest;
 }
 
-// Registers the frame to the frame with the tentative pose. Returns std::nullopt without a
-// tentative pose, or if the registration does not confirm it.
+// Returns std::nullopt without a tentative pose, or if the frame does not confirm it. `tracked` is
+// then lost if it was registered to the map of another submap.
 std::optional<Tracked> Tracker::CompareWithTentative(const PreprocessedFrame& frame,
-                                                     const Tracked& tracked) {
+                                                     Tracked* tracked) {
   if (!state_.IsTentative()) return std::nullopt;
   state_ = Next(state_, TrackingEvent::kTentativeCompared);
   TentativePose tentative = *std::move(tentative_);
   tentative_.reset();
+  std::optional<Tracked> confirmed = Confirmed(frame, *tracked, tentative);
+  if (confirmed) {
+    confirmed->confirmed = std::move(tentative);
+  } else if (tentative.submap != submap_) {
+    views_->UseSubmap(submap_);
+    regions_.Forget();
+    tracked->state = FrameState::kLost;
+  }
+  return confirmed;
+}
+
+// Registers the frame to the frame with the tentative pose. Returns std::nullopt if the poses
+// differ.
+std::optional<Tracked> Tracker::Confirmed(const PreprocessedFrame& frame, const Tracked& tracked,
+                                          const TentativePose& tentative) const {
   if (!tracked.has_pose() || tracked.verdict != Verdict::kAccepted) return std::nullopt;
   PreprocessedFrame rest = frame;
   rest.view.pyramid = Without(std::move(rest.view.pyramid), tracked.moving);
@@ -216,8 +234,9 @@ std::optional<Tracked> Tracker::CompareWithTentative(const PreprocessedFrame& fr
   Tracked confirmed = tracked;
   confirmed.found_by_search = true;
   confirmed.keyframe = tentative.keyframe;
+  confirmed.keyframe_frame = tentative.keyframe_frame;
+  confirmed.submap = tentative.submap;
   if (confirmed.keyframe >= 0) confirmed.state = FrameState::kRelocalized;
-  confirmed.confirmed = std::move(tentative);
   return confirmed;
 }
 
@@ -251,23 +270,28 @@ std::optional<Tracked> Tracker::InNewSubmap(const PreprocessedFrame& frame,
                                             const Tracked& tracked) {
   if (!relocalizer_ || tracked.tentative || !HasEnoughDepth(frame, options_.icp))
     return std::nullopt;
-  const std::optional<Rigid3d> begin =
-      relocalizer_->BeginSubmap(state_.lost_frames + 1, last_.world_from_view);
-  if (!begin) return std::nullopt;
+  const std::optional<int> begun = relocalizer_->BeginSubmap(lost_with_depth_ + 1);
+  if (!begun) return std::nullopt;
+  views_->UseSubmap(*begun);
+  regions_.Forget();
   Tracked first = tracked;
   first.state = FrameState::kNewMap;
   first.moving = {};
-  first.world_from_camera = *begin;
+  first.world_from_camera = last_.world_from_view;
+  first.submap = *begun;
   return first;
 }
 
 void Tracker::Update(PreprocessedFrame frame, Tracked tracked) {
   tentative_ = std::move(tracked.tentative);
   if (!tracked.has_pose()) {
+    lost_with_depth_ += HasEnoughDepth(frame, options_.icp);
     state_ = Next(state_, tentative_ ? TrackingEvent::kTentativePose : TrackingEvent::kNoPose);
     motion_model_.Lose(state_);
     return;
   }
+  lost_with_depth_ = 0;
+  submap_ = tracked.submap.value_or(submap_);
   const std::optional<Rigid3d> expected = ExpectedPose();
   motion_model_.Update(state_, {last_.world_from_view.Inverse() * tracked.world_from_camera,
                                 SecondsTo(frame), tracked.found_by_search,
@@ -307,13 +331,14 @@ std::optional<Rigid3d> Tracker::ExpectedPose() const {
   return motion_model_.HasPredictableMotion(state_) ? PredictedPose() : std::nullopt;
 }
 
-void Tracker::Move(const Rigid3d& new_from_old_world) {
-  last_.world_from_view = new_from_old_world * last_.world_from_view;
-  regions_.Move(new_from_old_world);
-  features_.Move(new_from_old_world);
-  if (tentative_) {
-    tentative_->view.world_from_view = new_from_old_world * tentative_->view.world_from_view;
-  }
+void Tracker::Move(const Rigid3d& new_from_old_now, const FrameCorrections& corrections) {
+  last_.world_from_view = new_from_old_now * last_.world_from_view;
+  regions_.Move(new_from_old_now);
+  features_.Move(new_from_old_now);
+  if (!tentative_) return;
+  const Rigid3d& new_from_old =
+      tentative_->submap == submap_ ? new_from_old_now : corrections.At(tentative_->keyframe_frame);
+  tentative_->view.world_from_view = new_from_old * tentative_->view.world_from_view;
 }
 
 }  // namespace surfit

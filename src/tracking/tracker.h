@@ -6,6 +6,7 @@
 
 #include "surfit/frame/camera_motion.h"
 #include "surfit/frame/rgbd_frame.h"
+#include "surfit/mapping/move_map.h"
 #include "surfit/tracking/tracking.h"
 #include "tracking/color_trust.h"
 #include "tracking/feature_watch.h"
@@ -53,6 +54,9 @@ class Tracker {
   // the map. Call before the first frame.
   void StartInGivenMap(double last_stamp_s);
 
+  // Submap of the last pose. Call before the first frame.
+  void UseSubmap(int submap) { submap_ = submap; }
+
   const TrackingState& state() const { return state_; }
   // Returns whether the next frame may need photometric residuals.
   bool NeedsIntensities() const;
@@ -89,8 +93,9 @@ class Tracker {
   // Predict(). `has_color`: the next frame will have colour.
   void PredictAhead(bool has_color);
 
-  // Applies a correction of the world frame to all stored poses.
-  void Move(const Rigid3d& new_from_old_world);
+  // Applies a correction of the world frame to all stored poses. `new_from_old_now` moves the last
+  // pose. A tentative pose in another submap moves with its keyframe, by `corrections`.
+  void Move(const Rigid3d& new_from_old_now, const FrameCorrections& corrections);
 
  private:
   Tracked CheckFeatures(const PreprocessedFrame& frame, Tracked tracked);
@@ -101,8 +106,9 @@ class Tracker {
   Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_predicted) const;
   Tracked AgainstNewest(const PreprocessedFrame& frame, Tracked tracked) const;
-  std::optional<Tracked> CompareWithTentative(const PreprocessedFrame& frame,
-                                              const Tracked& tracked);
+  std::optional<Tracked> CompareWithTentative(const PreprocessedFrame& frame, Tracked* tracked);
+  std::optional<Tracked> Confirmed(const PreprocessedFrame& frame, const Tracked& tracked,
+                                   const TentativePose& tentative) const;
   bool IsUncertain(const PreprocessedFrame& frame, const Prediction& prediction,
                    const Tracked& tracked) const;
   bool IsFar(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) const;
@@ -131,6 +137,8 @@ class Tracker {
   std::optional<TentativePose> tentative_;  // in TrackingPhase::kTentative
   ReferenceView last_;  // last frame with a pose; `view` only if the options need it
   double last_stamp_s_ = 0;
+  int submap_ = 0;           // of the last pose
+  int lost_with_depth_ = 0;  // lost frames with enough depth since the last pose
   MotionModel motion_model_;
   Image<float> last_depth_m_;
 };

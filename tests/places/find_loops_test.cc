@@ -92,6 +92,62 @@ TEST(ProposeLoopCandidates, IgnoresRecentKeyframesAndKeyframesWithoutViews) {
   EXPECT_TRUE(ProposeLoopCandidates(back.source, back.keyframes, back.index, options).empty());
 }
 
+// Poses of different pieces are not comparable. Only place recognition proposes candidates there,
+// and recent keyframes are candidates as well.
+TEST(ProposeLoopCandidates, UsesNoPosesAndNoGapBetweenPieces) {
+  Return back(0.05);
+  back.keyframes[back.source].piece = 1;
+  FindLoopsOptions options;
+  options.min_gap = 100000;
+  const auto proposals = ProposeLoopCandidates(back.source, back.keyframes, back.index, options);
+  ASSERT_FALSE(proposals.empty());
+  for (const LoopCandidate& p : proposals) {
+    EXPECT_GT(p.similarity, 0);
+    EXPECT_FALSE(p.target_from_source_prior.has_value());
+  }
+}
+
+Keyframe WithoutColor(const Scene& scene, const Rigid3d& pose, int index) {
+  RgbdFrame frame = SeenFrom(scene, pose, index);
+  frame.color = {};
+  return KeyframeOf(frame, pose);
+}
+
+std::vector<Keyframe> KeyframesWithoutColor(const RoomOfKeyframes& room) {
+  std::vector<Keyframe> keyframes;
+  for (const Keyframe& keyframe : room.keyframes) {
+    keyframes.push_back(WithoutColor(room.scene, keyframe.world_from_camera, keyframe.frame_index));
+  }
+  return keyframes;
+}
+
+TEST(Relocalize, FindsCameraByDepthAlone) {
+  const RoomOfKeyframes& room = MakeRoomOfKeyframes(1);
+  const std::vector<Keyframe> keyframes = KeyframesWithoutColor(room);
+  const PlaceIndex index = IndexOf(keyframes);
+  int tried = 0, found = 0;
+  for (int first = 5; first + 10 < static_cast<int>(room.path.size()); first += 40, ++tried) {
+    for (int i = 0; i < 10; ++i) {
+      const Rigid3d pose = room.path[first + i].world_from_camera * SmallMotion();
+      const Relocalization result =
+          Relocalize(WithoutColor(room.scene, pose, i).view, keyframes, index, RelocalizeOptions());
+      if (!result.found()) continue;
+      EXPECT_THAT(result.world_from_camera, RigidNear(pose, 0.03, 0.8 * kRadPerDeg));
+      ++found;
+      break;
+    }
+  }
+  EXPECT_GE(found, tried - 1);
+}
+
+TEST(Relocalize, FindsNothingInAnotherRoomByDepthAlone) {
+  const std::vector<Keyframe> keyframes = KeyframesWithoutColor(MakeRoomOfKeyframes(1));
+  const PlaceIndex index = IndexOf(keyframes);
+  for (const Keyframe& other : KeyframesWithoutColor(MakeRoomOfKeyframes(2))) {
+    EXPECT_FALSE(Relocalize(other.view, keyframes, index, RelocalizeOptions()).found());
+  }
+}
+
 // Number of frames of a path near the path of the room until relocalisation succeeds.
 int FramesToRelocalize(const RoomOfKeyframes& room, const PlaceIndex& index, int first, int most) {
   for (int i = 0; i < most; ++i) {

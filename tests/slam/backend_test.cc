@@ -75,7 +75,9 @@ std::vector<LoopVerification> TrueLoops(int source, const std::vector<Keyframe>&
                                         const PlaceIndex&) {
   const int frame = keyframes[source].frame_index;
   if (frame < kFrames - 20) return {};
-  return {Loop(source, 0, TruePose(0).Inverse() * TruePose(frame))};
+  std::vector<LoopVerification> loops;  // GCC 12 warns of an initializer list
+  loops.push_back(Loop(source, 0, TruePose(0).Inverse() * TruePose(frame)));
+  return loops;
 }
 
 LoopOptions Enabled() {
@@ -228,25 +230,64 @@ TEST(Backend, RejectsWrongLoop) {
 
 TEST(Backend, ConnectsSubmapByLoop) {
   const auto finder = [](int source, const auto&, const auto&) {
-    if (source != 1) return std::vector<LoopVerification>();
-    return std::vector<LoopVerification>{Loop(1, 0, {Eigen::Quaterniond::Identity(), {0, 0, 0.5}})};
+    std::vector<LoopVerification> loops;
+    if (source == 1) loops.push_back(Loop(1, 0, {Eigen::Quaterniond::Identity(), {0, 0, 0.5}}));
+    return loops;
   };
   Backend backend({}, {}, Enabled(), NoCalibration(), finder);
   const FramePyramid pyramid = FlatPyramid();
   backend.AddFrame(Stamped(0, 0), TruePose(0), {}, pyramid);
-  const Rigid3d apart = backend.BeginSubmap(TruePose(0));
-  EXPECT_GT((apart.translation - TruePose(0).translation).norm(), 0.9 * Backend::kSubmapDistance);
-  backend.AddFrame(Stamped(50, 1.5), apart, {}, pyramid);
+  EXPECT_EQ(backend.BeginSubmap(), 1);
+  backend.AddFrame(Stamped(50, 1.5), Rigid3d(), {}, pyramid);
   EXPECT_EQ(backend.counts().submaps, 2u);
   EXPECT_EQ(backend.counts().disconnected_submaps, 1u);
   const std::vector<WorldCorrection> corrections = backend.Finish();
   ASSERT_EQ(corrections.size(), 1u);
   EXPECT_TRUE(corrections[0].moves);
   EXPECT_EQ(backend.counts().disconnected_submaps, 0u);
+  EXPECT_THAT(corrections[0].piece_of_submap, ElementsAre(0, 0));
+  EXPECT_FALSE(backend.PlacePieces({{}, {}}));
   EXPECT_THAT(backend.poses().frames()[0].world_from_camera, RigidNear(TruePose(0), 1e-9, 1e-9));
   EXPECT_THAT(
       backend.poses().frames()[1].world_from_camera,
       RigidNear(TruePose(0) * Rigid3d(Eigen::Quaterniond::Identity(), {0, 0, 0.5}), 1e-6, 1e-6));
+}
+
+// Both submaps have the same poses, because each has a world frame of its own.
+TEST(Backend, PlacesDisconnectedSubmapsBesideEachOther) {
+  const auto none = [](int, const auto&, const auto&) { return std::vector<LoopVerification>(); };
+  Backend backend({}, {}, Enabled(), NoCalibration(), none);
+  const FramePyramid pyramid = FlatPyramid();
+  backend.AddFrame(Stamped(0, 0), TruePose(0), {}, pyramid);
+  backend.BeginSubmap();
+  backend.AddFrame(Stamped(50, 1.5), TruePose(0), {}, pyramid);
+  EXPECT_TRUE(backend.Finish().empty());
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(-1, -1, 0), Eigen::Vector3d(2, 1, 3));
+  const std::optional<WorldCorrection> apart = backend.PlacePieces({box, box});
+  ASSERT_TRUE(apart);
+  EXPECT_THAT(backend.poses().frames()[0].world_from_camera, RigidNear(TruePose(0), 1e-12, 1e-12));
+  // The second box begins 1 m after the end of the first box, at x = 3 instead of -1.
+  const Rigid3d moved(Eigen::Quaterniond::Identity(), {4, 0, 0});
+  EXPECT_THAT(backend.poses().frames()[1].world_from_camera,
+              RigidNear(moved * TruePose(0), 1e-12, 1e-12));
+  EXPECT_THAT(apart->corrections.At(50), RigidNear(moved, 1e-12, 1e-12));
+  EXPECT_THAT(apart->corrections.At(0), RigidNear(Rigid3d(), 1e-12, 1e-12));
+}
+
+TEST(Backend, MarksRelocalizationAsLoop) {
+  const auto none = [](int, const auto&, const auto&) { return std::vector<LoopVerification>(); };
+  Backend backend({}, {}, Enabled(), NoCalibration(), none);
+  const FramePyramid pyramid = FlatPyramid();
+  backend.AddFrame(Stamped(0, 0), TruePose(0), GoodIcp(), pyramid);
+  backend.AfterRelocalization(0);
+  backend.AddFrame(Stamped(30, 1), TruePose(2), GoodIcp(), pyramid);
+  ASSERT_EQ(backend.poses().edges().size(), 1u);
+  EXPECT_TRUE(backend.poses().edges()[0].loop);
+  ASSERT_EQ(backend.poses().loops().size(), 1u);
+  const LoopRecord& loop = backend.poses().loops()[0];
+  EXPECT_EQ(loop.source_frame, 30);
+  EXPECT_EQ(loop.target_frame, 0);
+  EXPECT_TRUE(loop.in_graph);
 }
 
 // Odometry connects a keyframe to the last keyframe, except for the first keyframe of a map and
@@ -259,7 +300,8 @@ TEST(Backend, ReportsParentsOfKeyframes) {
   backend.AddFrame(Stamped(20, 1), TruePose(kFrames / 2), GoodIcp(), pyramid);
   backend.AfterRelocalization(0);
   backend.AddFrame(Stamped(30, 2), TruePose(1), GoodIcp(), pyramid);
-  backend.AddFrame(Stamped(40, 3), backend.BeginSubmap(TruePose(1)), {}, pyramid);
+  backend.BeginSubmap();
+  backend.AddFrame(Stamped(40, 3), TruePose(1), {}, pyramid);
   std::vector<std::vector<int>> links;
   for (const KeyframeLink& link : backend.poses().keyframes()) {
     links.push_back({link.frame, link.parent_frame, link.submap});
@@ -308,6 +350,18 @@ TEST(EdgeInformation, WeakDirectionRotatesWithCamera) {
                         {0, 0, 0});
   const Matrix6d covariance = CovarianceOfOdometry(HeldLittleAlongX(), kBetween, quarter);
   EXPECT_GT(covariance(4, 4), 50 * covariance(3, 3));
+}
+
+// As for odometry, the registration is in the frame of the relocalised camera. Points share errors.
+TEST(EdgeInformation, RelocalizationRotatesAndScalesItsRegistration) {
+  const EdgeNoise noise;
+  const Rigid3d quarter(Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ())),
+                        {0, 0, 0});
+  const Matrix6d covariance =
+      RelocalizationInformation(HeldLittleAlongX(), quarter, noise).inverse();
+  const double weak = noise.shared_points * 1e-6;
+  EXPECT_NEAR(covariance(4, 4), weak + std::pow(noise.loop_m, 2), 0.03 * weak);
+  EXPECT_NEAR(covariance(3, 3), std::pow(noise.loop_m, 2), 1e-6);
 }
 
 TEST(EdgeInformation, HasFixedSigmaForUnobservableDirections) {

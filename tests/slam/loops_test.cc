@@ -84,10 +84,31 @@ TEST(SlamLoops, StartsNewSubmapAfterLongLoss) {
   EXPECT_EQ(run.reports[30 + 4].state, FrameState::kNewMap);
   EXPECT_EQ(run.counts.submaps, 2u);
   EXPECT_EQ(run.counts.disconnected_submaps, 1u);
-  const Eigen::Vector3d way = run.reports[30 + 4].world_from_camera.translation -
-                              run.reports[29].world_from_camera.translation;
-  EXPECT_GT(way.norm(), Backend::kSubmapDistance / 2);
   EXPECT_EQ(run.reports.back().state, FrameState::kTracked);
+}
+
+// The second submap has its own map and world frame. They do not disturb the first submap.
+TEST(SlamLoops, ReturnsFromSubmapToFirstSubmap) {
+  constexpr int kKnown = 40, kUnknown = 25, kAgain = 20;
+  SlamOptions options = WithLoops();
+  options.loops.new_map_after = 5;
+  const SimulatedSequence sequence = KidnappedAndBack(kKnown, kUnknown, kAgain);
+  const auto runs = AtThreads({1, 2}, [&] { return RunLoops(sequence, options); });
+  const LoopRun& run = runs[0];
+  EXPECT_EQ(run.reports[kKnown + 4].state, FrameState::kNewMap);
+  const auto found = std::find_if(
+      run.reports.begin() + kKnown + kUnknown, run.reports.end(),
+      [](const FrameReport& report) { return report.state == FrameState::kRelocalized; });
+  ASSERT_NE(found, run.reports.end());
+  EXPECT_LE(found - run.reports.begin(), kKnown + kUnknown + 10);
+  for (auto report = found; report != run.reports.end(); ++report) {
+    const Rigid3d& truth = sequence.world_from_camera[report->index];
+    EXPECT_LT((report->world_from_camera.translation - truth.translation).norm(), 0.03);
+  }
+  EXPECT_EQ(run.counts.submaps, 2u);
+  EXPECT_EQ(run.counts.disconnected_submaps, 1u);
+  ExpectSameMap(runs[1].map, run.map);
+  ExpectSamePoses(runs[1].frames, run.frames);
 }
 
 TEST(SlamLoopsThreads, AreBitwiseIdentical) {

@@ -79,6 +79,44 @@ TEST(PoseStore, CountsDisconnectedSubmaps) {
   EXPECT_EQ(store.CountDisconnectedSubmaps(), 2u);
 }
 
+TEST(PoseStore, NumbersPiecesByFirstKeyframe) {
+  PoseStore store;
+  AddKeyframe(0, KeyframeLink::kNone, &store);
+  AddKeyframe(1, KeyframeLink::kNone, &store);
+  AddKeyframe(2, KeyframeLink::kNone, &store);
+  AddKeyframe(3, 1, &store);
+  EXPECT_THAT(store.PieceOfKeyframe(), ElementsAre(0, 1, 2, 1));
+  AddLoop(2, 0, &store);
+  EXPECT_THAT(store.PieceOfKeyframe(), ElementsAre(0, 1, 0, 1));
+  EXPECT_THAT(store.PieceOfSubmap(), ElementsAre(0, 1, 0));
+}
+
+// A loop of a running task is added after the relocalisation. Its optimisation has no flag for the
+// relocalisation.
+TEST(PoseStore, RejectedRelocalizationSeparatesPieces) {
+  PoseStore store;
+  AddKeyframe(0, KeyframeLink::kNone, &store);
+  AddKeyframe(1, 0, &store);
+  EXPECT_EQ(store.Snapshot().edges.size(), 1u);  // a task starts
+  store.AddFrame(20, 2, PoseOf(2), 1);
+  store.MakeKeyframe(0);
+  const auto record = std::make_unique<LoopRecord>();
+  record->source_frame = 20;
+  record->target_frame = 0;
+  record->attempt.verdict.reason = GlobalRegistrationReason::kAccepted;
+  record->in_graph = record->is_relocalization = true;
+  store.AddRelocalization(*record, Edge(0, 2, true));
+  EXPECT_THAT(store.PieceOfKeyframe(), ElementsAre(0, 0, 0));
+  AddLoop(1, 0, &store);
+  store.SetLoopsInGraph({false});  // result of the task: its loop is an outlier
+  EXPECT_THAT(store.loops_in_graph(), ElementsAre(true, false));
+  EXPECT_THAT(PairsOf(store.Snapshot()),
+              ElementsAre(ElementsAre(0, 1), ElementsAre(0, 1), ElementsAre(0, 2)));
+  store.SetLoopsInGraph({true, false});
+  EXPECT_THAT(store.loops_in_graph(), ElementsAre(false, true));
+  EXPECT_THAT(store.PieceOfKeyframe(), ElementsAre(0, 0, 1));
+}
+
 // Keyframe 3 is added before or after the loop of the first task.
 TEST(PoseStore, SnapshotOrderIsIndependentOfTaskDuration) {
   std::vector<std::vector<std::vector<int>>> orders;

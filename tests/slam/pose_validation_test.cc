@@ -48,6 +48,28 @@ TEST(PoseValidation, IgnoresMovingCellsAndRequiresOtherCellsToAgree) {
   EXPECT_EQ(ValidateRegistration(GoodFit(), Views(400, 100), 390, options), Verdict::kRejected);
 }
 
+// Few inliers are enough for an uncertain pose if correspondences agree and constrain all
+// directions. Moving objects explain the few inliers.
+TEST(PoseValidation, FewInliersNeedAgreementAndConstraints) {
+  const SlamOptions options;
+  IcpResult icp = GoodFit();
+  icp.inlier_ratio = 0.5 * options.min_inlier_ratio;
+  icp.inlier_count = 900;
+  icp.system.pair_count = 1000;
+  icp.eigenvalues.setConstant(2 * options.min_turn_eigenvalue);
+  EXPECT_EQ(ValidateRegistration(icp, Views(20, 20), 0, options), Verdict::kUncertain);
+  EXPECT_EQ(ValidateRegistration(icp, Views(400, 20), 390, options), Verdict::kAccepted);
+  IcpResult weak = icp;
+  weak.eigenvalues[0] = 0.5 * options.min_turn_eigenvalue;
+  EXPECT_EQ(ValidateRegistration(weak, Views(20, 20), 0, options), Verdict::kRejected);
+  IcpResult split = icp;
+  split.inlier_count = 700;
+  EXPECT_EQ(ValidateRegistration(split, Views(20, 20), 0, options), Verdict::kRejected);
+  ViewComparison unknown = Views(20, 20);
+  unknown.compared = 200;
+  EXPECT_EQ(ValidateRegistration(icp, unknown, 0, options), Verdict::kRejected);
+}
+
 TEST(PoseValidation, RejectsFailedRegistration) {
   const SlamOptions options;
   IcpResult icp = GoodFit();

@@ -40,7 +40,7 @@ GlobalRegistrationResult VerifyLoop(
 
 // Options of FindLoops(). Distances are those of the current pose estimates.
 struct FindLoopsOptions {
-  int min_gap = 100;           // minimum difference of the frame indices
+  int min_gap = 100;           // minimum difference of the frame indices within a piece
   int max_similar = 3;         // maximum number of candidates from place recognition
   int max_near = 2;            // maximum number of additional candidates by pose; 0: none
   double max_near_m = 0.5;     // maximum distance of additional candidates; 0: none

@@ -45,6 +45,7 @@ struct Keyframe {
   double stamp_s = 0;
   Rigid3d world_from_camera;  // latest estimate
   PlaceView view;             // empty if removed by LimitKeyframes()
+  int piece = 0;              // poses of different pieces are not comparable
 };
 
 // Options of MakePlaceView().
@@ -61,6 +62,9 @@ struct PlaceViewOptions {
 // options.
 PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
                         const PlaceViewOptions& options);
+
+// Makes a view without intensities and features. Otherwise like MakePlaceView().
+PlaceView MakeDepthView(const FramePyramid& pyramid, const PlaceViewOptions& options);
 
 // Pyramid of the surfaces of a view, which must not be empty. Its finest level has the camera of
 // the view. Normals are computed again. Intensities are included if the view has them.

@@ -52,6 +52,9 @@ MoveReport MoveMap(const FrameCorrections& corrections, SurfelMap* map);
 MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& recalibration,
                    SurfelMap* map);
 
+// Appends the surfels of a map to another map. `frame_shift` is added to their frame indices.
+void AppendSurfels(const SurfelMap& from, int frame_shift, SurfelMap* to);
+
 // Makes surfels active again, for example after a loop closure: sets last_seen to `now` if it is in
 // [first, last]. Returns the number of changed surfels. `now` must be at least `first`, which is
 // not checked. See FusionOptions::active_frames.

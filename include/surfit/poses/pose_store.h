@@ -54,6 +54,7 @@ struct LoopRecord {
   bool in_graph = false;  // verified, and no outlier of the last optimisation
   // from a saved state: only the frames, the pose and the acceptance are valid
   bool is_kept = false;
+  bool is_relocalization = false;  // edge of a relocalisation; not from a loop finder
 };
 
 // Content of a store, to save and restore it.
@@ -81,10 +82,10 @@ class PoseStore {
 
   const std::vector<PosedFrame>& frames() const { return frames_; }
   const std::vector<KeyframeLink>& keyframes() const { return keyframes_; }
-  // Odometry, relocalisations, and verified loops including outliers.
+  // Odometry, and verified loops and relocalisations including outliers.
   const std::vector<PoseGraphEdge>& edges() const { return edges_; }
   const std::vector<LoopRecord>& loops() const { return loops_; }
-  std::vector<bool> loops_in_graph() const;  // per verified loop: true if it is no outlier
+  std::vector<bool> loops_in_graph() const;  // per loop edge: true if it is no outlier
   // Poses of all frames.
   Trajectory trajectory() const;
 
@@ -99,7 +100,13 @@ class PoseStore {
 
   // Number of submaps, at least 1 after the first keyframe.
   int submap_count() const;
-  // Number of submaps without a loop to the first submap.
+  // Piece of each keyframe. A piece is a set of keyframes that parents and loops in the graph
+  // connect. Poses of different pieces are not comparable. Pieces are numbered by their first
+  // keyframe.
+  std::vector<int> PieceOfKeyframe() const;
+  // Piece of the first keyframe of each submap.
+  std::vector<int> PieceOfSubmap() const;
+  // Returns the number of pieces without the first piece.
   std::size_t CountDisconnectedSubmaps() const;
 
   // Adds a frame of the last keyframe. Call MakeKeyframe() directly after the first frame. Its
@@ -108,8 +115,10 @@ class PoseStore {
   // Makes the last frame a keyframe. `parent` is a keyframe position. KeyframeLink::kNone: starts a
   // submap.
   void MakeKeyframe(int parent);
-  // Adds an odometry or relocalisation edge between keyframe positions.
+  // Adds an odometry edge between keyframe positions.
   void AddEdge(const PoseGraphEdge& edge) { edges_.push_back(edge); }
+  // Adds the edge of a relocalisation, with its loop record. PoseGraphEdge::loop must be true.
+  void AddRelocalization(LoopRecord record, const PoseGraphEdge& edge);
   // Adds a verified or rejected candidate. `edge`: required for verified loops, std::nullopt for
   // rejected candidates.
   void AddLoop(LoopRecord record, const std::optional<PoseGraphEdge>& edge);
@@ -129,6 +138,7 @@ class PoseStore {
 
  private:
   const PosedFrame& FrameAt(int frame_index) const;
+  void AddLoopEdge(const PoseGraphEdge& edge);
 
   std::vector<PosedFrame> frames_;
   std::vector<KeyframeLink> keyframes_;
@@ -136,6 +146,7 @@ class PoseStore {
   std::vector<PoseGraphEdge> edges_;
   std::vector<std::size_t> graph_edges_;  // edge indices in the order of snapshots
   std::vector<LoopRecord> loops_;
+  std::vector<std::size_t> loop_of_edge_;  // per edge: position in loops_; only of loop edges
 };
 
 }  // namespace surfit

@@ -141,9 +141,19 @@ struct Gravity {
 };
 
 // Results of a run: the content of summary.json.
+// Piece of a trajectory. No loop closure connects it to another piece. Pieces are placed beside
+// each other along x, so poses of different pieces are not comparable.
+struct TrajectoryPiece {
+  int first_frame = 0, last_frame = 0;             // indices of frames with a pose
+  int frames = 0;                                  // frames with a pose
+  std::optional<TrajectoryEvaluation> evaluation;  // with ground truth only
+};
+
 struct SlamRunSummary {
   int frames_total = 0;    // input frames, including unreadable frames
-  int frames_tracked = 0;  // frames with a pose
+  int frames_tracked = 0;  // frames with a pose at their own time
+  // Frames in trajectory.txt: tracked frames, and lost frames whose pose was found later.
+  int frames_with_pose = 0;
   int frames_lost = 0;
   int frames_with_motion = 0;  // tracked frames with more than 10 % moving points
   int frames_confirmed = 0;    // lost frames whose pose the next frame has confirmed
@@ -182,11 +192,14 @@ struct SlamRunSummary {
   std::int64_t refused = 0;                          // surfels not added because the map is full
   std::int64_t merged_duplicates = 0;                // duplicate surfels merged after loop closures
   std::size_t map_points = 0;
-  double compression_ratio = 0;                    // input_points / map_points
-  double match_ratio_last = 0;                     // merged points / valid points, last fused frame
-  double match_ratio_median = 0;                   // median over all fused frames
-  std::optional<TrajectoryEvaluation> evaluation;  // with ground truth only
-  double sensor_latency_s = 0;  // RgbdCamera::latency_s: file timestamp minus capture time
+  double compression_ratio = 0;   // input_points / map_points
+  double match_ratio_last = 0;    // merged points / valid points, last fused frame
+  double match_ratio_median = 0;  // median over all fused frames
+  // Sorted by their first frames. Empty if no frame has a pose.
+  std::vector<TrajectoryPiece> pieces;
+  // Evaluates the piece with the most frames; with ground truth only.
+  std::optional<TrajectoryEvaluation> evaluation;
+  double sensor_latency_s = 0;  // RgbdCamera::latency_s: file timestamp minus pose timestamp
   // ATE with the timestamps of the files, and ATE with a time offset fitted to the ground truth.
   std::optional<AbsoluteTrajectoryError> ate_without_latency;
   std::optional<TimeOffset> time_offset;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -53,8 +54,10 @@ struct KeyframeForLoops;
 struct WorldCorrection {
   bool moves = false;                            // false: the corrections are the identity
   FrameCorrections corrections{0, {Rigid3d()}};  // by frame index
-  Rigid3d new_from_old_now;                    // correction of the camera pose and of later frames
-  std::vector<int> joined;                     // frame indices of the targets of new inlier loops
+  Rigid3d new_from_old_now;  // correction of the camera pose and of later frames
+  std::vector<int> joined;   // indices of the target frames of new loops
+  // Piece of each submap: see PoseStore. Submaps of one piece have a common map.
+  std::vector<int> piece_of_submap;
   std::optional<Recalibration> recalibration;  // change of the calibration for later frames
 };
 
@@ -115,15 +118,18 @@ class Backend {
   Relocalization Find(const ColoredView& view);
   // Call after a relocalisation. The next frame becomes a keyframe with an edge to `keyframe`.
   void AfterRelocalization(int keyframe);
-  // Starts a new submap with the next frame, and returns the pose of this frame. The position is on
-  // the world x axis, kSubmapDistance from the previous submap. The rotation is that of
-  // `world_from_last`.
-  static constexpr double kSubmapDistance = 50;  // metres
-  Rigid3d BeginSubmap(const Rigid3d& world_from_last);
+  // Starts a new submap with the next frame, and returns the number of the submap. Its poses have a
+  // world frame of their own, until a loop closure connects the submap to another submap.
+  int BeginSubmap();
 
   // Waits for all tasks after the last frame. Returns their corrections, in order. Throws the
   // exception of a failed task.
   std::vector<WorldCorrection> Finish();
+
+  // Moves pieces that no loop closure has connected beside each other, along x, so that their boxes
+  // are at least 1 m apart. The first piece stays. `boxes`: boxes of the maps in world
+  // coordinates, by submap. Call after Finish(). Returns std::nullopt with one piece.
+  std::optional<WorldCorrection> PlacePieces(const std::vector<Eigen::AlignedBox3d>& boxes);
 
   // Frames, keyframes, edges and loops. The reference is valid until the Backend is destroyed.
   const PoseStore& poses() const { return poses_; }
@@ -149,8 +155,7 @@ class Backend {
   bool BecomesKeyframe(int frame_index, const Rigid3d& world_from_camera,
                        const FramePyramid& pyramid);
   void TakeViews(std::vector<PlaceView> views, std::size_t settled);
-  std::optional<PoseGraphEdge> EdgeTo(const PosedFrame& keyframe, int parent,
-                                      const IcpResult& icp) const;
+  void AddEdgeTo(const PosedFrame& keyframe, int parent, const IcpResult& icp);
   void StartLoopTask();
   void StartLoopTaskIfFree();
   void StartCalibration();

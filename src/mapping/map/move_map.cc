@@ -148,6 +148,20 @@ MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& rec
   return MoveAll(corrections, RecalibratedMoves(corrections, recalibration), map);
 }
 
+void AppendSurfels(const SurfelMap& from, int frame_shift, SurfelMap* to) {
+  for (std::int32_t c = 0; c < from.cell_count(); ++c) {
+    for (const std::int32_t b : from.cell(c).blocks) {
+      SurfelBlock block = from.block(b);
+      for (int k = 0; k < block.count; ++k) {
+        block.first_seen[k] += frame_shift;
+        block.last_seen[k] += frame_shift;
+        const std::int32_t added = to->Append(block[k]);
+        to->block(added / SurfelBlock::kCapacity).Take(added % SurfelBlock::kCapacity, block, k);
+      }
+    }
+  }
+}
+
 std::size_t ReactivateSurfels(int first, int last, int now, SurfelMap* map) {
   return ParallelSum(0, map->cell_count(), 1, std::size_t{0}, [&](int cell, int) {
     std::size_t woken = 0;

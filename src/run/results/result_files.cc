@@ -157,6 +157,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   Json j;
   j["frames_total"] = s.frames_total;
   j["frames_tracked"] = s.frames_tracked;
+  j["frames_with_pose"] = s.frames_with_pose;
   j["frames_lost"] = s.frames_lost;
   j["frames_with_motion"] = s.frames_with_motion;
   j["frames_confirmed"] = s.frames_confirmed;
@@ -181,6 +182,16 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["relocalisations"] = s.loops.relocalisations;
   j["submaps"] = s.loops.submaps;
   j["disconnected_submaps"] = s.loops.disconnected_submaps;
+  j["pieces"] = Json::array();
+  for (const TrajectoryPiece& piece : s.pieces) {
+    const auto& evaluation = piece.evaluation;
+    const bool has_ate = evaluation && evaluation->ate;
+    j["pieces"].push_back(
+        {{"first_frame", piece.first_frame},
+         {"last_frame", piece.last_frame},
+         {"frames", piece.frames},
+         {"ate_rmse_m", has_ate ? Json(evaluation->ate->translation_m.rmse) : Json()}});
+  }
   j["backend_waits"] = s.loops.waits;
   j["keyframe_views_removed"] = s.loops.removed_views;
   j["session_waits"] = s.session_waits;
