@@ -14,8 +14,11 @@ namespace surfit {
 struct RefinedSequence {
   std::size_t keyframes = 0;
   RefinementSummary summary;
-  // Input values if the refinement failed: see RefinementSummary::Succeeded().
-  Trajectory trajectory;
+  // False if the refinement failed, or if its calibration is insignificant or not confirmed by
+  // cross-validation: see Refine(). Without a new calibration, the poses of tracking are more
+  // accurate than refined poses.
+  bool is_applied = false;
+  Trajectory trajectory;  // this and `found`: input values unless `is_applied`
   EstimatedSensor found;
 };
 
