@@ -97,7 +97,9 @@ std::optional<RefinedSequence> RefinePosedSequence(
     return std::nullopt;
   }
   ScaleUp(camera, stride, &refined.summary);
-  refined.is_applied = refined.summary.Succeeded() && !refined.summary.calibration_kept;
+  const auto [first, last] = refined.summary.held_out_gains_over_start;
+  refined.is_applied =
+      refined.summary.Succeeded() && !refined.summary.calibration_kept && first + last > 0;
   if (!refined.is_applied) return refined;
   refined.trajectory = Corrected(known.trajectory, *read);
   refined.found.calibration = refined.summary.calibration;

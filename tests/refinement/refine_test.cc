@@ -304,6 +304,22 @@ TEST(Refine, KeepsCalibrationUnlessHalvesConfirmIt) {
   EXPECT_EQ(refuted.calibration.camera.cy, TrueCamera().cy);
 }
 
+// The calibration of a half is less accurate than the true calibration.
+TEST(Refine, FindsNoImprovementOfTrueInitialCalibration) {
+  const InverseDepthField tilt = {{0, 0.01}};
+  Recording recording = Record(16, tilt, tilt, 0, 0);
+  const DepthCalibration given = {TrueCamera(), {}}, truth = {TrueCamera(), {{0, -0.01}}};
+  RefinementOptions options;
+  options.max_rounds = 6;
+  const RefinementSummary summary =
+      Refine(options, given, truth, &recording.keyframes, [](const RefinementRound&) {});
+  ASSERT_TRUE(summary.Succeeded()) << ToString(summary.termination);
+  EXPECT_FALSE(summary.calibration_kept);
+  EXPECT_EQ(summary.gain_limit, 0);
+  EXPECT_GT(summary.held_out_gains[0] + summary.held_out_gains[1], 0);
+  EXPECT_LT(summary.held_out_gains_over_start[0] + summary.held_out_gains_over_start[1], 0);
+}
+
 TEST(Refine, KeepsCalibrationWithinModelError) {
   const Recording given = Record(12, 2 * kOffset, 0, 0);
   RefinementOptions options;
