@@ -146,7 +146,7 @@ struct RefinementSummary {
   // upper limit for keeping the input calibration. Both are 0 if the calibration is not estimated.
   double calibration_distance = 0, calibration_limit = 0;
   // Decrease of the squared residuals of the first and the last half of the keyframes, in units of
-  // their variance, with the estimated instead of the input calibration. `held_out_gains`: with the
+  // their variance. Compares the estimated with the input calibration. `held_out_gains`: with the
   // calibration of the other half. 0 if the calibration is not estimated.
   std::array<double, 2> half_gains = {0, 0}, held_out_gains = {0, 0};
   // `held_out_gains`, relative to the initial instead of the input calibration.

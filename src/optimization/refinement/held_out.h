@@ -10,8 +10,8 @@
 namespace surfit {
 
 // Decrease of the squared residuals of the first and the last half of the keyframes, in units of
-// their variance, if an estimated calibration replaces the input calibration. Poses and surfels are
-// optimal in both cases. 0 for a half without redundant observations.
+// their variance. Compares an estimated with the input calibration. Poses and surfels are optimal
+// in both cases. 0 for a half without redundant observations.
 struct HalfGains {
   std::array<double, 2> own = {0, 0};       // with the calibration of all keyframes
   std::array<double, 2> held_out = {0, 0};  // with the calibration of the other half
