@@ -96,12 +96,13 @@ std::optional<RefinedSequence> RefinePosedSequence(
   } catch (const Interrupted&) {
     return std::nullopt;
   }
-  const bool is_as_given = AreSame(refined.summary.calibration, given);
   ScaleUp(camera, stride, &refined.summary);
-  if (!refined.summary.Succeeded()) return refined;
+  const auto [first, last] = refined.summary.held_out_gains_over_start;
+  refined.is_applied =
+      refined.summary.Succeeded() && !refined.summary.calibration_kept && first + last > 0;
+  if (!refined.is_applied) return refined;
   refined.trajectory = Corrected(known.trajectory, *read);
-  refined.found.calibration.reset();
-  if (!is_as_given) refined.found.calibration = refined.summary.calibration;
+  refined.found.calibration = refined.summary.calibration;
   return refined;
 }
 

@@ -285,14 +285,13 @@ class SlamRun {
     }
     std::optional<RefinedSequence> refined;
     const PosedSequence known = Known(trajectory_->poses(), found_);
-    // Without a new calibration, tracking poses are more accurate than refined poses. Refinement
-    // only uses keyframes.
+    // Without a new calibration, RefinePosedSequence() changes nothing.
     if (options_.refine && known.found.calibration) refined = Refine(known, interrupted, progress);
     if (interrupted) return;
     FuseFinalMap(refined ? Known(refined->trajectory, refined->found) : known, interrupted,
                  progress);
     if (!final_map_ || !refined) return;
-    const bool is_better = refined->summary.Succeeded();
+    const bool is_better = refined->is_applied;
     trajectory_->Replace(std::move(refined->trajectory));
     found_ = refined->found;
     if (session_ && is_better) {

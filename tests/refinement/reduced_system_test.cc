@@ -257,6 +257,36 @@ TEST_P(ReducedFactorOfView, AgreesWithBlocksOfInverse) {
   }
 }
 
+// The full step is the minimum of the marginal cost, and the inverse of its Hessian is the
+// covariance.
+TEST_P(ReducedFactorOfView, HasMarginalCostOfCalibration) {
+  const CalibrationModel model = MarginalOf(system_, held_);
+  const Eigen::MatrixXd free = hessian_(free_, free_);
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(hessian_.rows());
+  const Eigen::VectorXd gradient = system_.gradient(free_);
+  step(free_) = Eigen::VectorXd(-free.partialPivLu().solve(gradient));
+  const CalibrationRow at_minimum = step.tail<kCalibrationSize>();
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(hessian_.rows(), hessian_.cols());
+  inverse(free_, free_) = Eigen::MatrixXd(free.inverse());
+  const ReducedSystem::CalibrationMatrix covariance =
+      inverse.bottomRightCorner<kCalibrationSize, kCalibrationSize>();
+  const CalibrationRow sigma = covariance.diagonal().cwiseSqrt();
+  constexpr double kTolerance = 1e-5;  // pivots of 1e-12, and a condition number below 1e6
+  const CalibrationRow rest = model.gradient + model.information * at_minimum;
+  EXPECT_LT(rest.cwiseProduct(sigma).norm(),
+            kTolerance * model.gradient.cwiseProduct(sigma).norm());
+  const ReducedSystem::CalibrationMatrix product = model.information * covariance;
+  for (int i = 0; i < kCalibrationSize; ++i) {
+    for (int j = 0; j < kCalibrationSize; ++j) {
+      if (held_[i] || held_[j]) {
+        EXPECT_EQ(model.information(i, j), 0);
+        continue;
+      }
+      EXPECT_NEAR(product(i, j) * sigma[i] / sigma[j], i == j, kTolerance) << i << " " << j;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Views, ReducedFactorOfView,
                          ::testing::Values(View{1, false}, View{kManyPoses, true}));
 

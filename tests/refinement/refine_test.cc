@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -163,13 +164,14 @@ constexpr double kOffset = 0.02 / 3;  // 1/m: 2 % at 3 m
 
 PinholeCamera TrueCamera() { return {160, 120, 131.25, 131.25, 79.75, 59.75, {}}; }
 
-// Every eighth frame of a path through a room, with Kinect noise and an offset of inverse depth.
+// Every eighth frame of a path through a room, with Kinect noise and an error of inverse depth.
 struct Recording {
   std::vector<Rigid3d> truth;
   std::vector<RefinementKeyframe> keyframes;
 };
 
-Recording Record(int count, double offset_per_m, double pose_error_m, double pose_error_rad) {
+Recording Record(int count, const InverseDepthField& first_half, const InverseDepthField& last_half,
+                 double pose_error_m, double pose_error_rad) {
   constexpr int kStride = 8;
   constexpr std::uint64_t kSeed = 7;
   const Scene scene = MakeScene("room", kSeed);
@@ -180,13 +182,18 @@ Recording Record(int count, double offset_per_m, double pose_error_m, double pos
     const Rigid3d& pose = path[kStride * k].world_from_camera;
     RgbdFrame frame;
     frame.depth_m = KinectDepth(RenderGeometry(scene, TrueCamera(), pose).depth_m, TrueCamera(), k);
-    CorrectDepth(TrueCamera(), {{offset_per_m}}, &frame.depth_m);
+    CorrectDepth(TrueCamera(), k < count / 2 ? first_half : last_half, &frame.depth_m);
     const Rigid3d error = k == 0 ? Rigid3d() : RandomPose(pose_error_rad, pose_error_m, &random);
     recording.truth.push_back(pose);
     recording.keyframes.push_back(
         {pose * error, MakeKeyframeImages(frame, {TrueCamera(), {}}, {}, PreprocessOptions())});
   }
   return recording;
+}
+
+Recording Record(int count, double offset_per_m, double pose_error_m, double pose_error_rad) {
+  const InverseDepthField offset = {{offset_per_m}};
+  return Record(count, offset, offset, pose_error_m, pose_error_rad);
 }
 
 double AteOf(const Recording& recording) {
@@ -271,8 +278,50 @@ TEST(Refine, KeepsFixedParameters) {
   EXPECT_NE(recording.keyframes[1].world_from_camera.Matrix(), recording.truth[1].Matrix());
 }
 
+// Depth is tilted. In the second recording, the tilt has another direction in each half.
+TEST(Refine, KeepsCalibrationUnlessHalvesConfirmIt) {
+  const InverseDepthField along_x = {{0, 0.01}}, along_y = {{0, 0, 0.01}};
+  const auto refine = [](const InverseDepthField& first_half, const InverseDepthField& last_half) {
+    Recording recording = Record(16, first_half, last_half, 0, 0);
+    RefinementOptions options;
+    options.max_rounds = 6;
+    RefinementSummary summary = RefineAll(options, TrueCamera(), &recording);
+    EXPECT_TRUE(summary.Succeeded()) << ToString(summary.termination);
+    EXPECT_GT(summary.calibration_distance, summary.calibration_limit);
+    return summary;
+  };
+  const RefinementSummary confirmed = refine(along_x, along_x);
+  EXPECT_TRUE(confirmed.AreGainsAboveLimit());
+  EXPECT_FALSE(confirmed.calibration_kept);
+  for (const double gain : confirmed.half_gains) EXPECT_GT(gain, confirmed.gain_limit);
+  EXPECT_NEAR(confirmed.calibration.field.coefficients[1], -0.01, 0.005);
+
+  const RefinementSummary refuted = refine(along_x, along_y);
+  EXPECT_FALSE(refuted.AreGainsAboveLimit());
+  EXPECT_LT(refuted.held_out_gains[0] + refuted.held_out_gains[1], 0);
+  EXPECT_TRUE(refuted.calibration_kept);
+  EXPECT_TRUE(refuted.calibration.field.IsZero());
+  EXPECT_EQ(refuted.calibration.camera.cy, TrueCamera().cy);
+}
+
+// The calibration of a half is less accurate than the true calibration.
+TEST(Refine, FindsNoImprovementOfTrueInitialCalibration) {
+  const InverseDepthField tilt = {{0, 0.01}};
+  Recording recording = Record(16, tilt, tilt, 0, 0);
+  const DepthCalibration given = {TrueCamera(), {}}, truth = {TrueCamera(), {{0, -0.01}}};
+  RefinementOptions options;
+  options.max_rounds = 6;
+  const RefinementSummary summary =
+      Refine(options, given, truth, &recording.keyframes, [](const RefinementRound&) {});
+  ASSERT_TRUE(summary.Succeeded()) << ToString(summary.termination);
+  EXPECT_FALSE(summary.calibration_kept);
+  EXPECT_EQ(summary.gain_limit, 0);
+  EXPECT_GT(summary.held_out_gains[0] + summary.held_out_gains[1], 0);
+  EXPECT_LT(summary.held_out_gains_over_start[0] + summary.held_out_gains_over_start[1], 0);
+}
+
 TEST(Refine, KeepsCalibrationWithinModelError) {
-  const Recording given = Record(12, kOffset, 0, 0);
+  const Recording given = Record(12, 2 * kOffset, 0, 0);
   RefinementOptions options;
   options.estimate_intrinsics = options.estimate_depth_field = false;
   options.max_rounds = 2;
@@ -286,7 +335,7 @@ TEST(Refine, KeepsCalibrationWithinModelError) {
     return summary.calibration_kept;
   };
   EXPECT_FALSE(keeps(0.0005));
-  EXPECT_TRUE(keeps(0.02));  // the effect of the offset at 3 m
+  EXPECT_TRUE(keeps(0.04));  // the effect of the offset at 3 m
 }
 
 // The calibration is kept, but the gates of the pose refinement accept no surfel.

@@ -24,14 +24,16 @@ SimulatedSequence Room(std::uint64_t seed) {
 // A quarter of the image size of a Kinect.
 SimulatedSequence SmallRoom() { return Simulate("room", 1, kCalibratedFrames, Sensor::kKinect); }
 
+constexpr double kTilt = 0.03;  // 1/m
+
 // Adds errors of focal length, principal point and depth to the input calibration.
 SimulatedSequence WronglyGiven(SimulatedSequence sequence) {
   for (RgbdFrame& frame : sequence.frames) {
-    CorrectDepth(sequence.camera, {{0, 0.02, 0, 0, 0, 0}}, &frame.depth_m);
+    CorrectDepth(sequence.camera, {{0, kTilt, 0, 0, 0, 0}}, &frame.depth_m);
   }
-  sequence.camera.fx *= 1.01;
-  sequence.camera.fy *= 1.01;
-  sequence.camera.cx += 1;
+  sequence.camera.fx *= 1.015;
+  sequence.camera.fy *= 1.015;
+  sequence.camera.cx += 1.5;
   return sequence;
 }
 
@@ -101,7 +103,7 @@ TEST(SlamCalibration, CorrectsWrongCalibration) {
     EXPECT_LT(std::abs(run.found.readout_s), 3 * sigma[10]) << seed;
     for (int i = 0; i < 10; ++i) {
       const double error =
-          i < 4 ? errors[i] : run.found.field.coefficients[i - 4] + (i == 5) * 0.02;
+          i < 4 ? errors[i] : run.found.field.coefficients[i - 4] + (i == 5) * kTilt;
       EXPECT_LT(std::abs(error), 3 * sigma[i]) << "seed " << seed << ", number " << i;
     }
   }

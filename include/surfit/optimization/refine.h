@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -144,6 +145,15 @@ struct RefinementSummary {
   // Squared Mahalanobis distance of the estimated calibration from the input calibration, and its
   // upper limit for keeping the input calibration. Both are 0 if the calibration is not estimated.
   double calibration_distance = 0, calibration_limit = 0;
+  // Decrease of the squared residuals of the first and the last half of the keyframes, in units of
+  // their variance. Compares the estimated with the input calibration. `held_out_gains`: with the
+  // calibration of the other half. 0 if the calibration is not estimated.
+  std::array<double, 2> half_gains = {0, 0}, held_out_gains = {0, 0};
+  // `held_out_gains`, relative to the initial instead of the input calibration.
+  std::array<double, 2> held_out_gains_over_start = {0, 0};
+  // `calibration_sigmas` standard deviations of a squared Mahalanobis distance. 0 if the initial
+  // calibration differs from the input calibration.
+  double gain_limit = 0;
   bool calibration_kept = false;  // the input calibration is kept
   // Covariance of each keyframe pose, 6 x 6, for the perturbation (w [rad], v [m]) in exp(w) R and
   // t + v. 0 for the first keyframe. Infinite diagonal for a keyframe without shared surfels. Empty
@@ -153,6 +163,10 @@ struct RefinementSummary {
   // a failure.
   RefinementFit before, after;
   std::vector<RefinementRound> rounds;  // successful rounds of calibration, then of poses only
+
+  // Returns whether the estimated calibration improves both halves by more than the limit, and
+  // whether the sum of `held_out_gains` is above the limit.
+  bool AreGainsAboveLimit() const;
 
   bool Succeeded() const {
     return termination == RefinementTermination::kConverged ||
@@ -171,10 +185,12 @@ struct RefinementSummary {
 // Surfel parameters are eliminated by the Schur complement, and Levenberg-Marquardt solves for
 // poses and calibration. The first keyframe is fixed.
 //
-// If the estimated calibration does not differ significantly from `given`, `given` is kept. The
-// poses are then refined again from their initial values, with a motion prior between
-// consecutive keyframes. The estimation of the calibration does not use this prior: tracking may
-// have used a wrong calibration.
+// If the estimated calibration does not differ significantly from `given`, `given` is kept. `given`
+// is also kept if the keyframes do not confirm the estimate. The estimate must improve the first
+// and the last half of the keyframes. The calibration of one half must also improve the other half:
+// see RefinementSummary::AreGainsAboveLimit(). With a kept calibration, the poses are refined again
+// from their initial values, with a motion prior between consecutive keyframes. The estimation of
+// the calibration does not use this prior: tracking may have used a wrong calibration.
 //
 // `keyframes` must be in the order of time. `given`: input calibration, the mean of the prior.
 // `start`: initial calibration, for example of tracking. Both must have the size of the keyframe

@@ -174,14 +174,44 @@ JointCovariance ReducedFactor::Covariance() const {
   return covariance;
 }
 
-JointCovariance CovarianceOf(const ReducedSystem& system,
-                             const std::vector<bool>& fixed_calibration) {
+// The factorised matrix is C - B^T P^-1 B with C = S H_cc S + damping I, and 1 for fixed
+// parameters.
+CalibrationModel ReducedFactor::Marginal(const Eigen::VectorXd& gradient) const {
+  const CalibrationRow scale = scale_.tail<kCalibrationSize>();
+  const CalibrationRow unscale = scale.unaryExpr([](double s) { return s > 0 ? 1 / s : 0; });
+  const Eigen::VectorXd scaled = scale_.cwiseProduct(gradient);
+  const Eigen::Index poses = scaled.size() - kPoseTangentSize - kCalibrationSize;
+  const CalibrationRow reduced =
+      scaled.tail<kCalibrationSize>() -
+      solved_border_.transpose() * scaled.segment(kPoseTangentSize, poses);
+  CalibrationMatrix matrix = calibration_.reconstructedMatrix();
+  matrix.diagonal().array() -= damping_;
+  return {unscale.asDiagonal() * matrix * unscale.asDiagonal(), unscale.cwiseProduct(reduced)};
+}
+
+namespace {
+
+void FactorizeDamped(const ReducedSystem& system, ReducedFactor* factor) {
   // Typical rounding error of the pivots of a singular matrix with a unit diagonal.
   constexpr double kMinPivot = 1e-12, kGrowth = 10;
-  ReducedFactor factor(*system.pattern, fixed_calibration);
   double damping = kMinPivot;
-  while (damping < 1 && !factor.Factorize(system, damping)) damping *= kGrowth;
+  while (damping < 1 && !factor->Factorize(system, damping)) damping *= kGrowth;
+}
+
+}  // namespace
+
+JointCovariance CovarianceOf(const ReducedSystem& system,
+                             const std::vector<bool>& fixed_calibration) {
+  ReducedFactor factor(*system.pattern, fixed_calibration);
+  FactorizeDamped(system, &factor);
   return factor.Covariance();
+}
+
+CalibrationModel MarginalOf(const ReducedSystem& system,
+                            const std::vector<bool>& fixed_calibration) {
+  ReducedFactor factor(*system.pattern, fixed_calibration);
+  FactorizeDamped(system, &factor);
+  return factor.Marginal(system.gradient);
 }
 
 }  // namespace surfit

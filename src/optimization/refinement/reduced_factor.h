@@ -61,6 +61,22 @@ struct JointCovariance {
   std::vector<Eigen::MatrixXd> poses;
 };
 
+// Quadratic model of the cost as a function of the calibration, about a linearisation point.
+struct CalibrationModel {
+  ReducedSystem::CalibrationMatrix information = ReducedSystem::CalibrationMatrix::Zero();
+  CalibrationRow gradient = CalibrationRow::Zero();
+
+  CalibrationModel operator+(const CalibrationModel& other) const {
+    return {information + other.information, gradient + other.gradient};
+  }
+  // Removes the dependence on a parameter.
+  void Fix(int parameter) {
+    information.row(parameter).setZero();
+    information.col(parameter).setZero();
+    gradient[parameter] = 0;
+  }
+};
+
 // Factor of a reduced Hessian. All poses depend on the calibration, which is a dense border of the
 // pose part. It is scaled to a unit diagonal, because metres, radians and pixels differ by orders
 // of magnitude:
@@ -80,6 +96,8 @@ class ReducedFactor {
   ReducedStep Solve(const Eigen::VectorXd& gradient) const;
   // Covariance at the factorised system, including its damping.
   JointCovariance Covariance() const;
+  // Cost at the optimal poses, as a function of the calibration. Fixed parameters have no effect.
+  CalibrationModel Marginal(const Eigen::VectorXd& gradient) const;
 
  private:
   using CalibrationMatrix = ReducedSystem::CalibrationMatrix;
@@ -100,5 +118,8 @@ class ReducedFactor {
 // a variance of about 1e12 times the inverse of their diagonal elements.
 JointCovariance CovarianceOf(const ReducedSystem& system,
                              const std::vector<bool>& fixed_calibration);
+// ReducedFactor::Marginal() of a system, with the smallest damping that allows a factorisation.
+CalibrationModel MarginalOf(const ReducedSystem& system,
+                            const std::vector<bool>& fixed_calibration);
 
 }  // namespace surfit

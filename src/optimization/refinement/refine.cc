@@ -4,6 +4,7 @@
 
 #include "core/named_values.h"
 #include "core/trace.h"
+#include "optimization/refinement/held_out.h"
 #include "optimization/refinement/joint_solver.h"
 #include "optimization/refinement/reduced_factor.h"
 #include "surfit/core/options.h"
@@ -85,8 +86,14 @@ JointState StateOf(const std::vector<RefinementKeyframe>& keyframes,
   return state;
 }
 
+bool FindsCalibration(const RefinementOptions& options) {
+  return options.estimate_intrinsics || options.estimate_depth_offset ||
+         options.estimate_depth_field || options.estimate_readout;
+}
+
 void SetFinalFit(const RefinementOptions& options, const std::vector<RefinementKeyframe>& keyframes,
-                 JointPrior* prior, const JointState& state, RefinementSummary* summary) {
+                 const DepthCalibration& start, const DepthCalibration& given, JointPrior* prior,
+                 const JointState& state, RefinementSummary* summary) {
   const JointKernels kernels = KernelsOf(options.error_model);
   const SharedSurfels shared = MakeSharedSurfels(keyframes, state.calibration, options);
   const JointFit fit = FitOf(shared, state, kernels);
@@ -104,6 +111,14 @@ void SetFinalFit(const RefinementOptions& options, const std::vector<RefinementK
   for (const Eigen::MatrixXd& pose : covariance.poses) {
     summary->pose_covariances.emplace_back(variance * pose);
   }
+  if (FindsCalibration(options)) {
+    const HalfGains gains = GainsOf(shared, state, given, *prior, options);
+    summary->half_gains = gains.own;
+    summary->held_out_gains = gains.held_out;
+    summary->held_out_gains_over_start =
+        AreSame(start, given) ? gains.held_out
+                              : GainsOf(shared, state, start, *prior, options).held_out;
+  }
 }
 
 RefinementFit FitOf(const RefinementOptions& options,
@@ -113,29 +128,27 @@ RefinementFit FitOf(const RefinementOptions& options,
 }
 
 // A failure restores poses and calibration.
-void RefineFrom(const JointState& given, const RefinementOptions& options, JointPrior prior,
+void RefineFrom(const JointState& start, const DepthCalibration& given,
+                const RefinementOptions& options, JointPrior prior,
                 std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
                 const std::function<void(const RefinementRound&)>& progress) {
-  TakePoses(given, keyframes);
+  TakePoses(start, keyframes);
   summary->calibration_covariance.resize(0, 0);
   summary->pose_covariances.clear();
   summary->after = {};
-  JointState state = given;
+  JointState state = start;
   summary->termination = RunRounds(options, keyframes, &prior, &state, &summary->rounds, progress);
   // Noise can make the estimate negative.
   state.calibration.readout_s = std::max(0., state.calibration.readout_s);
   summary->calibration = state.calibration;
-  if (summary->Succeeded()) SetFinalFit(options, *keyframes, &prior, state, summary);
+  if (summary->Succeeded()) {
+    SetFinalFit(options, *keyframes, start.calibration, given, &prior, state, summary);
+  }
 }
 
 JointPrior PriorOf(const JointState& given, const RefinementOptions& options) {
   if (options.motion_sigma_m == 0 || options.motion_sigma_rad == 0) return {};
   return {given.world_from_camera, options.motion_sigma_m, options.motion_sigma_rad};
-}
-
-bool FindsCalibration(const RefinementOptions& options) {
-  return options.estimate_intrinsics || options.estimate_depth_offset ||
-         options.estimate_depth_field || options.estimate_readout;
 }
 
 // Fixes the readout if no keyframe has motion.
@@ -162,10 +175,16 @@ void RefinePoses(const JointState& given, const RefinementOptions& options,
   const RefinementOptions of_poses = PosesOnly(options);
   TakePoses(given, keyframes);
   summary->before = FitOf(of_poses, *keyframes, given);
-  RefineFrom(given, of_poses, PriorOf(given, options), keyframes, summary, progress);
+  RefineFrom(given, given.calibration, of_poses, PriorOf(given, options), keyframes, summary,
+             progress);
 }
 
 }  // namespace
+
+bool RefinementSummary::AreGainsAboveLimit() const {
+  return std::min(half_gains[0], half_gains[1]) > gain_limit &&
+         held_out_gains[0] + held_out_gains[1] > gain_limit;
+}
 
 std::string ToString(RefinementTermination termination) {
   return NameOf(termination, kRefinementEnds);
@@ -186,13 +205,17 @@ RefinementSummary Refine(const RefinementOptions& all_options, const DepthCalibr
     return summary;
   }
   summary.before = FitOf(options, *keyframes, from);
-  RefineFrom(from, options, {given, options.prior.Over({})}, keyframes, &summary, progress);
+  RefineFrom(from, given, options, {given, options.prior.Over({})}, keyframes, &summary, progress);
   if (!summary.Succeeded()) return summary;
   const CalibrationChange change =
       ChangeOf(summary.calibration, given, summary.calibration_covariance);
   summary.calibration_distance = change.squared_distance;
   summary.calibration_limit = change.Limit(options.calibration_sigmas);
-  summary.calibration_kept = change.squared_distance <= summary.calibration_limit;
+  // A calibration that is in use needs less evidence: the return to the input is a step, too.
+  const bool is_new = AreSame(start, given);
+  summary.gain_limit = is_new ? change.Limit(options.calibration_sigmas) - change.free : 0;
+  summary.calibration_kept =
+      change.squared_distance <= summary.calibration_limit || !summary.AreGainsAboveLimit();
   if (summary.calibration_kept) {
     const Eigen::MatrixXd covariance = summary.calibration_covariance;
     RefinePoses(as_given, options, keyframes, &summary, progress);

@@ -57,6 +57,10 @@ Json ToJson(const CalibrationRecord& record) {
           {"standard_deviations", CalibrationSigmasToJson(s.calibration_covariance)},
           {"squared_distance", s.calibration_distance},
           {"limit", s.calibration_limit},
+          {"half_gains", s.half_gains},
+          {"held_out_gains", s.held_out_gains},
+          {"held_out_gains_over_start", s.held_out_gains_over_start},
+          {"gain_limit", s.gain_limit},
           {"color_latency_s", record.color_latency.latency_s},
           {"color_latency_standard_deviation", record.color_latency.sigma_s}};
 }
