@@ -492,7 +492,7 @@ class SlamRun {
   std::optional<double> final_map_s_;
   bool has_pose_ = false;                                          // of any frame
   std::size_t pixels_without_pose_ = 0, depths_without_pose_ = 0;  // of frames before a pose
-  Trajectory largest_piece_;  // piece of the trajectory with the most frames
+  Trajectory largest_piece_;       // piece of the trajectory with the most frames
   bool is_frame_complete_ = true;  // false after an exception within a frame
 };
 

@@ -56,7 +56,9 @@ class RunningProgram {
   RunningProgram& operator=(const RunningProgram&) = delete;
 
   // Call it before Wait().
-  void Signal(int signal) { kill(pid_, signal); }
+  void Signal(int signal) {
+    if (pid_ > 0) kill(pid_, signal);
+  }
   // True until the process ends.
   bool IsRunning() const {
     siginfo_t ended = {};

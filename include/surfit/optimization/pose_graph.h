@@ -179,10 +179,10 @@ struct PoseGraphSummary {
   double final_cost = 0;               // final cost, without outliers
   // Final cost in which the squared error of each loop closure is at most loop_error_limit.
   double truncated_cost = 0;
-  // Largest squared error of an inlier loop closure. "auto", and "gnc" from "chordal":
-  // max_loop_squared_error * min(1, 4 f) with the variance factor f, which is the chi-square of the
-  // inliers over its degrees of freedom. Otherwise max_loop_squared_error. Example: the information
-  // of a graph states 10 times the standard deviation of its residuals. Then f is 0.01.
+  // Largest squared error of an inlier loop closure. It is max_loop_squared_error * min(1, 4 f) for
+  // "auto", and for "gnc" from "chordal". The variance factor f is the chi-square of the inliers
+  // over its degrees of freedom. Otherwise the limit is max_loop_squared_error. Example: the
+  // information of a graph states 10 times the standard deviation of its residuals. Then f is 0.01.
   double loop_error_limit = 0;
   std::vector<PoseGraphIteration> iterations;
   int round_count = 0;  // number of Levenberg-Marquardt runs

@@ -25,15 +25,15 @@ constexpr double kAttemptCostChange = 1e-3;
 // ratio.
 constexpr double kFactorDecrease = 0.7;
 constexpr int kMaxRepeats = 6;
-// Errors of correct loop closures have heavier tails than a normal distribution. A loop closure
-// with twice the standard deviation of the others is accepted.
+// Errors of correct loop closures have heavier tails than a normal distribution. The limit accepts
+// a loop closure with twice the standard deviation of the other loop closures.
 constexpr double kTailFactor = 4;
 
 // The information matrices of many graphs understate the accuracy. Then wrong loop closures that
 // bend the odometry a little fit max_loop_squared_error, and the truncated cost can be smaller with
-// them. Therefore, costs are compared with limits that are scaled by the variance factor: the
-// chi-square over its degrees of freedom (Baarda: A testing procedure for use in geodetic
-// networks, 1968). The factor is at most 1, so the limit never increases.
+// them. Therefore, the limits of the compared costs are scaled by the variance factor. It is the
+// chi-square over its degrees of freedom (Baarda: A testing procedure for use in geodetic networks,
+// 1968). The factor is at most 1, so the limit never increases.
 class SeveralStarts {
  public:
   SeveralStarts(const PoseGraph& graph, const PoseGraphOptions& options,

@@ -206,8 +206,8 @@ class CloudRegistrar {
   }
 
   // Returns whether the surfaces determine the pose. Directions are certain with a small standard
-  // deviation. The others are tested by ReturnsFrom(). `degenerate_directions` of ICP gets the
-  // directions that are not determined.
+  // deviation. ReturnDistance() tests the other directions. `degenerate_directions` of ICP
+  // gets the directions that are not determined.
   bool IsCertain(CloudRegistration* result) const {
     IcpResult& icp = result->icp;
     std::vector<Vector6d> uncertain;
@@ -248,8 +248,8 @@ class CloudRegistrar {
     return std::sqrt(std::max(0., eigen.eigenvalues()[5]));
   }
 
-  // Largest distance between a pose and the poses that ICP finds after motions of the points by
-  // half the distance gate, along both senses of a direction. Surfaces that determine the direction
+  // Moves the points by half the distance gate along both senses of a direction, and runs ICP.
+  // Returns the largest distance of the results from the pose. Surfaces that determine the direction
   // pull the points back. Points that slide along surfaces stay away. A local slope of the cost
   // does not show this: it depends on the sampling of the surfaces. Infinite if ICP fails.
   double ReturnDistance(const Vector6d& direction, const Rigid3d& pose) const {
