@@ -97,8 +97,8 @@ std::string ReasonForDoubt(const PoseGraph& graph, const PoseGraphSummary& summa
                   " and ", loops.Ratio(), " per degree of freedom");
   }
   if (fit.p_value >= kSignificance) return "";
-  const std::string chi_square = Concat("chi-square is ", fit.chi_square, " for ",
-                                        fit.degrees_of_freedom, " degrees of freedom");
+  std::string chi_square = Concat("chi-square is ", fit.chi_square, " for ", fit.degrees_of_freedom,
+                                  " degrees of freedom");
   if (Exceeds(loops, odometry)) {
     return Concat(chi_square, ", and loop closures do not fit: ", loops.Ratio(),
                   " per degree of freedom, odometry ", odometry.Ratio());

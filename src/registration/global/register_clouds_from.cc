@@ -249,9 +249,9 @@ class CloudRegistrar {
   }
 
   // Moves the points by half the distance gate along both senses of a direction, and runs ICP.
-  // Returns the largest distance of the results from the pose. Surfaces that determine the direction
-  // pull the points back. Points that slide along surfaces stay away. A local slope of the cost
-  // does not show this: it depends on the sampling of the surfaces. Infinite if ICP fails.
+  // Returns the largest distance of the results from the pose. Surfaces that determine the
+  // direction pull the points back. Points that slide along surfaces stay away. A local slope of
+  // the cost does not show this: it depends on the sampling of the surfaces. Infinite if ICP fails.
   double ReturnDistance(const Vector6d& direction, const Rigid3d& pose) const {
     constexpr double kSmallMotion = 1e-3;  // of motions of the points by about 1 m
     constexpr double kGateRatio = 0.5;     // correct correspondences remain within the gate
