@@ -66,6 +66,13 @@ Trajectory Corrected(const Trajectory& trajectory, const Keyframes& refined) {
   return CorrectTrajectory(trajectory, refined.poses, poses);
 }
 
+// Noise of the calibration of one half decreases its gain in the other half by less than the limit.
+bool IsConfirmed(const RefinementSummary& summary) {
+  const auto [first, last] = summary.held_out_gains_over_start;
+  return summary.Succeeded() && !summary.calibration_kept &&
+         first + last > -2 * summary.calibration_limit;
+}
+
 }  // namespace
 
 std::optional<RefinedSequence> RefinePosedSequence(
@@ -97,9 +104,7 @@ std::optional<RefinedSequence> RefinePosedSequence(
     return std::nullopt;
   }
   ScaleUp(camera, stride, &refined.summary);
-  const auto [first, last] = refined.summary.held_out_gains_over_start;
-  refined.is_applied =
-      refined.summary.Succeeded() && !refined.summary.calibration_kept && first + last > 0;
+  refined.is_applied = IsConfirmed(refined.summary);
   if (!refined.is_applied) return refined;
   refined.trajectory = Corrected(known.trajectory, *read);
   refined.found.calibration = refined.summary.calibration;

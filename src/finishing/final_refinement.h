@@ -14,7 +14,7 @@ struct RefinedSequence {
   std::size_t keyframes = 0;  // number of keyframes
   RefinementSummary summary;
   // False if the refinement failed, or if its calibration is insignificant or not confirmed: see
-  // Refine(). Also false if the halves of the keyframes agree better with the calibration of the
+  // Refine(). Also false if the halves of the keyframes refute the change of the calibration of the
   // run. Without a better calibration, the poses of tracking are more accurate than refined poses.
   bool is_applied = false;
   Trajectory trajectory;  // this and `found`: input values unless `is_applied`
