@@ -11,6 +11,10 @@ namespace {
 // A frame is tracked from the last pose of a given map if it is at most this much later.
 constexpr double kFollows_s = 1;
 
+// Moving objects are left out of the search if the last pose is at most this old. After a longer
+// time, cells of a wrong pose look like moving objects.
+constexpr double kContinuous_s = 0.25;
+
 // After the first lost frames, every kSearchStride-th lost frame is searched. A search takes as
 // long as ten registrations.
 constexpr int kSearchStride = 5;
@@ -61,7 +65,9 @@ Tracked PoseSearch::Search(const PreprocessedFrame& frame, const SearchStart& st
   const bool follows =
       start.state.is_localised || (start.seconds > 0 && start.seconds < kFollows_s);
   if (!follows) tracked.state = FrameState::kLost;
-  std::optional<Tracked> found = FromLastFrame(frame, start, tracked.moving);
+  std::optional<Tracked> found = FromLastFrame(
+      frame, start,
+      tracked.has_pose() && start.seconds <= kContinuous_s ? tracked.moving : CellMask());
   if (!found && StaticPartAgrees(frame, start, tracked)) {
     tracked.verdict = Verdict::kAccepted;
     tracked.has_second = true;
@@ -103,11 +109,14 @@ std::optional<Tracked> PoseSearch::FromLastFrame(const PreprocessedFrame& frame,
   if (verifies && !is_plain) initialization.fit = ShapesAlone();
   IcpOptions icp_options = GlobalIcpOptions();
   icp_options.min_source_rows = options_.icp.min_source_rows;
-  const ColoredView static_view =
-      moving.empty() ? frame.view
-                     : ColoredView{Without(frame.view.pyramid, moving), frame.view.color};
-  const GlobalRegistrationResult found =
-      RegisterGlobally(static_view, start.last.view, initialization, icp_options);
+  const auto register_view = [&](const ColoredView& view) {
+    return RegisterGlobally(view, start.last.view, initialization, icp_options);
+  };
+  GlobalRegistrationResult found;
+  if (!moving.empty()) {
+    found = register_view({Without(frame.view.pyramid, moving), frame.view.color});
+  }
+  if (!found.accepted()) found = register_view(frame.view);
   if (!found.accepted()) return std::nullopt;
   return Confirm(frame, start, start.last.world_from_view * found.target_from_source);
 }
@@ -120,7 +129,7 @@ bool PoseSearch::StaticPartAgrees(const PreprocessedFrame& frame, const SearchSt
       !tracked.moving.empty() || tracked.icp.inlier_ratio < options_.min_inlier_ratio;
   if (!tracked.has_pose() || tracked.verdict != Verdict::kUncertain || !is_partial ||
       options_.IsFrameToFrame() || options_.initialize == "identity" || !start.state.is_localised ||
-      start.seconds > kFollows_s) {
+      start.seconds > kContinuous_s) {
     return false;
   }
   const Rigid3d last_from_frame = start.last.world_from_view.Inverse() * tracked.world_from_camera;

@@ -61,8 +61,7 @@ Verdict ValidateRegistration(const IcpResult& icp, const ViewComparison& views, 
       static_cast<double>(views.in_front - moving + views.behind) / (views.compared - moving);
   const bool agrees = all <= kSureRatio || (moving > 0 && rest <= kSureRest);
   if (views.alike < kMinAlike) return Verdict::kRejected;
-  const bool is_sure = HasInliers(icp, options) || moving > 0;
-  if (agrees && views.alike >= kSureAlike && is_sure) return Verdict::kAccepted;
+  if (agrees && views.alike >= kSureAlike && HasInliers(icp, options)) return Verdict::kAccepted;
   const bool may_agree =
       all <= kSureRatio ||
       (views.alike >= kSureAlike && (all <= kMostRatio || (moving > 0 && rest <= kMostRest)));

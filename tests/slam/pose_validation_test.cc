@@ -49,7 +49,7 @@ TEST(PoseValidation, IgnoresMovingCellsAndRequiresOtherCellsToAgree) {
 }
 
 // Few inliers are enough for an uncertain pose if correspondences agree and constrain all
-// directions. Moving objects explain the few inliers.
+// directions.
 TEST(PoseValidation, FewInliersNeedAgreementAndConstraints) {
   const SlamOptions options;
   IcpResult icp = GoodFit();
@@ -58,7 +58,7 @@ TEST(PoseValidation, FewInliersNeedAgreementAndConstraints) {
   icp.system.pair_count = 1000;
   icp.eigenvalues.setConstant(2 * options.min_turn_eigenvalue);
   EXPECT_EQ(ValidateRegistration(icp, Views(20, 20), 0, options), Verdict::kUncertain);
-  EXPECT_EQ(ValidateRegistration(icp, Views(400, 20), 390, options), Verdict::kAccepted);
+  EXPECT_EQ(ValidateRegistration(icp, Views(400, 20), 390, options), Verdict::kUncertain);
   IcpResult weak = icp;
   weak.eigenvalues[0] = 0.5 * options.min_turn_eigenvalue;
   EXPECT_EQ(ValidateRegistration(weak, Views(20, 20), 0, options), Verdict::kRejected);
