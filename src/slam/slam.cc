@@ -179,7 +179,10 @@ void Slam::Correct(const RgbdFrame& frame, StageTimes* times) {
 
 // Map and camera move equally, so tracking continues without a jump.
 void Slam::Apply(const WorldCorrection& correction, int frame_index) {
-  if (correction.moves) tracker_->Move(correction.new_from_old_now, correction.corrections);
+  if (correction.moves) {
+    tracker_->Move(correction.new_from_old_now,
+                   [&](int frame) { return correction.corrections.At(frame); });
+  }
   mapper_->Correct(correction, frame_index);
 }
 

@@ -331,13 +331,15 @@ std::optional<Rigid3d> Tracker::ExpectedPose() const {
   return motion_model_.HasPredictableMotion(state_) ? PredictedPose() : std::nullopt;
 }
 
-void Tracker::Move(const Rigid3d& new_from_old_now, const FrameCorrections& corrections) {
+void Tracker::Move(const Rigid3d& new_from_old_now,
+                   const std::function<Rigid3d(int frame)>& new_from_old_at) {
   last_.world_from_view = new_from_old_now * last_.world_from_view;
   regions_.Move(new_from_old_now);
   features_.Move(new_from_old_now);
   if (!tentative_) return;
-  const Rigid3d& new_from_old =
-      tentative_->submap == submap_ ? new_from_old_now : corrections.At(tentative_->keyframe_frame);
+  const Rigid3d new_from_old = tentative_->submap == submap_
+                                   ? new_from_old_now
+                                   : new_from_old_at(tentative_->keyframe_frame);
   tentative_->view.world_from_view = new_from_old * tentative_->view.world_from_view;
 }
 

@@ -6,7 +6,6 @@
 
 #include "surfit/frame/camera_motion.h"
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/mapping/move_map.h"
 #include "surfit/tracking/tracking.h"
 #include "tracking/color_trust.h"
 #include "tracking/feature_watch.h"
@@ -94,8 +93,10 @@ class Tracker {
   void PredictAhead(bool has_color);
 
   // Applies a correction of the world frame to all stored poses. `new_from_old_now` moves the last
-  // pose. A tentative pose in another submap moves with its keyframe, by `corrections`.
-  void Move(const Rigid3d& new_from_old_now, const FrameCorrections& corrections);
+  // pose. A tentative pose in another submap moves with its keyframe, by the correction
+  // `new_from_old_at` of the frame of the keyframe.
+  void Move(const Rigid3d& new_from_old_now,
+            const std::function<Rigid3d(int frame)>& new_from_old_at);
 
  private:
   Tracked CheckFeatures(const PreprocessedFrame& frame, Tracked tracked);
