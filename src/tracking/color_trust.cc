@@ -18,6 +18,7 @@ constexpr int kMinEdges = 200;         // pixels
 constexpr double kMinGradient = 0.4;
 
 constexpr int kMinDoubt = 5;          // contradictions
+constexpr int kMinAgreement = 15;     // frames of about half a second
 constexpr int kMaxRepetitions = 3;    // of a colour image
 constexpr std::size_t kSampled = 61;  // every kSampled-th pixel is compared
 
@@ -91,12 +92,15 @@ bool ColorTrust::Accepts(const Image<Rgb8>& color, bool is_new_depth) {
 }
 
 void ColorTrust::AddBrightness(bool agrees) {
+  if (is_proven_) return;
+  agreement_ += agrees ? 1 : -1;
+  is_proven_ = is_trusted_ && agreement_ >= kMinAgreement;
   doubt_ = std::max(0, doubt_ + (agrees ? -1 : 1));
   if (doubt_ >= kMinDoubt) is_trusted_ = false;
 }
 
 bool ColorTrust::TrustsFeatures(const RgbdFrame& frame) {
-  if (!HasColorAtDepthEdges(frame.depth_m, frame.color)) is_trusted_ = false;
+  if (!is_proven_ && !HasColorAtDepthEdges(frame.depth_m, frame.color)) is_trusted_ = false;
   return is_trusted_;
 }
 

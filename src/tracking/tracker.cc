@@ -182,7 +182,7 @@ Tracked Tracker::ByDepthAlone(const PreprocessedFrame& frame, const Prediction& 
       AreOnePlace(prediction.world_from_camera, tracked.world_from_camera);
   if (!tracked.is_certain_by_depth || frame.images.color.empty()) return tracked;
   color_trust_.AddBrightness(!tracked.is_color_contradicted);
-  if (!tracked.is_color_contradicted) return tracked;
+  if (!tracked.is_color_contradicted || color_trust_.is_proven()) return tracked;
   tracked.verdict = Verdict::kAccepted;
   tracked.state = FrameState::kTracked;
   return tracked;

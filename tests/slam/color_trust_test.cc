@@ -27,6 +27,14 @@ TEST(ColorTrust, IsKeptWithMoreAgreements) {
   EXPECT_TRUE(trust.is_trusted());
 }
 
+TEST(ColorTrust, IsKeptAfterManyAgreements) {
+  ColorTrust trust;
+  for (int i = 0; i < 15; ++i) trust.AddBrightness(true);
+  EXPECT_TRUE(trust.is_proven());
+  for (int i = 0; i < 100; ++i) trust.AddBrightness(false);
+  EXPECT_TRUE(trust.is_trusted());
+}
+
 TEST(ColorTrust, RejectsFrozenColorUntilItChanges) {
   ColorTrust trust;
   const Image<Rgb8> frozen(100, 100, {1, 2, 3}), other(100, 100, {3, 2, 1});
