@@ -93,7 +93,7 @@ def test_options_reach_the_pipeline(room, tmp_path):
 def test_returns_the_estimated_calibration(room, tmp_path):
     assert slam_over(surfit.Sequence(room)).calibration is None
     path = tmp_path / "tilted"
-    run_tool("surfit_simulate", f"--output={path}", "--frames=60", "--downsample=2",
+    run_tool("surfit_simulate", f"--output={path}", "--frames=120", "--downsample=2",
              "--sensor=kinect", "--inverse_depth_distortion=0.03,0,0,0,0")
     slam = slam_over(surfit.Sequence(path))
     slam.finish()

@@ -53,7 +53,7 @@ TEST(SlamEdges, OdometryHasInformationOfAllFrames) {
 
 // The second frame is at a given pose in another room. The camera then returns to the place of the
 // first frame, and the fourth frame confirms the pose of the third frame.
-TEST(SlamEdges, RelocalisationHasInformationOfLoop) {
+TEST(SlamEdges, RelocalisationHasInformationOfCorrelatedPointsAndLoopNoise) {
   const SlamOptions options = LoopsWithoutCalibration();
   const SimulatedSequence room = SimulateRoom(1, 4, Sensor::kIdeal);
   const SimulatedSequence other = SimulateRoom(3, 2, Sensor::kIdeal);
@@ -73,7 +73,9 @@ TEST(SlamEdges, RelocalisationHasInformationOfLoop) {
   ASSERT_EQ(keyframes.back().parent_frame, 0);
   const EdgeNoise& noise = options.loops.noise;
   const PoseGraphEdge& edge = slam.backend()->poses().edges().back();
-  ExpectSameInformation(edge.information, LoopInformation(proposed.icp.information, noise));
+  EXPECT_TRUE(edge.loop);
+  ExpectSameInformation(edge.information,
+                        RelocalizationInformation(proposed.icp, edge.a_from_b, noise));
   // Loop noise adds to the covariance in every direction.
   const Matrix6d covariance = edge.information.inverse();
   const auto least_sigma = [](const Eigen::Matrix3d& block) {

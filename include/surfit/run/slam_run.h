@@ -140,7 +140,6 @@ struct Gravity {
   double sigma_rad = 0;  // standard deviation of the direction
 };
 
-// Results of a run: the content of summary.json.
 // Piece of a trajectory. No loop closure connects it to another piece. Pieces are placed beside
 // each other along x, so poses of different pieces are not comparable.
 struct TrajectoryPiece {
@@ -149,6 +148,7 @@ struct TrajectoryPiece {
   std::optional<TrajectoryEvaluation> evaluation;  // with ground truth only
 };
 
+// Results of a run: the content of summary.json.
 struct SlamRunSummary {
   int frames_total = 0;    // input frames, including unreadable frames
   int frames_tracked = 0;  // frames with a pose at their own time

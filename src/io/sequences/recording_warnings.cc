@@ -393,6 +393,10 @@ std::optional<RegistrationFit> FitRegistration(const std::vector<FrameImages>& f
     fit.is_doubtful = true;
     return fit;
   }
+  // The score of a larger shift increases up to the limit of the search.
+  const bool is_at_limit =
+      std::max(std::abs(search.best.right), std::abs(search.best.down)) == kReach;
+  if (fit.is_doubtful && !is_at_limit) return fit;
   if (auto large = FitLargeShift(frames, edges, cell)) {
     large->given_score = fit.given_score;
     return large;
