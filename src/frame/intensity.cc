@@ -1,5 +1,7 @@
 #include <glog/logging.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "surfit/core/parallel.h"
@@ -23,6 +25,30 @@ Image<float> Grey(const Image<Rgb8>& color) {
 }
 
 }  // namespace
+
+Image<float> GradientCells(const Image<Rgb8>& color, int cell) {
+  Image<float> change(color.width(), color.height(), 0.F);
+  double sum = 0;
+  for (int v = 1; v + 1 < color.height(); ++v) {
+    for (int u = 1; u + 1 < color.width(); ++u) {
+      change(u, v) = std::abs(GreyOf(color(u + 1, v)) - GreyOf(color(u - 1, v))) +
+                     std::abs(GreyOf(color(u, v + 1)) - GreyOf(color(u, v - 1)));
+      sum += change(u, v);
+    }
+  }
+  const auto most = static_cast<float>(4 * sum / static_cast<double>(change.size()) + 1e-9);
+  Image<float> cells(color.width() / cell, color.height() / cell, 0.F);
+  for (int v = 0; v < cells.height() * cell; ++v) {
+    for (int u = 0; u < cells.width() * cell; ++u)
+      cells(u / cell, v / cell) += std::min(change(u, v), most);
+  }
+  double mean = 0, variance = 0;
+  for (const float c : cells) mean += c / static_cast<double>(cells.size());
+  for (const float c : cells) variance += (c - mean) * (c - mean);
+  const double sigma = std::sqrt(variance / static_cast<double>(cells.size())) + 1e-9;
+  for (float& c : cells) c = static_cast<float>((c - mean) / sigma);
+  return cells;
+}
 
 Image<float> HalfResolution(const Image<float>& fine) {
   Image<float> coarse;

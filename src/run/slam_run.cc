@@ -22,6 +22,7 @@
 #include "run/given_poses.h"
 #include "run/map_period.h"
 #include "run/posed_views.h"
+#include "run/results/evaluate_run.h"
 #include "run/results/failures.h"
 #include "run/results/kept_views.h"
 #include "run/results/localization.h"
@@ -235,13 +236,18 @@ class SlamRun {
     summary.sensor_latency_s = info_.camera.latency_s;
     failures_.Try([&] { trajectory_->Finish(); });
     if (slam_->backend()) FinishBackend(&summary);
-    failures_.Try([&] { FindPieces(&summary); });
+    Trajectory largest_piece;
+    failures_.Try([&] { largest_piece = FindPieces(&summary); });
     if (session_) summary.session_waits = session_->waits();
     if (localization_) summary.localization = localization_->Summary();
     failures_.Try([&] { summary.digest = Digest(trajectory_->poses(), slam_->map()); });
-    if (!info_.ground_truth.empty()) failures_.Try([&] { Evaluate(&summary); });
+    if (!info_.ground_truth.empty()) {
+      failures_.Try([&] {
+        EvaluateRun(largest_piece, info_.ground_truth, statistics_.stamps_s(), options_, &summary);
+      });
+    }
     std::optional<UprightWorld> upright;
-    failures_.Try([&] { upright = FindGravity(&summary); });
+    failures_.Try([&] { upright = FindGravity(largest_piece, &summary); });
     if (options_.world == "run") upright.reset();
     WriteRunResults({info_, *trajectory_, found_, slam_->backend(), map(), views_, thumbnails_,
                      statistics_.stamps_s(), summary.evaluation, upright, options_},
@@ -359,75 +365,20 @@ class SlamRun {
            "its pixel";
   }
 
-  // The ground truth has no pose at the time of a frame.
-  void WarnOfTruthTimes() const {
-    const std::vector<double>& stamps_s = statistics_.stamps_s();
-    if (stamps_s.empty()) return;
-    const auto [first, last] = std::minmax_element(stamps_s.begin(), stamps_s.end());
-    LOG(WARNING) << "no frame has ground truth: the timestamps of the frames are from "
-                 << std::to_string(*first) << " to " << std::to_string(*last)
-                 << " s and those of the ground truth from "
-                 << std::to_string(info_.ground_truth.front().stamp_s) << " to "
-                 << std::to_string(info_.ground_truth.back().stamp_s) << " s";
+  // Returns the poses of the largest piece.
+  Trajectory FindPieces(SlamRunSummary* summary) const {
+    const bool has_pieces = slam_->backend() && !options_.localize;
+    TrajectoryPieces pieces =
+        SplitIntoPieces(*trajectory_, has_pieces ? &slam_->backend()->poses() : nullptr,
+                        info_.ground_truth, statistics_.stamps_s());
+    summary->frames_with_pose = static_cast<int>(trajectory_->frames().size());
+    summary->pieces = std::move(pieces.all);
+    return std::move(pieces.largest);
   }
 
-  // Piece of each frame in the trajectory.
-  std::vector<int> PieceOfFrame() const {
-    std::vector<int> pieces(trajectory_->frames().size(), 0);
-    if (!slam_->backend() || options_.localize) return pieces;
-    const PoseStore& poses = slam_->backend()->poses();
-    const std::vector<int> piece_of_keyframe = poses.PieceOfKeyframe();
-    std::map<int, int> piece_of_frame;
-    for (const PosedFrame& frame : poses.frames()) {
-      piece_of_frame[frame.index] = piece_of_keyframe[frame.keyframe];
-    }
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      pieces[i] = piece_of_frame[trajectory_->frames()[i]];
-    }
-    return pieces;
-  }
-
-  void FindPieces(SlamRunSummary* summary) {
-    const std::vector<int>& frames = trajectory_->frames();
-    summary->frames_with_pose = static_cast<int>(frames.size());
-    std::map<int, std::pair<TrajectoryPiece, Trajectory>> pieces;
-    const std::vector<int> piece_of_frame = PieceOfFrame();
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      auto& [piece, poses] = pieces[piece_of_frame[i]];
-      if (poses.empty()) piece.first_frame = frames[i];
-      piece.last_frame = frames[i];
-      ++piece.frames;
-      poses.push_back(trajectory_->poses()[i]);
-    }
-    int most = 0;
-    for (auto& [number, piece] : pieces) {
-      if (!info_.ground_truth.empty()) {
-        piece.first.evaluation =
-            EvaluateTrajectory(info_.ground_truth, piece.second, statistics_.stamps_s(), {});
-      }
-      summary->pieces.push_back(piece.first);
-      if (piece.first.frames > most) {
-        most = piece.first.frames;
-        largest_piece_ = std::move(piece.second);
-      }
-    }
-  }
-
-  // Errors are those of the largest piece.
-  void Evaluate(SlamRunSummary* summary) const {
-    const Trajectory& truth = info_.ground_truth;
-    const Trajectory& estimate = largest_piece_;
-    summary->evaluation = EvaluateTrajectory(truth, estimate, statistics_.stamps_s(), {});
-    const bool is_own_file = !options_.groundtruth.empty();  // OpenSequence() checks other files
-    if (is_own_file && summary->evaluation->expected == 0) WarnOfTruthTimes();
-    const auto without = EvaluateTimeOffset(truth, estimate, summary->sensor_latency_s, {});
-    if (without) summary->ate_without_latency = without->ate;
-    summary->time_offset = EstimateTimeOffset(truth, estimate, {});
-    if (options_.fit_mount) summary->mount = FitMount(MatchPoses(truth, estimate, {}), false);
-  }
-
-  std::optional<UprightWorld> FindGravity(SlamRunSummary* summary) const {
-    const UprightResult found = FindUpright(ReliableSurfels(map()), trajectory_->poses());
+  std::optional<UprightWorld> FindGravity(const Trajectory& cameras,
+                                          SlamRunSummary* summary) const {
+    const UprightResult found = FindUpright(ReliableSurfels(map()), cameras);
     summary->gravity_unknown = found.reason;
     if (found.world) summary->gravity = {found.world->upright_from_world, found.world->sigma_rad};
     return found.world;
@@ -492,7 +443,6 @@ class SlamRun {
   std::optional<double> final_map_s_;
   bool has_pose_ = false;                                          // of any frame
   std::size_t pixels_without_pose_ = 0, depths_without_pose_ = 0;  // of frames before a pose
-  Trajectory largest_piece_;       // piece of the trajectory with the most frames
   bool is_frame_complete_ = true;  // false after an exception within a frame
 };
 

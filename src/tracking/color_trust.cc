@@ -22,32 +22,6 @@ constexpr int kMinAgreement = 15;     // frames of about half a second
 constexpr int kMaxRepetitions = 3;    // of a colour image
 constexpr std::size_t kSampled = 61;  // every kSampled-th pixel is compared
 
-// Mean absolute difference of neighbouring intensities per cell, with mean 0 and standard deviation
-// 1. Strong gradients are clamped.
-Image<float> GradientCells(const Image<Rgb8>& color, int cell) {
-  Image<float> change(color.width(), color.height(), 0.F);
-  double sum = 0;
-  for (int v = 1; v + 1 < color.height(); ++v) {
-    for (int u = 1; u + 1 < color.width(); ++u) {
-      change(u, v) = std::abs(GreyOf(color(u + 1, v)) - GreyOf(color(u - 1, v))) +
-                     std::abs(GreyOf(color(u, v + 1)) - GreyOf(color(u, v - 1)));
-      sum += change(u, v);
-    }
-  }
-  const auto most = static_cast<float>(4 * sum / static_cast<double>(change.size()) + 1e-9);
-  Image<float> cells(color.width() / cell, color.height() / cell, 0.F);
-  for (int v = 0; v < cells.height() * cell; ++v) {
-    for (int u = 0; u < cells.width() * cell; ++u)
-      cells(u / cell, v / cell) += std::min(change(u, v), most);
-  }
-  double mean = 0, variance = 0;
-  for (const float c : cells) mean += c / static_cast<double>(cells.size());
-  for (const float c : cells) variance += (c - mean) * (c - mean);
-  const double sigma = std::sqrt(variance / static_cast<double>(cells.size())) + 1e-9;
-  for (float& c : cells) c = static_cast<float>((c - mean) / sigma);
-  return cells;
-}
-
 bool IsDepthEdge(float a, float b) {
   return a > 0 && b > 0 && std::abs(a - b) > kDepthEdge * std::min(a, b);
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "io/bag_fixture.h"
 #include "surfit/io/sequence.h"
 #include "testing/largest_allocation.h"
 #include "testing/matchers.h"
@@ -11,11 +12,6 @@
 
 namespace surfit::testing {
 namespace {
-
-const char kImage[] = "sensor_msgs/Image", kInfo[] = "sensor_msgs/CameraInfo",
-           kCompressed[] = "sensor_msgs/CompressedImage";
-const char kDepth[] = "/camera/depth/image_raw", kColor[] = "/camera/rgb/image_raw";
-const char kOptical[] = "camera_optical_frame";
 
 // Bags written by rosbag, @mcap/core and SQLite: see tests/tools/bags/write_bags.py.
 class ForeignBag : public ::testing::TestWithParam<const char*> {};
@@ -75,52 +71,6 @@ TEST(BagFolder, ReadsTheFramesOfAllFiles) {
   EXPECT_EQ(source->info().format, "mcap");
   EXPECT_EQ(source->info().frame_count, 6);
 }
-
-class BagTest : public ::testing::Test {
- protected:
-  // Three frames at 10 Hz from time 5, depth as 16UC1, colour as rgb8.
-  void AddDepth(const std::string& topic = kDepth, const std::string& frame = kOptical) {
-    for (int i = 0; i < 3; ++i)
-      bag_.Add(topic, kImage, 5 + 0.1 * i,
-               RosImage{"16UC1", RawBytes(NumberedDepth(i))}.Bytes(5 + 0.1 * i, frame));
-  }
-  void AddColor(const std::string& topic = kColor, const std::string& frame = kOptical) {
-    for (int i = 0; i < 3; ++i)
-      bag_.Add(topic, kImage, 5 + 0.1 * i,
-               RosImage{"rgb8", RawBytes(NumberedColor(i))}.Bytes(5 + 0.1 * i, frame));
-  }
-  void AddInfo(const std::string& topic, const std::string& frame = kOptical,
-               const RosCameraInfo& info = {}) {
-    bag_.Add(topic, kInfo, 5, info.Bytes(5, frame));
-  }
-  void AddInfos() {
-    AddInfo("/camera/depth/camera_info");
-    AddInfo("/camera/rgb/camera_info");
-  }
-  void AddOne(const std::string& topic, const RosImage& image) {
-    bag_.Add(topic, kImage, 5, image.Bytes(5, kOptical));
-  }
-  void AddCompressed(const std::string& topic, const std::string& format, const std::string& data) {
-    bag_.Add(topic, kCompressed, 5, RosCompressedImage(5, kOptical, format, data));
-  }
-  std::unique_ptr<FrameSource> Open() {
-    options_.path = folder_.Write("a.bag", bag_.File());
-    return OpenSequence(options_);
-  }
-  // The first frame, or an empty frame if the bag has none.
-  RgbdFrame First() {
-    const auto result = Open()->Next();
-    EXPECT_TRUE(result && result->frame) << (result ? result->error : "nothing");
-    return result && result->frame ? *result->frame : RgbdFrame();
-  }
-  void ExpectError(const ::testing::Matcher<const std::string&>& message) {
-    ExpectInputError([&] { Open(); }, message);
-  }
-
-  TempFolder folder_;
-  RosBagEncoder bag_;
-  SequenceOptions options_;
-};
 
 TEST_F(BagTest, ReadsEveryEncodingOfColor) {
   const std::string rgb = RawBytes(NumberedColor(1));
@@ -228,136 +178,6 @@ TEST_F(BagTest, RejectsMissingAndAmbiguousTopics) {
   EXPECT_EQ(First().color, NumberedColor(0));
   options_.depth_topic = kColor;
   ExpectError(Names("/camera/rgb/image_raw", 0, "rgb8", "16UC1"));
-}
-
-TEST_F(BagTest, RejectsBagWithoutCalibration) {
-  AddDepth();
-  AddColor("/camera/rgb/image_raw", "rgb_frame");
-  ExpectError(Names("CameraInfo", "/camera/depth/image_raw", "intrinsics"));
-  AddInfo("/camera/depth/camera_info");
-  ExpectError(Names("CameraInfo", "/camera/rgb/image_raw", "color_intrinsics"));
-  AddInfo("/camera/rgb/camera_info", "rgb_frame");
-  ExpectError(Names("tf", "/camera/rgb/image_raw", "rgb_frame", "/camera/depth/image_raw",
-                    "camera_optical_frame", "color_from_depth"));
-  options_.color_from_depth = Rigid3d(Eigen::Quaterniond::Identity(), {0.1, 0, 0});
-  EXPECT_EQ(Open()->info().camera.color_from_depth.translation.x(), 0.1);
-}
-
-TEST_F(BagTest, ReadsColorExtrinsicsFromTf) {
-  AddDepth(kDepth, "/depth_frame");
-  AddColor(kColor, "rgb_frame");
-  AddInfo("/camera/depth/camera_info", "/depth_frame");
-  RosCameraInfo color;
-  color.k = {40, 41, 16, 12};
-  AddInfo("/camera/rgb/camera_info", "rgb_frame", color);
-  const Rigid3d base_from_depth(Eigen::Quaterniond(0.8, 0.6, 0, 0), {1, 2, 3});
-  const Rigid3d base_from_link(Eigen::Quaterniond(0.6, 0, 0.8, 0), {0, 0.5, 0});
-  const Rigid3d link_from_color(Eigen::Quaterniond(0, 0, 0.6, 0.8), {0.1, 0.2, 0.3});
-  bag_.Add("/tf", "tf2_msgs/TFMessage", 1, RosTransform("base", "depth_frame", base_from_depth));
-  bag_.Add("/tf_static", "tf2_msgs/TFMessage", 1, RosTransform("/base", "link", base_from_link));
-  bag_.Add("/tf_static", "tf2_msgs/TFMessage", 1,
-           RosTransform("link", "rgb_frame", link_from_color));
-  const RgbdCamera camera = Open()->info().camera;
-  EXPECT_FALSE(camera.color_is_registered);
-  EXPECT_EQ(camera.color.fx, 40);
-  const Rigid3d expected = (base_from_link * link_from_color).Inverse() * base_from_depth;
-  EXPECT_TRUE(camera.color_from_depth.Matrix().isApprox(expected.Matrix(), 1e-12));
-}
-
-TEST_F(BagTest, ReadsTheLensOfRawImagesAndTheProjectionOfRectifiedOnes) {
-  RosCameraInfo info;
-  info.distortion = {0.1, -0.2, 0.001, 0.002, 0.05};
-  AddDepth();
-  AddInfo("/camera/depth/camera_info", kOptical, info);
-  PinholeCamera camera = Open()->info().camera.depth;
-  EXPECT_EQ(camera.fx, 31);
-  EXPECT_THAT(camera.distortion, ::testing::ElementsAreArray(info.distortion));
-  bag_ = {};
-  AddDepth("/camera/depth/image_rect");
-  AddInfo("/camera/depth/camera_info", kOptical, info);
-  camera = Open()->info().camera.depth;
-  EXPECT_EQ(camera.fx, 29);
-  EXPECT_EQ(camera.fy, 28);
-  EXPECT_EQ(camera.cx, 15);
-  EXPECT_EQ(camera.cy, 11);
-  EXPECT_FALSE(camera.HasDistortion());
-  bag_ = {};
-  AddDepth();
-  info.model = "ftheta";
-  AddInfo("/camera/depth/camera_info", kOptical, info);
-  ExpectError(Names("/camera/depth/camera_info", "ftheta"));
-}
-
-TEST_F(BagTest, UsesIntrinsicsOfOptionsForALensOfAnotherModel) {
-  RosCameraInfo info;
-  info.distortion = {0.1, -0.2, 0.001, 0.002};
-  info.model = "ftheta";
-  AddDepth();
-  AddInfo("/camera/depth/camera_info", kOptical, info);
-  options_.intrinsics = {33, 34, 15, 12};
-  const SequenceInfo opened = Open()->info();
-  EXPECT_EQ(opened.camera.depth.fx, 33);
-  EXPECT_FALSE(opened.camera.depth.HasDistortion());
-  EXPECT_THAT(opened.camera_from, Names("ftheta"));
-}
-
-// The lens is compared with its model in lens_fit_test.cc.
-TEST_F(BagTest, ReadsRationalAndFisheyeLenses) {
-  RosCameraInfo info;
-  info.distortion = {0.52, -2.73, 0.0007, -0.0002, 1.62, 0.40, -2.55, 1.54};
-  info.model = "rational_polynomial";
-  AddDepth();
-  AddInfo("/camera/depth/camera_info", kOptical, info);
-  EXPECT_TRUE(Open()->info().camera.depth.HasDistortion());
-  bag_ = {};
-  AddDepth();
-  info.distortion = {-0.02, 0.006, -0.002, 0.0003};
-  info.model = "equidistant";
-  AddInfo("/camera/depth/camera_info", kOptical, info);
-  EXPECT_TRUE(Open()->info().camera.depth.HasDistortion());
-}
-
-TEST_F(BagTest, UsesProjectionIfIntrinsicsAreMissing) {
-  RosCameraInfo info;
-  info.k = {0, 0, 0, 0};
-  AddDepth();
-  AddInfo("/camera/depth/camera_info", kOptical, info);
-  EXPECT_EQ(Open()->info().camera.depth.fx, 29);
-  info.p = info.k;
-  bag_ = {};
-  AddDepth();
-  AddInfo("/camera/depth/camera_info", kOptical, info);
-  ExpectError(Names("/camera/depth/image_raw", "intrinsics"));
-  options_.intrinsics = {33, 34, 15, 12};
-  EXPECT_EQ(Open()->info().camera.depth.fx, 33);
-}
-
-// The full image has twice the size, or the image is a part of it.
-TEST_F(BagTest, AppliesBinningAndRegionOfInterest) {
-  RosCameraInfo info;
-  info.width = 64;
-  info.height = 48;
-  info.k = {62, 60, 31.5, 23.5};
-  info.binning = {2, 2};
-  AddDepth();
-  AddInfo("/camera/depth/camera_info", kOptical, info);
-  PinholeCamera camera = Open()->info().camera.depth;
-  EXPECT_EQ(camera.width, 32);
-  EXPECT_EQ(camera.height, 24);
-  EXPECT_EQ(camera.fx, 31);
-  EXPECT_EQ(camera.cx, 15.5);
-  EXPECT_EQ(camera.cy, 11.5);
-  bag_ = {};
-  info.binning = {1, 1};
-  info.roi = {10, 4, 24, 32};
-  AddDepth();
-  AddInfo("/camera/depth/camera_info", kOptical, info);
-  camera = Open()->info().camera.depth;
-  EXPECT_EQ(camera.width, 32);
-  EXPECT_EQ(camera.height, 24);
-  EXPECT_EQ(camera.fx, 62);
-  EXPECT_EQ(camera.cx, 21.5);
-  EXPECT_EQ(camera.cy, 19.5);
 }
 
 // As the recorder of RealSense writes the unit of a D405: 0.1 mm.

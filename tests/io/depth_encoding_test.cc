@@ -1,6 +1,6 @@
 #include "io/depth/depth_encoding.h"
 
-#include "io/sequences/recording_warnings.h"
+#include "io/checks/recording_warnings.h"
 #include "io/slanted_depth.h"
 #include "testing/matchers.h"
 

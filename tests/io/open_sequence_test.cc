@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "io/sequences/recording_warnings.h"
+#include "io/checks/recording_warnings.h"
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
 #include "testing/sequence_writer.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "io/sequences/recording_warnings.h"
+#include "io/checks/recording_warnings.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {

@@ -7,7 +7,7 @@
 #include "apps/doctor/recording_checks.h"
 #include "core/repeated_warning.h"
 #include "finishing/posed_sequence.h"
-#include "io/sequences/recording_warnings.h"
+#include "io/checks/recording_warnings.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"

@@ -7,7 +7,7 @@
 
 #include "apps/doctor/check_recording.h"
 #include "apps/doctor/recording_statistics.h"
-#include "io/sequences/recording_warnings.h"
+#include "io/checks/recording_warnings.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/inverse_depth_field.h"
 

@@ -233,8 +233,17 @@ class Exporter {
         Degrees(found.change.head<3>().norm()), ", its latency by ", 1000 * found.latency_s, " ms");
   }
 
+  // COLMAP ignores cameras with a larger distortion coefficient (Mapper.max_extra_param).
+  bool IsRefusedByColmap() const {
+    constexpr double kMaxCoefficient = 1;
+    const auto& distortion = camera_.lens.distortion;
+    return options_.to == "colmap" &&
+           std::any_of(distortion.begin(), distortion.end(),
+                       [](double c) { return std::abs(c) > kMaxCoefficient; });
+  }
+  bool WritesUndistorted() const { return options_.undistort || IsRefusedByColmap(); }
   PinholeCamera ImageCamera() const {
-    return options_.undistort ? UndistortedCamera(camera_.lens) : camera_.lens;
+    return WritesUndistorted() ? UndistortedCamera(camera_.lens) : camera_.lens;
   }
 
   void WriteImages(const PinholeCamera& lens) {
@@ -243,7 +252,8 @@ class Exporter {
     for (const PosedImage& image : images_) sources.push_back(image.source);
     ReadColorImages(options_.sequence, sources, [&](std::size_t i, const Image<Rgb8>& color) {
       progress_(Concat("writing images, ", i));
-      const Image<Rgb8> written = options_.undistort ? Undistort(color, camera_.lens, lens) : color;
+      const Image<Rgb8> written =
+          WritesUndistorted() ? Undistort(color, camera_.lens, lens) : color;
       WriteBytes("images/" + sources[i].Name(), EncodePng(written));
     });
   }
@@ -256,6 +266,9 @@ class Exporter {
 
   void ExportColmap() {
     PrepareImages();
+    if (IsRefusedByColmap() && !options_.undistort) {
+      Say("images are undistorted: COLMAP ignores cameras with a distortion coefficient above 1");
+    }
     const PinholeCamera lens = ImageCamera();
     progress_("projecting points");
     const SparsePoints points = FindSparsePoints(map_, lens, images_);

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "io/checks/recording_warnings.h"
 #include "io/sequences/recording.h"
-#include "io/sequences/recording_warnings.h"
 #include "surfit/frame/frame_source.h"
 #include "surfit/frame/rectify_frame.h"
 #include "surfit/geometry/inverse_depth_field.h"

@@ -7,9 +7,9 @@
 #include <mutex>
 #include <sstream>
 
+#include "io/checks/recording_warnings.h"
 #include "io/depth/depth_encoding.h"
 #include "io/sequences/raw_frames.h"
-#include "io/sequences/recording_warnings.h"
 #include "io/sequences/sequence_camera.h"
 #include "surfit/core/error.h"
 

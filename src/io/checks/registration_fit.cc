@@ -1,86 +1,15 @@
-#include "io/sequences/recording_warnings.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <iterator>
 #include <limits>
 #include <vector>
 
+#include "io/checks/recording_warnings.h"
 #include "surfit/core/error.h"
+#include "surfit/frame/frame_pyramid.h"
 
 namespace surfit {
-
-namespace {
-
-// Depth cameras measure from 0.4 m to about 5 m. Indoors, the median depth is usually 1 to 3 m. A
-// median depth beyond kNearest_m or kFarthest_m causes a warning if another scale fits better. A
-// median depth beyond kAbsurdlyNear_m or kAbsurdlyFar_m always causes a warning.
-constexpr double kNearest_m = 0.4, kFarthest_m = 5;
-constexpr double kAbsurdlyNear_m = 0.2, kAbsurdlyFar_m = 20;
-constexpr double kUsual_m = 1.8;
-// The scale is also implausible if almost all depth is below kAllNear_m, and some of it is closer
-// than sensors measure (kTooNear_m).
-constexpr double kAllNear_m = 1.2, kTooNear_m = 0.3;
-constexpr double kFew = 0.02;  // ratio of pixels that are ignored as outliers
-// Depth counts per metre. Common scales: 1 mm and TUM. Rare scales: Replica and 0.1 mm. Rare scales
-// are similar to the scale of TUM. So they are only considered for counts beyond the range of TUM.
-constexpr std::array<double, 2> kCommonScales = {1000, 5000};
-constexpr std::array<double, 2> kRareScales = {6553.5, 10000};
-
-std::vector<std::uint16_t> ValidCounts(const Image<std::uint16_t>& depth) {
-  std::vector<std::uint16_t> valid;
-  std::copy_if(depth.begin(), depth.end(), std::back_inserter(valid),
-               [](std::uint16_t d) { return d != 0 && d != 65535; });
-  return valid;
-}
-
-// `counts` must not be empty.
-double Quantile(std::vector<std::uint16_t> counts, double share) {
-  const auto at =
-      counts.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(counts.size()));
-  std::nth_element(counts.begin(), at, counts.end());
-  return *at;
-}
-
-// Scale with the median depth closest to kUsual_m, compared by ratio.
-double LikelyScale(double median_count) {
-  const auto distance = [&](double scale) {
-    return std::abs(std::log(median_count / scale / kUsual_m));
-  };
-  const auto& scales =
-      median_count > kFarthest_m * kCommonScales.back() ? kRareScales : kCommonScales;
-  return *std::min_element(scales.begin(), scales.end(),
-                           [&](double a, double b) { return distance(a) < distance(b); });
-}
-
-}  // namespace
-
-std::optional<std::string> DepthScaleWarning(const RawDepth& depth, double depth_units_per_metre,
-                                             const std::string& path, bool is_given) {
-  const auto* const counts = std::get_if<Image<std::uint16_t>>(&depth);
-  if (counts == nullptr) return std::nullopt;
-  const std::vector<std::uint16_t> valid = ValidCounts(*counts);
-  if (valid.empty()) return std::nullopt;
-  const auto depth_m = [&](double share) { return Quantile(valid, share) / depth_units_per_metre; };
-  const double median_count = Quantile(valid, 0.5), median_m = depth_m(0.5);
-  const double likely = LikelyScale(median_count);
-  const bool all_near = depth_m(1 - kFew) < kAllNear_m && depth_m(kFew) < kTooNear_m;
-  const bool plausible = median_m >= kNearest_m && median_m <= kFarthest_m && !all_near;
-  const bool absurd = median_m < kAbsurdlyNear_m || median_m > kAbsurdlyFar_m;
-  if (plausible || (likely == depth_units_per_metre && !absurd)) return std::nullopt;
-  const std::string observed = Concat("the median depth of ", path, " is ", median_m, " m at ",
-                                      depth_units_per_metre, " units per metre: ");
-  if (is_given && likely == depth_units_per_metre) return observed + "check depth_scale";
-  if (is_given) {
-    return Concat(observed, "check depth_scale, the median is ", median_count / likely, " m at ",
-                  likely);
-  }
-  return Concat(observed, "depth_scale is more likely ", likely, ", with a median of ",
-                median_count / likely, " m");
-}
-
 namespace {
 
 // Colour gradients are averaged in square cells of 1/160 of the image width.
@@ -121,35 +50,6 @@ std::vector<Pixel> DepthJumps(const Image<T>& depth, int gap) {
     }
   }
   return pixels;
-}
-
-// Gradient magnitude per cell, normalised to mean 0 and standard deviation 1.
-Image<float> ColorChanges(const Image<Rgb8>& color, int cell) {
-  const auto grey = [&](int u, int v) {
-    const Rgb8& c = color(u, v);
-    return static_cast<float>(c.r + c.g + c.b);
-  };
-  Image<float> change(color.width(), color.height(), 0.F);
-  double sum = 0;
-  for (int v = 1; v + 1 < color.height(); ++v) {
-    for (int u = 1; u + 1 < color.width(); ++u) {
-      change(u, v) =
-          std::abs(grey(u + 1, v) - grey(u - 1, v)) + std::abs(grey(u, v + 1) - grey(u, v - 1));
-      sum += change(u, v);
-    }
-  }
-  const auto most = static_cast<float>(4 * sum / static_cast<double>(change.size()) + 1e-6);
-  Image<float> cells(color.width() / cell, color.height() / cell, 0.F);
-  for (int v = 0; v < cells.height() * cell; ++v) {
-    for (int u = 0; u < cells.width() * cell; ++u)
-      cells(u / cell, v / cell) += std::min(change(u, v), most);
-  }
-  double mean = 0, variance = 0;
-  for (const float c : cells) mean += c / static_cast<double>(cells.size());
-  for (const float c : cells) variance += (c - mean) * (c - mean);
-  const double sigma = std::sqrt(variance / static_cast<double>(cells.size())) + 1e-6;
-  for (float& c : cells) c = static_cast<float>((c - mean) / sigma);
-  return cells;
 }
 
 // Alignment of colour to depth: scaling by kScales[scale] about the image centre, then a shift in
@@ -227,7 +127,7 @@ std::vector<FrameEdges> EdgesOf(const std::vector<FrameImages>& frames, int cell
     const std::size_t every = std::max<std::size_t>(1, jumps.size() / enough);
     for (std::size_t j = 0; j * every < jumps.size(); ++j) jumps[j] = jumps[j * every];
     jumps.resize((jumps.size() + every - 1) / every);
-    edges.push_back({std::move(jumps), ColorChanges(frame.color, cell)});
+    edges.push_back({std::move(jumps), GradientCells(frame.color, cell)});
   }
   return edges;
 }
@@ -414,90 +314,6 @@ std::optional<std::string> RegistrationWarning(const std::vector<FrameImages>& f
                                                const PinholeCamera& depth_camera) {
   const auto fit = FitRegistration(frames, depth_camera);
   return fit ? RegistrationWarning(*fit, depth_camera) : std::nullopt;
-}
-
-namespace {
-
-// A separate colour camera is in the same device.
-constexpr double kFarthestCamera_m = 0.5;
-constexpr double kMinVisible = 0.3;      // of depth that the colour camera sees
-constexpr double kMinInverseGain = 0.3;  // of RegistrationFit::given_score
-
-// Colour of the first images as seen by a colour camera.
-struct ColorView {
-  double visible = 0;  // ratio of depth with colour
-  std::optional<RegistrationFit> fit;
-};
-
-ColorView ViewOf(const std::vector<FrameImages>& images, const RgbdCamera& camera,
-                 const RectifyOptions& options) {
-  const FrameRectifier rectifier(camera, options);
-  std::vector<FrameImages> frames;
-  std::size_t depths = 0, visible = 0;
-  for (const FrameImages& image : images) {
-    if (image.color.empty()) continue;
-    RgbdFrame frame = rectifier.Rectify(image.depth, image.color);
-    for (std::size_t i = 0; i < frame.depth_m.size(); ++i) {
-      if (!(frame.depth_m[i] > 0)) continue;
-      const Rgb8 c = frame.color[i];
-      ++depths;
-      visible += c.r != 0 || c.g != 0 || c.b != 0;
-    }
-    frames.push_back({std::move(frame.depth_m), std::move(frame.color), "", ""});
-  }
-  ColorView view;
-  if (depths == 0) return {1, std::nullopt};
-  view.visible = static_cast<double>(visible) / static_cast<double>(depths);
-  view.fit = FitRegistration(frames, rectifier.pinhole());
-  return view;
-}
-
-}  // namespace
-
-std::optional<std::string> ColorCameraWarning(const std::vector<FrameImages>& images,
-                                              const RgbdCamera& camera,
-                                              const RectifyOptions& options,
-                                              std::optional<RegistrationFit>* registration) {
-  const ColorView given = ViewOf(images, camera, options);
-  *registration = given.fit;
-  const double distance_m = camera.color_from_depth.translation.norm();
-  if (distance_m > kFarthestCamera_m) {
-    return Concat("the colour camera is ", distance_m,
-                  " m from the depth camera, must be in the same device: color_from_depth has "
-                  "its translation in m",
-                  distance_m > 1 ? Concat(", and these may be mm (", distance_m, " mm)") : "");
-  }
-  RgbdCamera inverse = camera;
-  inverse.color_from_depth = camera.color_from_depth.Inverse();
-  const bool is_unseen = given.visible < kMinVisible;
-  const double given_score = given.fit ? given.fit->given_score : 0;
-  if (!is_unseen && (!given.fit || given.fit->scale == 1)) {
-    const bool is_matched = !given.fit || (!given.fit->is_doubtful && given.fit->right_px == 0 &&
-                                           given.fit->down_px == 0);
-    if (is_matched) return std::nullopt;
-  }
-  const ColorView other = ViewOf(images, inverse, options);
-  const double other_score = other.fit ? other.fit->given_score : 0;
-  const bool inverse_is_seen = is_unseen && other.visible > 2 * kMinVisible;
-  if (inverse_is_seen || (!is_unseen && other_score > given_score + kMinInverseGain)) {
-    return Concat(
-        "the colour camera is probably at the inverse place: edges of colour match "
-        "edges of depth better with the inverse of color_from_depth (score ",
-        other_score, " for ", given_score,
-        "), which maps points of the depth camera to the colour camera");
-  }
-  if (is_unseen) {
-    return Concat("the colour camera sees only ", std::lround(100 * given.visible),
-                  " % of the depth: check color_camera and color_from_depth, which maps points of "
-                  "the depth camera to the colour camera, in m");
-  }
-  if (!given.fit || !given.fit->is_doubtful) return std::nullopt;
-  return Concat(
-      "edges of registered colour do not lie on edges of depth: the best match has "
-      "colour at ",
-      std::lround(100 * given.fit->scale), " % of the size of depth, ", given.fit->right_px,
-      " px to the right and ", given.fit->down_px,
-      " px down. Check color_camera and color_from_depth");
 }
 
 }  // namespace surfit
