@@ -69,9 +69,9 @@ inline float GreyOf(Rgb8 color) {
   return (0.299f * color.r + 0.587f * color.g + 0.114f * color.b) / 255.f;
 }
 
-// Mean gradient magnitude per cell of cell x cell pixels, normalised to mean 0 and standard deviation
-// 1 over the image. Gradients above four times the mean are clamped. Incomplete cells at the right
-// and lower border are dropped. Requires cell >= 1 (not checked).
+// Mean gradient magnitude per cell of cell x cell pixels, normalised to mean 0 and standard
+// deviation 1 over the image. Gradients above four times the mean are clamped. Incomplete cells at
+// the right and lower border are dropped. Requires cell >= 1 (not checked).
 Image<float> GradientCells(const Image<Rgb8>& color, int cell);
 
 // Means of blocks of 2 x 2 pixels. NaN if a pixel is NaN. An odd last column or row is dropped.
