@@ -36,6 +36,15 @@ TEST(ChooseKeyframes, SelectsFirstFrameAndFramesAfterTranslation) {
   EXPECT_TRUE(ChooseKeyframes({}, 0.1, 1, 0).empty());
 }
 
+TEST(ChooseKeyframes, EndsWithThresholdsOfZero) {
+  for (const double rotation_rad : {0., 1.}) {
+    const std::vector<std::size_t> chosen = ChooseKeyframes(Straight(100), 0, rotation_rad, 10);
+    EXPECT_LE(chosen.size(), 10u);
+    EXPECT_GE(chosen.size(), 7u);
+  }
+  EXPECT_EQ(ChooseKeyframes(Straight(20), 0, 0, 0).size(), 20u);
+}
+
 TEST(ChooseKeyframes, SelectsFramesAfterRotation) {
   Trajectory turning = Straight(3);
   turning[2].world_from_camera.rotation = QuaternionExp<double>({0, 0.2, 0});

@@ -79,10 +79,11 @@ bool HasMoved(const Rigid3d& a, const Rigid3d& b, double min_translation_m,
 std::vector<std::size_t> ChooseKeyframes(const Trajectory& trajectory, double min_translation_m,
                                          double min_rotation_rad, std::size_t max_count) {
   constexpr double kGrowth = 1.1;
+  constexpr double kSmallest = 1e-4;  // m or rad; a threshold of 0 would not grow
   std::vector<std::size_t> chosen = MovedPoses(trajectory, min_translation_m, min_rotation_rad);
   while (max_count > 0 && chosen.size() > std::max<std::size_t>(max_count, 1)) {
-    min_translation_m *= kGrowth;
-    min_rotation_rad *= kGrowth;
+    min_translation_m = std::max(kGrowth * min_translation_m, kSmallest);
+    min_rotation_rad = std::max(kGrowth * min_rotation_rad, kSmallest);
     chosen = MovedPoses(trajectory, min_translation_m, min_rotation_rad);
   }
   return chosen;
