@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -106,8 +107,11 @@ class AzureKinectRecording : public Recording {
 
   void RequireFormat(const MatroskaTrack& track, bool is_known, const char* known) const {
     const std::string name = Concat(file_.path(), ": track ", track.name);
+    const bool is_named = std::all_of(track.pixel_format.begin(), track.pixel_format.end(),
+                                      [](unsigned char c) { return std::isprint(c) != 0; });
     ThrowIf(!is_known, name, " has the format ",
-            track.pixel_format.empty() ? track.codec : track.pixel_format, ", must be ", known);
+            is_named && !track.pixel_format.empty() ? track.pixel_format : track.codec,
+            ", must be ", known);
     ThrowIf(track.is_encoded, name,
             " is compressed or encrypted by Matroska, which is not supported");
     ThrowIf(track.size.width == 0 || track.size.height == 0, name, " has no image size");

@@ -187,7 +187,7 @@ class ElementReader {
           track->pixel_format = file_.Read(element.at + kFormatAt, 4);
         break;
       case kColourSpace:
-        track->pixel_format = Text(element);
+        if (track->pixel_format.empty()) track->pixel_format = Text(element);
         break;
       case kPixelWidth:
         track->size.width = pixels();
