@@ -96,10 +96,26 @@ class CloudRegistrar {
     }
   }
 
+  // Registers from the best poses. Free-space violations refute a pose, so the next pose follows.
   CloudRegistration FromMatches(const CloudPair::ViewpointPair& viewpoints) const {
-    const std::vector<ScoredKeyPose> poses = FindKeyPoses(pair_, viewpoints);
+    constexpr int kMaxRefuted = 4;
+    std::vector<ScoredKeyPose> poses = FindKeyPoses(pair_, viewpoints);
+    CloudRegistration best = Empty("global");
+    for (int refuted = 0; refuted < kMaxRefuted && !poses.empty(); ++refuted) {
+      CloudRegistration result = FromKeyPoses(poses);
+      if (result.reason != GlobalRegistrationReason::kFreeSpaceViolation) return result;
+      const Rigid3d start = poses.front().target_from_source;
+      poses.erase(std::remove_if(poses.begin(), poses.end(),
+                                 [&](const ScoredKeyPose& pose) { return !IsRival(pose, start); }),
+                  poses.end());
+      if (Score(result) >= Score(best)) best = std::move(result);
+    }
+    return best;
+  }
+
+  // Registers from the first pose.
+  CloudRegistration FromKeyPoses(const std::vector<ScoredKeyPose>& poses) const {
     CloudRegistration result = Empty("global");
-    if (poses.empty()) return result;
     const Rigid3d& start = poses.front().target_from_source;
     const int levels = std::min(2, pair_.options().levels);
     result.icp = pair_.Register(start, levels);
@@ -109,15 +125,18 @@ class CloudRegistrar {
     return result;
   }
 
+  // Returns whether a pose differs from another by more than the tolerance of key poses.
+  bool IsRival(const ScoredKeyPose& other, const Rigid3d& pose) const {
+    constexpr double kDistinctCells = 4;
+    return pair_.Distance(other.target_from_source, pose) >= kDistinctCells * pair_.cell_m();
+  }
+
   // Compares the score of a pose with the other poses.
   void SetScoreMargin(const std::vector<ScoredKeyPose>& poses, const Rigid3d& pose, double score,
                       CloudRegistration* result) const {
-    constexpr double kDistinctCells = 4;
     double rival = 0;
     for (const ScoredKeyPose& other : poses) {
-      if (pair_.Distance(other.target_from_source, pose) < kDistinctCells * pair_.cell_m())
-        continue;
-      rival = std::max(rival, other.score);
+      if (IsRival(other, pose)) rival = std::max(rival, other.score);
     }
     result->score_margin = std::min(result->score_margin, score > 0 ? 1 - rival / score : 0);
     if (result->accepted() && result->score_margin < pair_.criteria().min_score_margin) {
