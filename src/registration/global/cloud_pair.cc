@@ -118,20 +118,20 @@ std::optional<double> CloudPair::ViolationRatio(const Rigid3d& pose) const {
        forward.ViolationRatio(), backward.ViolationRatio()});
 }
 
-std::optional<int> CloudPair::StructureCount(const Rigid3d& pose) const {
-  if (!source_ranges_ || !target_ranges_) return std::nullopt;
-  const auto [forward, backward] = StructureAt(pose);
-  return std::min(forward.visible, backward.visible);
+int CloudPair::CountOffPlanes(const Rigid3d& pose) const {
+  return std::min(CountOffTwoPlanes(forward_->PointsAt(pose), PlaneTolerance()),
+                  CountOffTwoPlanes(backward_->PointsAt(pose.Inverse()), PlaneTolerance()));
 }
+
+double CloudPair::PlaneTolerance() const { return surface_tolerance_m_ + kPlaneCells * cell_m_; }
 
 double CloudPair::RangeTolerance() const { return 2 * spacing_m_ + kAgreementSigmas * noise_m_; }
 
 std::array<StructureCounts, 2> CloudPair::StructureAt(const Rigid3d& pose) const {
-  const double plane_tolerance_m = surface_tolerance_m_ + kPlaneCells * cell_m_;
-  return {CountStructure(forward_->PointsAt(pose), *target_ranges_, plane_tolerance_m,
-                         RangeTolerance()),
-          CountStructure(backward_->PointsAt(pose.Inverse()), *source_ranges_, plane_tolerance_m,
-                         RangeTolerance())};
+  return {
+      CountStructure(forward_->PointsAt(pose), *target_ranges_, PlaneTolerance(), RangeTolerance()),
+      CountStructure(backward_->PointsAt(pose.Inverse()), *source_ranges_, PlaneTolerance(),
+                     RangeTolerance())};
 }
 
 double CloudPair::CellSize() const {

@@ -61,9 +61,8 @@ class CloudPair {
   // Larger ratio of free-space violations of both directions, of all points and of the key points
   // off the common planes. std::nullopt without viewpoints.
   std::optional<double> ViolationRatio(const Rigid3d& pose) const;
-  // Smaller number of visible key points off the common planes, of both directions. std::nullopt
-  // without viewpoints.
-  std::optional<int> StructureCount(const Rigid3d& pose) const;
+  // Smaller CountOffTwoPlanes() of both directions, of key points.
+  int CountOffPlanes(const Rigid3d& pose) const;
 
   // Viewpoints of source and target that decide the signs of normals: those of the sensors, and the
   // centres of the clouds.
@@ -72,6 +71,7 @@ class CloudPair {
 
  private:
   double CellSize() const;
+  double PlaneTolerance() const;
   double RangeTolerance() const;
   // Structure of the source in the image of the target, and vice versa. Requires viewpoints.
   std::array<StructureCounts, 2> StructureAt(const Rigid3d& pose) const;

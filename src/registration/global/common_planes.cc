@@ -5,6 +5,16 @@
 #include <cstddef>
 
 namespace surfit {
+namespace {
+
+bool IsOnAny(const std::vector<CommonPlane>& planes, const ComparedPoint& point,
+             double tolerance_m) {
+  return std::any_of(planes.begin(), planes.end(), [&](const CommonPlane& plane) {
+    return std::abs(plane.DistanceTo(point.point)) < static_cast<float>(tolerance_m);
+  });
+}
+
+}  // namespace
 
 std::vector<CommonPlane> FindCommonPlanes(const std::vector<ComparedPoint>& points,
                                           double tolerance_m) {
@@ -39,16 +49,22 @@ std::vector<CommonPlane> FindCommonPlanes(const std::vector<ComparedPoint>& poin
   return planes;
 }
 
+int CountOffTwoPlanes(const std::vector<ComparedPoint>& points, double tolerance_m) {
+  std::vector<CommonPlane> planes = FindCommonPlanes(points, tolerance_m);
+  planes.resize(std::min<std::size_t>(planes.size(), 2));
+  int count = 0;
+  for (const ComparedPoint& point : points) {
+    count += point.is_on_surface && !IsOnAny(planes, point, tolerance_m);
+  }
+  return count;
+}
+
 StructureCounts CountStructure(const std::vector<ComparedPoint>& points, const RangeImage& image,
                                double plane_tolerance_m, double range_tolerance_m) {
   const std::vector<CommonPlane> planes = FindCommonPlanes(points, plane_tolerance_m);
   StructureCounts counts;
   for (const ComparedPoint& point : points) {
-    const bool is_on_plane =
-        std::any_of(planes.begin(), planes.end(), [&](const CommonPlane& plane) {
-          return std::abs(plane.DistanceTo(point.point)) < static_cast<float>(plane_tolerance_m);
-        });
-    if (is_on_plane) continue;
+    if (IsOnAny(planes, point, plane_tolerance_m)) continue;
     const RangeImage::Visibility visibility =
         image.VisibilityOf(point.point.cast<double>(), range_tolerance_m);
     counts.free_space += visibility == RangeImage::Visibility::kFreeSpace;

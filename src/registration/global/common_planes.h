@@ -15,10 +15,15 @@ struct CommonPlane {
   float DistanceTo(const Eigen::Vector3f& point) const { return normal.dot(point) - offset_m; }
 };
 
-// The three planes with the most points on the surface of the other cloud, at most. A point is on a
-// plane within `tolerance_m`. Each plane is the tangent plane of a point.
+// Up to three planes with the most points on the surface of the other cloud, largest first. A point
+// is on a plane within `tolerance_m`. Each plane is the tangent plane of a point. The points of a
+// plane are removed before the search of the next plane.
 std::vector<CommonPlane> FindCommonPlanes(const std::vector<ComparedPoint>& points,
                                           double tolerance_m);
+
+// Number of points on the surface of the other cloud, but on neither of the two largest common
+// planes. Two planes leave one direction of motion open, which these points determine.
+int CountOffTwoPlanes(const std::vector<ComparedPoint>& points, double tolerance_m);
 
 // Counts of the points off the common planes, by their visibility in the image of the other cloud.
 // Three planes determine a pose, and many wrong poses align three planes of a room. Only the
