@@ -35,16 +35,6 @@ double PlaneDeviation(const KdTree& tree, const std::vector<KdTree::Neighbor>& f
   return std::sqrt(std::max(0., solver.eigenvalues()[0]) / (count - 3));
 }
 
-struct ComparedCounts {
-  int on_surface = 0, near = 0;
-
-  ComparedCounts& operator+=(const ComparedCounts& other) {
-    on_surface += other.on_surface;
-    near += other.near;
-    return *this;
-  }
-};
-
 struct FreeSpaceCounts {
   int violations = 0, seen = 0;
 
@@ -88,49 +78,62 @@ struct CloudComparison::Data {
     for (const std::uint32_t i : tree.order()) target_normals.push_back(target.normals[i]);
   }
 
+  // Compares source point i.
+  ComparedPoint Compare(std::size_t i, const Eigen::Matrix3f& rotation,
+                        const Eigen::Vector3f& translation) const {
+    ComparedPoint compared;
+    compared.point = rotation * points[i] + translation;
+    compared.normal = rotation * normals[i];
+    const KdTree::Neighbor match = tree.Nearest(compared.point, near2);
+    if (match.rank == KdTree::kNone) return compared;
+    const Eigen::Vector3f& n = target_normals[match.rank];
+    if (n.isZero(0)) return compared;
+    compared.is_near = true;
+    const float cosine = n.dot(compared.normal);
+    compared.is_on_surface = std::abs(n.dot(compared.point - tree.Point(match.rank))) < tolerance &&
+                             (uses_signs ? cosine : std::abs(cosine)) > kMinAgreeingCosine;
+    return compared;
+  }
+
   KdTree tree;
   std::vector<Eigen::Vector3f> target_normals;  // in the order of the tree
   std::vector<Eigen::Vector3f> points, normals;
   float near2 = 0, tolerance = 0;
+  bool uses_signs = false;
 };
 
-CloudComparison::CloudComparison(const PointSet& source, const PointSet& target, double near_m,
-                                 double tolerance_m) {
+CloudComparison::CloudComparison(const PointSet& source, const PointSet& target,
+                                 const ComparisonLimits& limits) {
   auto data = std::make_unique<Data>(source, target);
-  data->near2 = static_cast<float>(near_m * near_m);
-  data->tolerance = static_cast<float>(tolerance_m);
+  data->near2 = static_cast<float>(limits.near_m * limits.near_m);
+  data->tolerance = static_cast<float>(limits.tolerance_m);
+  data->uses_signs = limits.uses_signs;
   data_ = std::move(data);
 }
 
 CloudComparison::~CloudComparison() = default;
 
-CloudAgreement CloudComparison::At(const Rigid3d& target_from_source) const {
-  const Data& data = *data_;
-  const int count = static_cast<int>(data.points.size());
-  if (count == 0) return {};
+std::vector<ComparedPoint> CloudComparison::PointsAt(const Rigid3d& target_from_source) const {
   const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = target_from_source.translation.cast<float>();
-  const ComparedCounts counts =
-      ParallelSum(0, count, 256, ComparedCounts(), [&](int begin, int end) {
-        ComparedCounts sum;
-        for (int i = begin; i < end; ++i) {
-          const Eigen::Vector3f p = rotation * data.points[i] + translation;
-          const KdTree::Neighbor match = data.tree.Nearest(p, data.near2);
-          if (match.rank == KdTree::kNone) continue;
-          const Eigen::Vector3f& n = data.target_normals[match.rank];
-          if (n.isZero(0)) continue;
-          ++sum.near;
-          const bool on_plane = std::abs(n.dot(p - data.tree.Point(match.rank))) < data.tolerance;
-          const bool parallel = std::abs(n.dot(rotation * data.normals[i])) > kMinAgreeingCosine;
-          sum.on_surface += on_plane && parallel;
-        }
-        return sum;
-      });
-  CloudAgreement agreement;
-  agreement.overlap_ratio = static_cast<double>(counts.on_surface) / count;
-  if (counts.near > 0) {
-    agreement.inlier_ratio = static_cast<double>(counts.on_surface) / counts.near;
+  std::vector<ComparedPoint> compared(data_->points.size());
+  ParallelFor(0, static_cast<int>(compared.size()), 256, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) compared[i] = data_->Compare(i, rotation, translation);
+  });
+  return compared;
+}
+
+CloudAgreement CloudComparison::At(const Rigid3d& target_from_source) const {
+  int near = 0, on_surface = 0;
+  const std::vector<ComparedPoint> compared = PointsAt(target_from_source);
+  for (const ComparedPoint& point : compared) {
+    near += point.is_near;
+    on_surface += point.is_on_surface;
   }
+  CloudAgreement agreement;
+  if (compared.empty()) return agreement;
+  agreement.overlap_ratio = static_cast<double>(on_surface) / static_cast<double>(compared.size());
+  if (near > 0) agreement.inlier_ratio = static_cast<double>(on_surface) / near;
   return agreement;
 }
 
@@ -195,23 +198,28 @@ RangeImage::RangeImage(const std::vector<Eigen::Vector3f>& points, const Eigen::
   }
 }
 
+RangeImage::Visibility RangeImage::VisibilityOf(const Eigen::Vector3d& point,
+                                                double tolerance_m) const {
+  if (size_ == 0) return Visibility::kUnknown;
+  const Eigen::Vector3d direction = point - viewpoint_;
+  const double range = direction.norm();
+  if (!(range > 0)) return Visibility::kUnknown;
+  const Pixel pixel = PixelOf(direction);
+  const float free = FreeRange(pixel);
+  if (!(free > 0)) return Visibility::kUnknown;
+  if (range > farthest_[Index(pixel)] + tolerance_m) return Visibility::kHidden;
+  return range < free - tolerance_m ? Visibility::kFreeSpace : Visibility::kSurface;
+}
+
 double RangeImage::ViolationRatio(const std::vector<Eigen::Vector3f>& points, const Rigid3d& pose,
                                   double tolerance_m) const {
-  if (size_ == 0) return 0;
   const FreeSpaceCounts counts = ParallelSum(
       0, static_cast<int>(points.size()), 1024, FreeSpaceCounts(), [&](int begin, int end) {
         FreeSpaceCounts sum;
         for (int i = begin; i < end; ++i) {
-          const Eigen::Vector3d direction = pose * points[i].cast<double>() - viewpoint_;
-          const double range = direction.norm();
-          if (!(range > 0)) continue;
-          const Pixel pixel = PixelOf(direction);
-          const float free = FreeRange(pixel);
-          if (!(free > 0)) continue;
-          const float last = farthest_[Index(pixel)];
-          if (range > last + tolerance_m) continue;  // hidden
-          ++sum.seen;
-          sum.violations += range < free - tolerance_m;
+          const Visibility visibility = VisibilityOf(pose * points[i].cast<double>(), tolerance_m);
+          sum.violations += visibility == Visibility::kFreeSpace;
+          sum.seen += visibility == Visibility::kFreeSpace || visibility == Visibility::kSurface;
         }
         return sum;
       });

@@ -24,16 +24,30 @@ struct CloudAgreement {
   double inlier_ratio = 0;  // source points on the target surface, per source point near the target
 };
 
-// Compares clouds at poses. Source points are near the target within `near_m` of a target point.
-// They are on its surface if their distance from the tangent plane is within `tolerance_m`, and if
-// the normals agree up to the sign. Points without a normal are ignored.
+// Source point at a pose, in the frame of the target.
+struct ComparedPoint {
+  Eigen::Vector3f point, normal;
+  bool is_near = false, is_on_surface = false;
+};
+
+// Scales of CloudComparison.
+struct ComparisonLimits {
+  double near_m = 0;        // a source point within this distance of a target point is near it
+  double tolerance_m = 0;   // maximum distance of a point on the surface from the tangent plane
+  bool uses_signs = false;  // normals with opposite signs disagree
+};
+
+// Compares clouds at poses. A source point is on the surface of the target if it is near, within
+// the tolerance of the tangent plane, and if the normals agree. Points without a normal are
+// ignored.
 class CloudComparison {
  public:
-  CloudComparison(const PointSet& source, const PointSet& target, double near_m,
-                  double tolerance_m);
+  CloudComparison(const PointSet& source, const PointSet& target, const ComparisonLimits& limits);
   ~CloudComparison();
 
   CloudAgreement At(const Rigid3d& target_from_source) const;
+  // Source points with a normal, in their order.
+  std::vector<ComparedPoint> PointsAt(const Rigid3d& target_from_source) const;
   // Root mean square of the distances of the source points at two poses, m.
   double Distance(const Rigid3d& a, const Rigid3d& b) const;
 
@@ -48,6 +62,15 @@ class RangeImage {
  public:
   RangeImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3d& viewpoint,
              double spacing_m);
+
+  enum class Visibility {
+    kUnknown,    // the image has no range in this direction
+    kFreeSpace,  // in front of the surface
+    kSurface,
+    kHidden,  // behind the surface
+  };
+  // `point` is in the frame of the image.
+  Visibility VisibilityOf(const Eigen::Vector3d& point, double tolerance_m) const;
 
   // Ratio of free-space violations: points more than `tolerance_m` in front of the surface, per
   // point that is not behind it. `pose` maps the points to the frame of the image. 0 without points

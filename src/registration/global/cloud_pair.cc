@@ -10,6 +10,7 @@ constexpr double kGateSpacings = 4;          // distance gate of the finest leve
 constexpr double kSigmaSpacings = 0.1;       // smallest standard deviation of a point
 constexpr double kPointSigmaSpacings = 0.5;  // kSigmaSpacings for residuals with in-plane distances
 constexpr double kOnSurfaceCells = 0.35;     // maximum distance from the other surface
+constexpr double kPlaneCells = 0.5;          // added distance from a common plane
 constexpr double kNearCells = 2.5;           // maximum distance from the other key points
 constexpr double kKeyCount = 4000;           // wanted number of key points
 constexpr double kLeastKeys = 1500;          // with fewer key points, the cells shrink
@@ -69,9 +70,12 @@ CloudPair::CloudPair(const SensedCloud& source, const SensedCloud& target,
       PointSetOfKeys(MakeKeyPoints(source_.points.points, cell_m_, source_.viewpoint), cell_m_);
   const PointSet to =
       PointSetOfKeys(MakeKeyPoints(target_.points.points, cell_m_, target_.viewpoint), cell_m_);
-  const double tolerance_m = kOnSurfaceCells * cell_m_ + kAgreementSigmas * noise_m_;
-  forward_ = std::make_unique<CloudComparison>(from, to, kNearCells * cell_m_, tolerance_m);
-  backward_ = std::make_unique<CloudComparison>(to, from, kNearCells * cell_m_, tolerance_m);
+  surface_tolerance_m_ = kOnSurfaceCells * cell_m_ + kAgreementSigmas * noise_m_;
+  // Normals of key points face the viewpoints, so two sides of a wall do not agree.
+  const ComparisonLimits limits = {kNearCells * cell_m_, surface_tolerance_m_,
+                                   source.has_viewpoint && target.has_viewpoint};
+  forward_ = std::make_unique<CloudComparison>(from, to, limits);
+  backward_ = std::make_unique<CloudComparison>(to, from, limits);
   if (!source.has_viewpoint || !target.has_viewpoint) return;
   source_ranges_.emplace(source_.points.points, source_.viewpoint, a.spacing_m);
   target_ranges_.emplace(target_.points.points, target_.viewpoint, b.spacing_m);
@@ -107,10 +111,27 @@ double CloudPair::KeyScore(const Rigid3d& pose) const {
 
 std::optional<double> CloudPair::ViolationRatio(const Rigid3d& pose) const {
   if (!source_ranges_ || !target_ranges_) return std::nullopt;
-  const double tolerance_m = 2 * spacing_m_ + kAgreementSigmas * noise_m_;
+  const auto [forward, backward] = StructureAt(pose);
   return std::max(
-      target_ranges_->ViolationRatio(source_.points.points, pose, tolerance_m),
-      source_ranges_->ViolationRatio(target_.points.points, pose.Inverse(), tolerance_m));
+      {target_ranges_->ViolationRatio(source_.points.points, pose, RangeTolerance()),
+       source_ranges_->ViolationRatio(target_.points.points, pose.Inverse(), RangeTolerance()),
+       forward.ViolationRatio(), backward.ViolationRatio()});
+}
+
+int CloudPair::CountOffPlanes(const Rigid3d& pose) const {
+  return std::min(CountOffTwoPlanes(forward_->PointsAt(pose), PlaneTolerance()),
+                  CountOffTwoPlanes(backward_->PointsAt(pose.Inverse()), PlaneTolerance()));
+}
+
+double CloudPair::PlaneTolerance() const { return surface_tolerance_m_ + kPlaneCells * cell_m_; }
+
+double CloudPair::RangeTolerance() const { return 2 * spacing_m_ + kAgreementSigmas * noise_m_; }
+
+std::array<StructureCounts, 2> CloudPair::StructureAt(const Rigid3d& pose) const {
+  return {
+      CountStructure(forward_->PointsAt(pose), *target_ranges_, PlaneTolerance(), RangeTolerance()),
+      CountStructure(backward_->PointsAt(pose.Inverse()), *source_ranges_, PlaneTolerance(),
+                     RangeTolerance())};
 }
 
 double CloudPair::CellSize() const {

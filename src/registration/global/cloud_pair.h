@@ -9,6 +9,7 @@
 
 #include "registration/global/cloud_features.h"
 #include "registration/global/cloud_fit.h"
+#include "registration/global/common_planes.h"
 #include "surfit/registration/register_clouds.h"
 
 namespace surfit {
@@ -57,8 +58,11 @@ class CloudPair {
   double Distance(const Rigid3d& a, const Rigid3d& b) const { return forward_->Distance(a, b); }
   // Overlap times the squared ratio of inliers of the key points.
   double KeyScore(const Rigid3d& pose) const;
-  // Larger ratio of free-space violations of both directions. std::nullopt without viewpoints.
+  // Larger ratio of free-space violations of both directions, of all points and of the key points
+  // off the common planes. std::nullopt without viewpoints.
   std::optional<double> ViolationRatio(const Rigid3d& pose) const;
+  // Smaller CountOffTwoPlanes() of both directions, of key points.
+  int CountOffPlanes(const Rigid3d& pose) const;
 
   // Viewpoints of source and target that decide the signs of normals: those of the sensors, and the
   // centres of the clouds.
@@ -67,6 +71,10 @@ class CloudPair {
 
  private:
   double CellSize() const;
+  double PlaneTolerance() const;
+  double RangeTolerance() const;
+  // Structure of the source in the image of the target, and vice versa. Requires viewpoints.
+  std::array<StructureCounts, 2> StructureAt(const Rigid3d& pose) const;
   IcpResult Register(const PointSet& source, const Eigen::Vector3d& viewpoint_in_target,
                      const PointSet& target, const Rigid3d& start, int levels) const;
 
@@ -74,6 +82,7 @@ class CloudPair {
   const CloudCriteria& criteria_;
   RegisterCloudsOptions options_;
   double spacing_m_ = 0, noise_m_ = 0, cell_m_ = 0;
+  double surface_tolerance_m_ = 0;  // of key points
   std::unique_ptr<CloudComparison> forward_, backward_;
   std::optional<RangeImage> source_ranges_, target_ranges_;
 };

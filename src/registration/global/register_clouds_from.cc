@@ -96,33 +96,73 @@ class CloudRegistrar {
     }
   }
 
+  // Registers from the best poses. Free-space violations refute a pose, so the next pose follows.
   CloudRegistration FromMatches(const CloudPair::ViewpointPair& viewpoints) const {
-    const std::vector<ScoredKeyPose> poses = FindKeyPoses(pair_, viewpoints);
+    constexpr int kMaxRefuted = 4;
+    std::vector<ScoredKeyPose> poses = FindKeyPoses(pair_, viewpoints);
+    CloudRegistration best = Empty("global");
+    for (int refuted = 0; refuted < kMaxRefuted && !poses.empty(); ++refuted) {
+      CloudRegistration result = FromKeyPoses(poses);
+      if (result.reason != GlobalRegistrationReason::kFreeSpaceViolation) return result;
+      const Rigid3d start = poses.front().target_from_source;
+      poses.erase(std::remove_if(poses.begin(), poses.end(),
+                                 [&](const ScoredKeyPose& pose) {
+                                   return !IsRival(pose.target_from_source, start);
+                                 }),
+                  poses.end());
+      if (Score(result) >= Score(best)) best = std::move(result);
+    }
+    return best;
+  }
+
+  // Registers from the first pose. A pose that hangs on a few points beside two planes can be an
+  // accident, because the search compares many poses.
+  CloudRegistration FromKeyPoses(const std::vector<ScoredKeyPose>& poses) const {
+    constexpr int kLeastOffPlanes = 50;  // key points off the two largest common planes
     CloudRegistration result = Empty("global");
-    if (poses.empty()) return result;
     const Rigid3d& start = poses.front().target_from_source;
     const int levels = std::min(2, pair_.options().levels);
     result.icp = pair_.Register(start, levels);
     result.reason = Verify(start, levels, &result);
+    if (result.accepted() && pair_.CountOffPlanes(result.icp.target_from_source) < kLeastOffPlanes)
+      result.reason = GlobalRegistrationReason::kDegenerate;
     result.score_margin = 1;
     SetScoreMargin(poses, start, poses.front().score, &result);
     return result;
   }
 
-  // Compares the score of a pose with the other poses.
+  // Returns whether a pose differs from another by more than the tolerance of key poses.
+  bool IsRival(const Rigid3d& other, const Rigid3d& pose) const {
+    constexpr double kDistinctCells = 4;
+    return pair_.Distance(other, pose) >= kDistinctCells * pair_.cell_m();
+  }
+
+  // Returns whether a rival of a pose remains a rival after its registration. Rivals can converge
+  // to the pose, and free-space violations can refute them.
+  bool RemainsRival(const Rigid3d& rival, const Rigid3d& pose) const {
+    const IcpResult icp = pair_.Register(rival, std::min(2, pair_.options().levels));
+    if (!icp.Succeeded()) return true;
+    return IsRival(icp.target_from_source, pose) &&
+           pair_.ViolationRatio(icp.target_from_source).value_or(0) <=
+               pair_.criteria().max_free_space_violation_ratio;
+  }
+
+  // Compares the score of a pose with the other poses. Only rivals that make an accepted pose
+  // ambiguous are registered.
   void SetScoreMargin(const std::vector<ScoredKeyPose>& poses, const Rigid3d& pose, double score,
                       CloudRegistration* result) const {
-    constexpr double kDistinctCells = 4;
+    const double least_margin = pair_.criteria().min_score_margin;
+    const double tolerated = (1 - least_margin) * score;
     double rival = 0;
     for (const ScoredKeyPose& other : poses) {
-      if (pair_.Distance(other.target_from_source, pose) < kDistinctCells * pair_.cell_m())
-        continue;
-      rival = std::max(rival, other.score);
+      if (other.score <= rival || !IsRival(other.target_from_source, pose)) continue;
+      const bool decides = result->accepted() && other.score > tolerated;
+      if (!decides || RemainsRival(other.target_from_source, result->icp.target_from_source))
+        rival = other.score;
     }
     result->score_margin = std::min(result->score_margin, score > 0 ? 1 - rival / score : 0);
-    if (result->accepted() && result->score_margin < pair_.criteria().min_score_margin) {
+    if (result->accepted() && result->score_margin < least_margin)
       result->reason = GlobalRegistrationReason::kAmbiguous;
-    }
   }
 
   const CloudPair& pair_;
