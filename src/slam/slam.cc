@@ -144,7 +144,7 @@ FrameReport Slam::Process(const RgbdFrame& frame) {
   StageTimes times;
   Correct(frame, &times);
   if (tracker_->IsDuplicate(frame)) return ReportDuplicate(frame, times);
-  PreprocessedFrame prepared = Preprocess(frame, tracker_->ExpectedMotion(), &times);
+  PreprocessedFrame prepared = Preprocess(frame, tracker_->ExpectedMotion(frame.stamp_s), &times);
   const bool is_first = !tracker_->state().HasStarted();
   Tracked tracked = is_first ? tracker_->TrackFirst(prepared)
                              : Track(prepared, Predict(prepared, &times), &times);
@@ -283,6 +283,13 @@ void Slam::OnPose(std::function<void(const FrameReport&)> call) { on_pose_ = std
 void Slam::OnLostFrame(std::function<void(const LostFrame&)> call) {
   tracker_->OnLostFrame(std::move(call));
 }
+
+void Slam::UseImu(ImuRecording recording) {
+  CHECK_EQ(frame_count_, 0);
+  tracker_->UseImu(std::move(recording));
+}
+
+ImuReport Slam::imu_report() const { return tracker_->imu_report(); }
 
 void Slam::UseLoopFinder(LoopFinder finder) {
   CHECK(options_.loops.enabled && backend_->poses().frames().empty());
