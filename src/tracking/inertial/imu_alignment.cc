@@ -1,7 +1,6 @@
 #include "tracking/inertial/imu_alignment.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -86,8 +85,8 @@ RateFit FitRates(const std::vector<RatePair>& pairs) {
   const double both = fit.camera_squares + fit.gyro_squares;
   fit.squares = std::max(0., both - 2 * fit.product);
   fit.mirrored_squares = std::max(0., both - 2 * (values[0] + values[1] - sign * values[2]));
-  const Vector3d energies = Eigen::SelfAdjointEigenSolver<Matrix3d>(of_gyro).eigenvalues();
-  fit.weakest = std::sqrt(std::max(0., energies[0]) / weight);
+  const double least = Eigen::JacobiSVD<Matrix3d>(of_gyro).singularValues()[2];
+  fit.weakest = std::sqrt(least / weight);
   return fit;
 }
 
@@ -281,7 +280,7 @@ ImuAlignment AlignImu(const GyroIntegral& gyro, const std::vector<CameraTurn>& t
     AddPrior(3, prior.offset_s - state.offset_s, given.time_offset_sigma_s, &information,
              &gradient);
     information.diagonal().array() += 1e-9;  // unobservable rotations stay
-    const Eigen::LDLT<Matrix7d> solver(information);
+    const Eigen::LDLT<Eigen::MatrixXd> solver(information);
     const Vector7d step = solver.solve(gradient);
     state.rotation =
         (QuaternionExp<double>(Vector3d(step.head<3>())) * state.rotation).normalized();

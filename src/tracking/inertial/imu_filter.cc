@@ -1,9 +1,10 @@
 #include "tracking/inertial/imu_filter.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "registration/solvers/decompositions.h"
 
 namespace surfit {
 namespace {
@@ -30,8 +31,7 @@ constexpr double kMaxDistance2 = 50;
 
 // Unknowns of the start: rotation, position and velocity at the last pose, accelerometer bias,
 // gravity, lever arm.
-using Vector18d = Eigen::Matrix<double, 18, 1>;
-using Matrix18d = Eigen::Matrix<double, 18, 18>;
+constexpr int kStartSize = 18;
 enum StartBlock {
   kStartTurn = 0,
   kStartPlace = 3,
@@ -43,7 +43,7 @@ enum StartBlock {
 
 // Equation of one pose: place = rows * unknowns + constant.
 struct StartRow {
-  Eigen::Matrix<double, 3, 18> rows = Eigen::Matrix<double, 3, 18>::Zero();
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, kStartSize);
   Vector3d place;  // minus the constant
   Matrix3d information;
 };
@@ -89,7 +89,7 @@ std::optional<StartRow> RowOf(const RegisteredPose& pose, const std::vector<ImuS
   return row;
 }
 
-void AddStartPrior(int at, double sigma, Matrix18d* information) {
+void AddStartPrior(int at, double sigma, Eigen::MatrixXd* information) {
   for (int k = 0; k < 3; ++k) (*information)(at + k, at + k) += 1 / (sigma * sigma);
 }
 
@@ -97,7 +97,7 @@ double DirectionSigma(const Matrix3d& covariance, const Vector3d& gravity) {
   const Vector3d down = gravity.normalized();
   const Matrix3d across = Matrix3d::Identity() - down * down.transpose();
   const Matrix3d of_direction = across * covariance * across / gravity.squaredNorm();
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix3d>(of_direction).eigenvalues()[2]);
+  return LargestSigma(of_direction);
 }
 
 }  // namespace
@@ -113,8 +113,8 @@ std::optional<ImuFilter> ImuFilter::Start(const std::vector<ImuSample>* samples,
   }
   const RegisteredPose& last = poses.back();
   const ImuBias bias = {gyro_bias_rad_per_s, Vector3d::Zero()};
-  Matrix18d data = Matrix18d::Zero();
-  Vector18d right = Vector18d::Zero();
+  Eigen::MatrixXd data = Eigen::MatrixXd::Zero(kStartSize, kStartSize);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(kStartSize);
   Vector3d mean_force = Vector3d::Zero();
   for (const RegisteredPose& pose : poses) {
     const auto row = RowOf(pose, *samples, last.stamp_s, last.world_from_camera, calibration, bias);
@@ -133,18 +133,18 @@ std::optional<ImuFilter> ImuFilter::Start(const std::vector<ImuSample>* samples,
   AddStartPrior(kStartArm, std::max(1e-4, calibration.translation_sigma_m), &data);
 
   Vector3d down = -mean_force.normalized();
-  Vector18d solution = Vector18d::Zero();
-  Matrix18d covariance = Matrix18d::Zero();
+  Eigen::VectorXd solution;
+  Eigen::MatrixXd covariance;
   for (int iteration = 0; iteration < 3; ++iteration) {
-    Matrix18d information = data;
-    Vector18d side = right;
+    Eigen::MatrixXd information = data;
+    Eigen::VectorXd side = right;
     const double weight = 1 / (kGravityLengthSigma * kGravityLengthSigma);
     information.block<3, 3>(kStartGravity, kStartGravity) += weight * down * down.transpose();
     side.segment<3>(kStartGravity) += weight * kGravity_m_per_s2 * down;
-    const Eigen::LDLT<Matrix18d> solver(information);
+    const Eigen::LDLT<Eigen::MatrixXd> solver(information);
     if (!solver.isPositive()) return std::nullopt;
     solution = solver.solve(side);
-    covariance = solver.solve(Matrix18d::Identity());
+    covariance = solver.solve(Eigen::MatrixXd::Identity(kStartSize, kStartSize));
     down = solution.segment<3>(kStartGravity).normalized();
   }
   covariance = ((covariance + covariance.transpose()) / 2).eval();
@@ -188,7 +188,7 @@ std::optional<ImuFilter::Advanced> ImuFilter::AdvancedTo(double stamp_s) const {
   const double t = motion->duration_s;
   const Matrix3d rotation = state_.world_from_imu.rotation.toRotationMatrix();
   const auto& by_bias = motion->bias_jacobian;
-  Covariance transition = Covariance::Identity();
+  Covariance transition = Covariance::Identity(kSize, kSize);
   transition.block<3, 3>(kOfTurn, kOfTurn) = motion->rotation.conjugate().toRotationMatrix();
   transition.block<3, 6>(kOfTurn, kOfGyroBias) = by_bias.topRows<3>();
   transition.block<3, 3>(kOfPlace, kOfTurn) = -rotation * CrossMatrix<double>(motion->position_m);
@@ -213,10 +213,10 @@ std::optional<ImuFilter::Advanced> ImuFilter::AdvancedTo(double stamp_s) const {
 
 // With the rotation M = camera_from_imu and the lever arm l, the camera is at p - C l with C = R
 // M^T. Its errors are w = M (rotation error) and v = C^T (position error) + [l]x w - (arm error).
-Eigen::Matrix<double, 6, ImuFilter::kSize> ImuFilter::CameraJacobian(const ImuState& state) const {
+Eigen::MatrixXd ImuFilter::CameraJacobian(const ImuState& state) const {
   const Matrix3d mount = calibration_.camera_from_imu.rotation.toRotationMatrix();
   const Matrix3d camera = state.world_from_imu.rotation.toRotationMatrix() * mount.transpose();
-  Eigen::Matrix<double, 6, kSize> jacobian = Eigen::Matrix<double, 6, kSize>::Zero();
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(6, kSize);
   jacobian.block<3, 3>(0, kOfTurn) = mount;
   jacobian.block<3, 3>(3, kOfTurn) = CrossMatrix<double>(lever_arm_) * mount;
   jacobian.block<3, 3>(3, kOfPlace) = camera.transpose();
@@ -231,7 +231,7 @@ ImuPrediction ImuFilter::CameraOf(const ImuState& state, const Covariance& covar
   ImuPrediction prediction;
   prediction.world_from_camera =
       Rigid3d(camera, state.world_from_imu.translation - camera * lever_arm_);
-  const auto jacobian = CameraJacobian(state);
+  const Eigen::MatrixXd jacobian = CameraJacobian(state);
   prediction.covariance = jacobian * covariance * jacobian.transpose();
   return prediction;
 }
@@ -252,15 +252,14 @@ std::optional<double> ImuFilter::Correct(const RegisteredPose& pose) {
   const Rigid3d error = predicted.world_from_camera.Inverse() * pose.world_from_camera;
   Vector6d innovation;
   innovation << QuaternionLog<double>(error.rotation), error.translation;
-  const auto jacobian = CameraJacobian(state_);
+  const Eigen::MatrixXd jacobian = CameraJacobian(state_);
   Matrix6d measured = pose.covariance;
-  const double distance2 =
-      innovation.dot((predicted.covariance + measured).ldlt().solve(innovation));
+  const double distance2 = innovation.dot(SolveLdlt(predicted.covariance + measured, innovation));
   if (distance2 > kMaxDistance2) measured *= distance2 / kMaxDistance2;
   const Matrix6d sum = predicted.covariance + measured;
-  const Eigen::Matrix<double, kSize, 6> gain = sum.ldlt().solve(jacobian * covariance_).transpose();
-  const Eigen::Matrix<double, kSize, 1> step = gain * innovation;
-  const Covariance left = Covariance::Identity() - gain * jacobian;
+  const Eigen::MatrixXd gain = covariance_ * jacobian.transpose() * SymmetricInverse(sum);
+  const Eigen::VectorXd step = gain * innovation;
+  const Covariance left = Covariance::Identity(kSize, kSize) - gain * jacobian;
   covariance_ = left * covariance_ * left.transpose() + gain * measured * gain.transpose();
   covariance_ = ((covariance_ + covariance_.transpose()) / 2).eval();
   Rigid3d& imu = state_.world_from_imu;
@@ -287,7 +286,7 @@ void ImuFilter::Move(const Rigid3d& new_from_old) {
   state_.world_from_imu = new_from_old * state_.world_from_imu;
   state_.velocity_m_per_s = new_from_old.rotation * state_.velocity_m_per_s;
   gravity_ = new_from_old.rotation * gravity_;
-  Covariance turn = Covariance::Identity();
+  Covariance turn = Covariance::Identity(kSize, kSize);
   for (const int at : {kOfPlace, kOfSpeed, kOfGravity}) {
     turn.block<3, 3>(at, at) = new_from_old.rotation.toRotationMatrix();
   }

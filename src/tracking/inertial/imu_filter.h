@@ -32,7 +32,7 @@ struct RegisteredPose {
 class ImuFilter {
  public:
   static constexpr int kSize = 21;
-  using Covariance = Eigen::Matrix<double, kSize, kSize>;
+  using Covariance = Eigen::MatrixXd;  // kSize rows
 
   // Solves velocity, gravity, accelerometer bias and lever arm from the poses before and at the
   // last one, by linear least squares with priors of bias, lever arm and the length of gravity.
@@ -74,7 +74,7 @@ class ImuFilter {
   };
   std::optional<Advanced> AdvancedTo(double stamp_s) const;
   ImuPrediction CameraOf(const ImuState& state, const Covariance& covariance) const;
-  Eigen::Matrix<double, 6, kSize> CameraJacobian(const ImuState& state) const;
+  Eigen::MatrixXd CameraJacobian(const ImuState& state) const;
   double ImuTime(double stamp_s) const { return stamp_s + calibration_.time_offset_s; }
 
   const std::vector<ImuSample>* samples_ = nullptr;
@@ -84,7 +84,7 @@ class ImuFilter {
   ImuBias bias_;
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d lever_arm_ = Eigen::Vector3d::Zero();
-  Covariance covariance_ = Covariance::Zero();
+  Covariance covariance_ = Covariance::Zero(kSize, kSize);
 };
 
 }  // namespace surfit

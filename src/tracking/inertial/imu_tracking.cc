@@ -2,11 +2,11 @@
 
 #include <glog/logging.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "registration/solvers/decompositions.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -31,16 +31,10 @@ constexpr double kBridge_s = 0.25;
 constexpr int kMaxContradictions = 8;
 constexpr double kMaxTurnError_rad = 0.03, kMaxTurnError_rad_per_s = 0.1, kMaxPoseDistance2 = 100;
 
-double LargestSigmaOf(const Eigen::Matrix3d& covariance) {
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues()[2]);
-}
-
-// Inverse of the information. Directions without information have a standard deviation of 1 rad or
-// 1 m.
+// Covariance of a pose with this information, and a prior of 1 rad and 1 m for directions without
+// information.
 Matrix6d CovarianceOf(const Matrix6d& information) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(1).cwiseInverse().asDiagonal() *
-         eigen.eigenvectors().transpose();
+  return SymmetricInverse(information + Matrix6d::Identity());
 }
 
 }  // namespace
@@ -123,8 +117,8 @@ void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& 
     if (seconds >= kBridge_s && predicted->covariance) {
       const Matrix6d& covariance = *predicted->covariance;
       report_.bridges.push_back({pose.frame, seconds, predicted->world_from_camera,
-                                 LargestSigmaOf(covariance.bottomRightCorner<3, 3>()),
-                                 LargestSigmaOf(covariance.topLeftCorner<3, 3>()),
+                                 LargestSigma(covariance.bottomRightCorner<3, 3>()),
+                                 LargestSigma(covariance.topLeftCorner<3, 3>()),
                                  error.translation.norm(), turn_error});
     }
     if (!filter_) {
@@ -215,7 +209,7 @@ ImuReport ImuTracking::report() const {
   report.bias = filter_->bias();
   report.calibration.camera_from_imu.translation = filter_->lever_arm_m();
   report.calibration.translation_sigma_m =
-      LargestSigmaOf(filter_->covariance().bottomRightCorner<3, 3>());
+      LargestSigma(filter_->covariance().bottomRightCorner<3, 3>());
   report.up_in_world = -filter_->gravity_m_per_s2().normalized();
   report.up_sigma_rad = filter_->GravitySigma();
   return report;
