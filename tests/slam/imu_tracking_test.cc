@@ -137,11 +137,36 @@ TEST(ImuTracking, IsSwitchedOffIfItContradictsPoses) {
   EXPECT_FALSE(imu.Predict(100 * kEvery_s));
 }
 
-TEST(ImuTracking, NeedsGyroscope) {
-  ImuRecording recording = RecordingOf(SwungCamera(1), 6);
+TEST(ImuTracking, FindsGravityWithoutGyroscope) {
+  const SmoothPath path = SwungCamera(4);
+  ImuRecording recording = RecordingOf(path, 6);
   recording.has_gyro = false;
-  const ImuTracking imu(std::move(recording));
-  EXPECT_THAT(imu.report().off_reason, HasSubstr("no gyroscope"));
+  for (ImuSample& sample : recording.samples) sample.gyro_rad_per_s.setZero();
+  ImuTracking imu(std::move(recording));
+  std::mt19937_64 rng(6);
+  Track(path, 0, 100, &rng, &imu);
+  EXPECT_FALSE(imu.IsActive());
+  const ImuReport report = imu.report();
+  EXPECT_EQ(report.off_reason, "");
+  EXPECT_EQ(report.gyro_frames, 0);
+  ASSERT_TRUE(report.up_in_world);
+  EXPECT_LT(std::acos(report.up_in_world->z()), 3 * report.up_sigma_rad);
+}
+
+TEST(ImuTracking, RejectsAccelerometerInG) {
+  ImuRecording recording = RecordingOf(SwungCamera(1), 6);
+  for (ImuSample& sample : recording.samples) sample.accel_m_per_s2 /= kGravity_m_per_s2;
+  EXPECT_THAT(ImuTracking(std::move(recording)).report().off_reason, HasSubstr("its unit is g"));
+}
+
+TEST(ImuTracking, FindsWrongSignOfAccelerometer) {
+  const SmoothPath path = SwungCamera(5);
+  ImuRecording recording = RecordingOf(path, 8);
+  for (ImuSample& sample : recording.samples) sample.accel_m_per_s2 *= -1;
+  ImuTracking imu(std::move(recording));
+  std::mt19937_64 rng(8);
+  Track(path, 0, 140, &rng, &imu);
+  EXPECT_THAT(imu.report().off_reason, HasSubstr("the sign of the accelerometer is wrong"));
 }
 
 TEST(ImuTracking, StartsAgainAfterPoseFromSearch) {

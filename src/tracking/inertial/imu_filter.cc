@@ -116,6 +116,7 @@ std::optional<ImuFilter> ImuFilter::Start(const std::vector<ImuSample>* samples,
   Eigen::MatrixXd data = Eigen::MatrixXd::Zero(kStartSize, kStartSize);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(kStartSize);
   Vector3d mean_force = Vector3d::Zero();
+  double squares = 0;  // of the right sides
   for (const RegisteredPose& pose : poses) {
     const auto row = RowOf(pose, *samples, last.stamp_s, last.world_from_camera, calibration, bias);
     const auto sample = InterpolateImu(*samples, pose.stamp_s + calibration.time_offset_s,
@@ -123,6 +124,7 @@ std::optional<ImuFilter> ImuFilter::Start(const std::vector<ImuSample>* samples,
     if (!row || !sample) return std::nullopt;
     data += row->rows.transpose() * row->information * row->rows;
     right += row->rows.transpose() * row->information * row->place;
+    squares += row->place.dot(row->information * row->place);
     mean_force += pose.world_from_camera.rotation *
                   (calibration.camera_from_imu.rotation * sample->accel_m_per_s2);
   }
@@ -148,11 +150,13 @@ std::optional<ImuFilter> ImuFilter::Start(const std::vector<ImuSample>* samples,
     down = solution.segment<3>(kStartGravity).normalized();
   }
   covariance = ((covariance + covariance.transpose()) / 2).eval();
+  const double residual2 = squares - right.dot(solution);
 
   ImuFilter filter;
   filter.samples_ = samples;
   filter.calibration_ = calibration;
   filter.stamp_s_ = last.stamp_s;
+  filter.start_distance2_ = std::max(0., residual2) / (3. * static_cast<double>(poses.size()));
   const Eigen::Quaterniond rotation =
       last.world_from_camera.rotation * calibration.camera_from_imu.rotation *
       QuaternionExp<double>(Vector3d(solution.segment<3>(kStartTurn)));

@@ -59,6 +59,8 @@ class ImuFilter {
   void Move(const Rigid3d& new_from_old);
 
   double stamp_s() const { return stamp_s_; }
+  // Mean squared Mahalanobis distance per coordinate of the poses of Start().
+  double start_distance2() const { return start_distance2_; }
   const ImuState& state() const { return state_; }
   const ImuBias& bias() const { return bias_; }
   const Eigen::Vector3d& gravity_m_per_s2() const { return gravity_; }
@@ -80,6 +82,7 @@ class ImuFilter {
   const std::vector<ImuSample>* samples_ = nullptr;
   ImuCalibration calibration_;
   double stamp_s_ = 0;  // capture time of the state
+  double start_distance2_ = 0;
   ImuState state_;
   ImuBias bias_;
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();

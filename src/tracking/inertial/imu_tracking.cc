@@ -37,17 +37,25 @@ Matrix6d CovarianceOf(const Matrix6d& information) {
   return SymmetricInverse(information + Matrix6d::Identity());
 }
 
+// Accepted mean size of the accelerometer, m/s^2. A swung camera increases it.
+constexpr double kMinMeanForce = 8.5, kMaxMeanForce = 12;
+// Ratio of squared distances below which the negative accelerometer fits better.
+constexpr double kMirroredForce = 0.25;
+// Poses for the mean of the accelerometer.
+constexpr int kMinForces = 10;
+
 }  // namespace
 
 ImuTracking::ImuTracking(ImuRecording recording)
     : recording_(std::move(recording)), gyro_(&recording_.samples) {
   alignment_ = AlignImu(gyro_, {}, recording_.calibration);
   report_.read_from = recording_.read_from;
-  if (!recording_.has_gyro) SwitchOff("the sensor has no gyroscope");
+  if (const std::string fault = FaultOfSize(); !fault.empty()) SwitchOff(fault);
 }
 
 bool ImuTracking::IsActive() const {
-  return report_.off_reason.empty() && alignment_.is_known && !recent_.empty();
+  return recording_.has_gyro && report_.off_reason.empty() && alignment_.is_known &&
+         !recent_.empty();
 }
 
 std::optional<ImuTracking::Prediction> ImuTracking::Predict(double stamp_s) const {
@@ -101,7 +109,8 @@ RegisteredPose ImuTracking::Registered(const TrackedPose& pose) const {
 }
 
 void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& predicted) {
-  if (!report_.off_reason.empty()) return;
+  AddForce(pose);
+  if (!recording_.has_gyro || !report_.off_reason.empty()) return;
   const bool continues =
       pose.continues && !recent_.empty() && pose.stamp_s > recent_.back().stamp_s;
   if (!continues) {
@@ -179,15 +188,52 @@ void ImuTracking::StartFilter() {
 void ImuTracking::CountContradiction(bool contradicts, const char* what) {
   contradictions_ = contradicts ? contradictions_ + 1 : 0;
   if (contradictions_ < kMaxContradictions) return;
-  SwitchOff(Concat(what, " in ", kMaxContradictions, " consecutive frames"));
+  const bool is_negative = filter_ && NegativeAccelFits();
+  SwitchOff(Concat(what, " in ", kMaxContradictions, " consecutive frames",
+                   is_negative ? ": the sign of the accelerometer is wrong" : ""));
+}
+
+std::string ImuTracking::FaultOfSize() const {
+  if (recording_.samples.empty()) return "there is no sample";
+  double sum = 0;
+  for (const ImuSample& sample : recording_.samples) sum += sample.accel_m_per_s2.norm();
+  const double mean = sum / static_cast<double>(recording_.samples.size());
+  if (mean > kMinMeanForce && mean < kMaxMeanForce) return "";
+  const double in_g = mean * kGravity_m_per_s2;
+  const bool is_g = in_g > kMinMeanForce && in_g < kMaxMeanForce;
+  return Concat("the mean size of the accelerometer is ", mean, ", must be about ",
+                kGravity_m_per_s2, " (m/s^2)", is_g ? ": its unit is g" : "");
+}
+
+bool ImuTracking::NegativeAccelFits() const {
+  std::vector<ImuSample> negative = recording_.samples;
+  for (ImuSample& sample : negative) sample.accel_m_per_s2 *= -1;
+  std::vector<RegisteredPose> poses;
+  for (const TrackedPose& pose : recent_) poses.push_back(Registered(pose));
+  const auto start = [&](const std::vector<ImuSample>& samples) {
+    return ImuFilter::Start(&samples, poses, alignment_.calibration, alignment_.gyro_bias_rad_per_s,
+                            alignment_.gyro_bias_sigma_rad_per_s);
+  };
+  const auto as_given = start(recording_.samples), negated = start(negative);
+  return negated && as_given &&
+         negated->start_distance2() < kMirroredForce * as_given->start_distance2();
+}
+
+// The acceleration of the camera averages out over the recording.
+void ImuTracking::AddForce(const TrackedPose& pose) {
+  const ImuCalibration& calibration = alignment_.calibration;
+  const auto sample = InterpolateImu(recording_.samples, pose.stamp_s + calibration.time_offset_s,
+                                     calibration.noise.max_step_s);
+  if (!sample || !alignment_.is_known) return;
+  force_sum_ += pose.world_from_camera.rotation *
+                (calibration.camera_from_imu.rotation * sample->accel_m_per_s2);
+  ++force_count_;
 }
 
 void ImuTracking::SwitchOff(const std::string& reason) {
   report_.off_reason = reason;
   filter_.reset();
-  if (recording_.has_gyro) {
-    LOG(WARNING) << "the inertial sensor is switched off: " << reason;
-  }
+  LOG(WARNING) << "the inertial sensor is switched off: " << reason;
 }
 
 void ImuTracking::Move(const Rigid3d& new_from_old) {
@@ -195,6 +241,7 @@ void ImuTracking::Move(const Rigid3d& new_from_old) {
     pose.world_from_camera = new_from_old * pose.world_from_camera;
     pose.registered = new_from_old * pose.registered;
   }
+  force_sum_ = new_from_old.rotation * force_sum_;
   if (filter_) filter_->Move(new_from_old);
 }
 
@@ -205,7 +252,15 @@ ImuReport ImuTracking::report() const {
   report.has_enough_motion = alignment_.has_enough_motion;
   report.bias.gyro_rad_per_s = alignment_.gyro_bias_rad_per_s;
   report.gyro_bias_sigma_rad_per_s = alignment_.gyro_bias_sigma_rad_per_s;
-  if (!filter_) return report;
+  if (!filter_) {
+    // A fallback for sensors without gyroscope.
+    if (recording_.has_gyro || force_count_ < kMinForces) return report;
+    report.up_in_world = force_sum_.normalized();
+    report.up_sigma_rad =
+        std::hypot(recording_.calibration.noise.accel_bias_sigma / kGravity_m_per_s2,
+                   alignment_.calibration.rotation_sigma_rad);
+    return report;
+  }
   report.bias = filter_->bias();
   report.calibration.camera_from_imu.translation = filter_->lever_arm_m();
   report.calibration.translation_sigma_m =

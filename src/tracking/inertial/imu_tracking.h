@@ -66,6 +66,11 @@ class ImuTracking {
   void Align();
   void StartFilter();
   void CountContradiction(bool contradicts, const char* what);
+  // Checks the mean size of the accelerometer. Returns the reason of a fault; empty: none.
+  std::string FaultOfSize() const;
+  // True if the recent poses agree much better with the negative accelerometer.
+  bool NegativeAccelFits() const;
+  void AddForce(const TrackedPose& pose);
   void SwitchOff(const std::string& reason);
 
   ImuRecording recording_;
@@ -76,6 +81,9 @@ class ImuTracking {
   std::vector<TrackedPose> recent_;  // consecutive poses of the last 1.5 s, or the last eight
   double last_turn_s_ = 0;           // end of the last turn
   int contradictions_ = 0;           // consecutive frames
+  // Sum of the specific forces at the poses in the world frame, m/s^2, and their number.
+  Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
+  int force_count_ = 0;
   ImuReport report_;
 };
 
