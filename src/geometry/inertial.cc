@@ -1,7 +1,6 @@
 #include "surfit/geometry/inertial.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 
@@ -76,32 +75,43 @@ StepNoise NoiseOf(const ImuStep& step, const ImuNoise& noise) {
   return square;
 }
 
-// Covariance of the errors that a step adds. The errors x obey x' = A x + n with white noise n of
-// the density G. A is nilpotent, A^4 = 0, so the integral of exp(A s) G exp(A s)^T over the step T
-// is exact:
-//   sum over k, l < 4 of A^k G (A^T)^l T^(k + l + 1) / (k! l! (k + l + 1)).
+// Covariance of the errors that a step of length T adds. White noise of the density a in the turn
+// rate, b in the acceleration, c and d in the rates of both biases has after the time s the effect
+//   a: turn 1, speed S s, shift S s^2 / 2              S: derivative of the speed rate by the turn
+//   b: speed 1, shift s                                R: rotation
+//   c: gyro bias 1, turn -s, speed -S s^2 / 2, shift -S s^3 / 6
+//   d: accel bias 1, speed -R s, shift -R s^2 / 2
+// The covariance is the integral of the products of these effects over s from 0 to T.
 Matrix15d StepCovariance(const Matrix3d& speed_by_turn, const Matrix3d& rotation, double seconds,
                          const StepNoise& white, const ImuNoise& noise) {
-  Matrix15d rate = Matrix15d::Zero();
-  rate.block<3, 3>(kTurn, kGyroBias) = -Matrix3d::Identity();
-  rate.block<3, 3>(kShift, kSpeed) = Matrix3d::Identity();
-  rate.block<3, 3>(kSpeed, kTurn) = speed_by_turn;
-  rate.block<3, 3>(kSpeed, kAccelBias) = -rotation;
-  Eigen::Matrix<double, 15, 1> density = Eigen::Matrix<double, 15, 1>::Zero();
-  density.segment<3>(kTurn).setConstant(white.gyro);
-  density.segment<3>(kSpeed).setConstant(white.accel);
-  density.segment<3>(kGyroBias).setConstant(noise.gyro_bias_density * noise.gyro_bias_density);
-  density.segment<3>(kAccelBias).setConstant(noise.accel_bias_density * noise.accel_bias_density);
-  // Columns of (A T)^k / k! for the noisy errors.
-  std::array<Matrix15d, 4> powers;
-  powers[0].setIdentity();
-  for (int k = 1; k < 4; ++k) powers[k] = powers[k - 1] * rate * (seconds / k);
+  const double t = seconds, t2 = t * t, t3 = t2 * t, t4 = t3 * t, t5 = t4 * t;
+  const double a = white.gyro, b = white.accel;
+  const double c = noise.gyro_bias_density * noise.gyro_bias_density;
+  const double d = noise.accel_bias_density * noise.accel_bias_density;
+  const Matrix3d one = Matrix3d::Identity();
+  const Matrix3d by_turn2 = speed_by_turn * speed_by_turn.transpose();
+  const Matrix3d rotation2 = rotation * rotation.transpose();
   Matrix15d sum = Matrix15d::Zero();
-  for (int k = 0; k < 4; ++k) {
-    const Matrix15d left = powers[k] * density.asDiagonal();
-    for (int l = 0; l < 4; ++l) sum += left * powers[l].transpose() * (seconds / (k + l + 1));
-  }
-  return (sum + sum.transpose()) / 2;
+  const auto set = [&](int row, int column, const Matrix3d& block) {
+    sum.block<3, 3>(row, column) = block;
+    if (row != column) sum.block<3, 3>(column, row) = block.transpose();
+  };
+  set(kTurn, kTurn, (a * t + c * t3 / 3) * one);
+  set(kShift, kTurn, (a * t3 / 6 + c * t5 / 30) * speed_by_turn);
+  set(kSpeed, kTurn, (a * t2 / 2 + c * t4 / 8) * speed_by_turn);
+  set(kShift, kShift,
+      (a * t5 / 20 + c * t5 * t2 / 252) * by_turn2 + b * t3 / 3 * one + d * t5 / 20 * rotation2);
+  set(kShift, kSpeed,
+      (a * t4 / 8 + c * t5 * t / 72) * by_turn2 + b * t2 / 2 * one + d * t4 / 8 * rotation2);
+  set(kSpeed, kSpeed, (a * t3 / 3 + c * t5 / 20) * by_turn2 + b * t * one + d * t3 / 3 * rotation2);
+  set(kTurn, kGyroBias, -c * t2 / 2 * one);
+  set(kShift, kGyroBias, -c * t4 / 24 * speed_by_turn);
+  set(kSpeed, kGyroBias, -c * t3 / 6 * speed_by_turn);
+  set(kShift, kAccelBias, -d * t3 / 6 * rotation);
+  set(kSpeed, kAccelBias, -d * t2 / 2 * rotation);
+  set(kGyroBias, kGyroBias, c * t * one);
+  set(kAccelBias, kAccelBias, d * t * one);
+  return sum;
 }
 
 // Integrates one step, and propagates covariance and bias derivatives by the derivatives of the
