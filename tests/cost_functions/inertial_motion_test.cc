@@ -120,7 +120,8 @@ TEST(InertialMotion, CostIsMahalanobisDistanceOfError) {
     for (int k = 0; k < 6; ++k) blocks.values[3][3 + k] += error[9 + k];
     const auto all = blocks.pointers();
     Eigen::Matrix<double, kInertialResiduals, 1> residuals;
-    InertialMotion(motion)(all[0], all[1], all[2], all[3], all[4], residuals.data());
+    const InertialMotion cost(motion);
+    cost(all[0], all[1], all[2], all[3], all[4], residuals.data());
     const double expected = error.dot(motion.covariance.ldlt().solve(error));
     EXPECT_NEAR(residuals.squaredNorm(), expected, 1e-6 * expected);
   }

@@ -119,7 +119,7 @@ TEST(ImuFilter, FindsGravityWithStatedUncertainty) {
 
 // A resting camera gives gravity, and a velocity of zero.
 TEST(ImuFilter, StartsAtRest) {
-  const Rigid3d pose({0.5, -0.5, 0.5, -0.5}, {1, 2, 3});
+  const Rigid3d pose(Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), {1, 2, 3});
   const SmoothPath path({{0, pose}, {2, pose}});
   ImuSimulation simulation;
   simulation.seed = 3;

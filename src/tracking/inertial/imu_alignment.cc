@@ -27,6 +27,8 @@ constexpr double kMinWeakRate = 0.03, kMinRateRatio = 3;
 // A mirrored fit is better if its sum of squares is below this ratio of that of a rotation.
 constexpr double kMirrorRatio = 0.25;
 constexpr double kMinCorrelation = 0.8;
+// Smallest difference of a wrong given rotation.
+constexpr double kMinWrongRotation = 10 * kRadPerDeg;
 
 // Mean rates of one turn, and its duration.
 struct RatePair {
@@ -52,7 +54,8 @@ struct RateFit {
   Matrix3d rotation = Matrix3d::Identity();  // camera from gyroscope
   double squares = 0, mirrored_squares = 0;  // sums of squares of a rotation and a reflection
   double camera_squares = 0, gyro_squares = 0, product = 0;
-  double weakest = 0;  // RMS rate of the gyroscope along its weakest axis
+  double weakest = 0;     // RMS rate of the gyroscope along its weakest axis
+  double turn_sigma = 0;  // standard deviation of the rotation about its worst axis, rad
 };
 
 // The squared norm of a rotation error is that of the rate times the squared duration.
@@ -85,8 +88,12 @@ RateFit FitRates(const std::vector<RatePair>& pairs) {
   const double both = fit.camera_squares + fit.gyro_squares;
   fit.squares = std::max(0., both - 2 * fit.product);
   fit.mirrored_squares = std::max(0., both - 2 * (values[0] + values[1] - sign * values[2]));
-  const double least = Eigen::JacobiSVD<Matrix3d>(of_gyro).singularValues()[2];
-  fit.weakest = std::sqrt(least / weight);
+  const Vector3d energies = Eigen::JacobiSVD<Matrix3d>(of_gyro).singularValues();
+  fit.weakest = std::sqrt(energies[2] / weight);
+  // The other two axes give the rotation about the strongest axis.
+  const double residual2 =
+      std::min(fit.squares, fit.mirrored_squares) / 3 / static_cast<double>(pairs.size());
+  fit.turn_sigma = std::sqrt(residual2 / (energies[1] + energies[2]));
   return fit;
 }
 
@@ -120,10 +127,11 @@ std::string FaultOf(const RateFit& fit, double weight_s2, bool* has_enough_motio
 }
 
 // Reason why the given rotation cannot be that of the best fit; empty: none.
-std::string FaultOfRotation(const Matrix3d& fitted, const ImuCalibration& given) {
+std::string FaultOfRotation(const RateFit& fit, const ImuCalibration& given) {
   const double angle =
-      RotationAngle(Eigen::Quaterniond(fitted) * given.camera_from_imu.rotation.conjugate());
-  if (angle <= std::max(5 * given.rotation_sigma_rad, 5 * kRadPerDeg)) return "";
+      RotationAngle(Eigen::Quaterniond(fit.rotation) * given.camera_from_imu.rotation.conjugate());
+  const double sigma = std::hypot(given.rotation_sigma_rad, fit.turn_sigma);
+  if (angle <= std::max(5 * sigma, kMinWrongRotation)) return "";
   return Concat("the rotation of camera_from_imu differs by ", angle / kRadPerDeg,
                 " degrees from that of the motion");
 }
@@ -246,7 +254,7 @@ ImuAlignment AlignImu(const GyroIntegral& gyro, const std::vector<CameraTurn>& t
     alignment.fault = FaultOf(fit, weight_s2, &alignment.has_enough_motion);
     state.offset_s = offset_s;
     if (is_given && alignment.has_enough_motion && alignment.fault.empty()) {
-      alignment.fault = FaultOfRotation(fit.rotation, given);
+      alignment.fault = FaultOfRotation(fit, given);
     }
     if (!is_given) state.rotation = Eigen::Quaterniond(fit.rotation).normalized();
   }
