@@ -152,11 +152,22 @@ SequenceTruth TruthOf(const FrameSimulator& studio, const RgbdCamera& camera,
   return truth;
 }
 
+void WriteImuFiles(const SmoothPath& path, ImuSimulation simulation, const SequenceWriter& writer) {
+  writer.WriteImu("imu.csv", SimulateImu(path, simulation));
+  simulation.has_errors = false;
+  writer.WriteImu("imu_exact.csv", SimulateImu(path, simulation));
+}
+
 int Run(const SimulateOptions& options) {
   const InverseDepthField error = DepthErrorOf(options);
   if (options.image_y_up && options.latency_s != 0) {
     throw InputError(
         "--latency_s is set, must be 0 with --image_y_up, which replaces timestamps by frame "
+        "numbers");
+  }
+  if (options.image_y_up && options.imu) {
+    throw InputError(
+        "--imu is true, must be false with --image_y_up, which replaces timestamps by frame "
         "numbers");
   }
   if (options.part > options.parts) {
@@ -178,11 +189,14 @@ int Run(const SimulateOptions& options) {
   if (const double sigma = studio.InverseDepthSigma(); sigma > 0) {
     camera.noise.inverse_depth_sigma = given.noise.inverse_depth_sigma = sigma;
   }
+  const ImuSimulation imu = ImuOf(options);
   const std::string output = FolderOfPart(options.part, options);
   const SequenceWriter writer(output,
                               options.image_y_up ? SequenceLayout::kIclNuim : SequenceLayout::kTum,
-                              given, options.latency_s, sensor.HasConfidence());
+                              given, options.latency_s, sensor.HasConfidence(),
+                              options.imu && options.camera_yaml_imu ? &imu.calibration : nullptr);
   writer.WriteLists(path);
+  if (options.imu) WriteImuFiles(SmoothPath(path), imu, writer);
   if (HasUnlistedTruth(options)) writer.WriteTruth(path, TruthOf(studio, camera, path));
   const SurfaceSampler surface =
       options.join ? JoinParts(options, writer) : WriteFrames(studio, path, writer);

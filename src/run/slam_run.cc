@@ -233,6 +233,7 @@ class SlamRun {
     summary.interrupted = interrupted;
     summary.frames_with_longer_map_period = map_period_.frames_with_longer_map_period();
     summary.longest_map_period = map_period_.longest();
+    if (ImuReport imu = slam_->imu_report(); !imu.read_from.empty()) summary.imu = std::move(imu);
     summary.sensor_latency_s = info_.camera.latency_s;
     failures_.Try([&] { trajectory_->Finish(); });
     if (slam_->backend()) FinishBackend(&summary);

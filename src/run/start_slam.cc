@@ -1,8 +1,12 @@
 #include "run/start_slam.h"
 
+#include <glog/logging.h>
+
 #include <array>
 #include <cstdio>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "run/posed_views.h"
 #include "run/results/tracking_dump.h"
@@ -14,6 +18,20 @@ std::string DumpFolder(const std::string& folder, int frame) {
   std::array<char, 30> name;
   std::snprintf(name.data(), name.size(), "/frame-%06d", frame);
   return folder + name.data();
+}
+
+// Mirrored frames have a left-handed camera frame, so no rotation maps the sensor to it.
+void UseImu(const SlamRunOptions& options, const SequenceInfo& info, Slam* slam) {
+  std::optional<ImuRecording> imu = ReadImu(options.sequence, info.format);
+  if (!imu) return;
+  if (!info.has_clock || info.mirrored) {
+    LOG(WARNING) << imu->read_from << " is not used: "
+                 << (info.mirrored ? "frames with fy < 0 have a left-handed camera frame"
+                                   : "frame numbers are no times");
+    return;
+  }
+  LOG(INFO) << "inertial sensor: " << imu->samples.size() << " samples from " << imu->read_from;
+  slam->UseImu(*std::move(imu));
 }
 
 }  // namespace
@@ -28,6 +46,7 @@ std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInf
                                   InitialPose(options.initial_pose, info, first_stamp_s));
   }
   if (session) session->Begin(info, slam.get());
+  UseImu(options, info, slam.get());
   if (!options.dump_failures.empty()) {
     slam->OnLostFrame([&options](const LostFrame& lost) {
       WriteTrackingDump(lost, options.slam, DumpFolder(options.dump_failures, lost.index));

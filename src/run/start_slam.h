@@ -13,7 +13,7 @@ namespace surfit {
 // InitialPose(). `options.dump_failures` enables dumps of lost frames. `session` may be null.
 // `options` and `session` must outlive the result. Throws InputError for invalid options, or for a
 // session of another sensor. Also starts saving (RunSession::Begin()). `first_stamp_s`: timestamp
-// of the first frame.
+// of the first frame. Reads the inertial sensor of the sequence, which needs timestamps of a clock.
 std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInfo& info,
                                 RunSession* session, double first_stamp_s);
 

@@ -161,21 +161,54 @@ SmoothPath::SmoothPath(Trajectory poses) : poses_(std::move(poses)) {
   for (std::size_t i = count - 1; i-- > 1;) m[i] -= above[i] * m[i + 1];
 }
 
-Rigid3d SmoothPath::At(double stamp_s) const {
+SmoothPath::Spline SmoothPath::SplineAt(double stamp_s) const {
   const auto next =
       std::lower_bound(poses_.begin(), poses_.end(), stamp_s,
                        [](const StampedPose& pose, double stamp) { return pose.stamp_s < stamp; });
-  if (next != poses_.end() && next->stamp_s == stamp_s) return next->world_from_camera;
-  if (poses_.size() == 1) return poses_[0].world_from_camera;
   const auto last = static_cast<std::ptrdiff_t>(poses_.size()) - 1;
   const auto i = std::clamp<std::ptrdiff_t>(next - poses_.begin() - 1, 0, last - 1);
   const double h = poses_[i + 1].stamp_s - poses_[i].stamp_s;
   const double a = (poses_[i + 1].stamp_s - stamp_s) / h, b = 1 - a;
   // negative x: linear extrapolation
   const auto cubic = [](double x) { return x < 0 ? -x : x * x * x - x; };
-  const Knot bend = cubic(a) * second_derivatives_[i] + cubic(b) * second_derivatives_[i + 1];
-  const Knot value = a * values_[i] + b * values_[i + 1] + h * h / 6 * bend;
+  const auto slope = [](double x) { return x < 0 ? -1 : 3 * x * x - 1; };
+  const auto bend = [](double x) { return x < 0 ? 0 : 6 * x; };
+  const Knot &m0 = second_derivatives_[i], &m1 = second_derivatives_[i + 1];
+  const Knot bent = cubic(a) * m0 + cubic(b) * m1;
+  Spline spline;
+  spline.value = a * values_[i] + b * values_[i + 1] + h * h / 6 * bent;
+  spline.first = (values_[i + 1] - values_[i]) / h + h / 6 * (slope(b) * m1 - slope(a) * m0);
+  spline.second = (bend(a) * m0 + bend(b) * m1) / 6;
+  return spline;
+}
+
+Rigid3d SmoothPath::At(double stamp_s) const {
+  const auto next =
+      std::lower_bound(poses_.begin(), poses_.end(), stamp_s,
+                       [](const StampedPose& pose, double stamp) { return pose.stamp_s < stamp; });
+  if (next != poses_.end() && next->stamp_s == stamp_s) return next->world_from_camera;
+  if (poses_.size() == 1) return poses_[0].world_from_camera;
+  const Knot value = SplineAt(stamp_s).value;
   return {Eigen::Quaterniond(Eigen::Vector4d(value.tail<4>())).normalized(), value.head<3>()};
+}
+
+// With the quaternion spline s, the rotation is s / |s|, and its rate in the camera frame is
+//   w = 2 vec(s* s') / (s . s),  w' = 2 vec(s* s'') / (s . s) - w 2 (s . s') / (s . s).
+PathMotion SmoothPath::MotionAt(double stamp_s) const {
+  PathMotion motion;
+  if (poses_.size() == 1) return motion;
+  const Spline spline = SplineAt(stamp_s);
+  motion.velocity_m_per_s = spline.first.head<3>();
+  motion.acceleration_m_per_s2 = spline.second.head<3>();
+  const Eigen::Vector4d s = spline.value.tail<4>(), change = spline.first.tail<4>();
+  const double norm2 = s.squaredNorm();
+  const auto twice_vector = [&](const Eigen::Vector4d& other) -> Eigen::Vector3d {
+    return 2 / norm2 * (Eigen::Quaterniond(s).conjugate() * Eigen::Quaterniond(other)).vec();
+  };
+  motion.rate_rad_per_s = twice_vector(change);
+  motion.rate_change_rad_per_s2 =
+      twice_vector(spline.second.tail<4>()) - 2 * s.dot(change) / norm2 * motion.rate_rad_per_s;
+  return motion;
 }
 
 }  // namespace surfit

@@ -155,7 +155,7 @@ FrameReport Slam::Process(const RgbdFrame& frame) {
   StageTimes times;
   Correct(frame, &times);
   if (tracker_->IsDuplicate(frame)) return ReportDuplicate(frame, times);
-  PreprocessedFrame prepared = Preprocess(frame, tracker_->ExpectedMotion(), &times);
+  PreprocessedFrame prepared = Preprocess(frame, tracker_->ExpectedMotion(frame.stamp_s), &times);
   const bool is_first = !tracker_->state().HasStarted();
   Tracked tracked = is_first ? tracker_->TrackFirst(prepared)
                              : Track(prepared, Predict(prepared, &times), &times);
@@ -292,6 +292,13 @@ void Slam::OnPose(std::function<void(const FrameReport&)> call) { on_pose_ = std
 void Slam::OnLostFrame(std::function<void(const LostFrame&)> call) {
   tracker_->OnLostFrame(std::move(call));
 }
+
+void Slam::UseImu(ImuRecording recording) {
+  ThrowIf(frame_count_ != 0, "an inertial sensor must be set before the first frame");
+  tracker_->UseImu(std::move(recording));
+}
+
+ImuReport Slam::imu_report() const { return tracker_->imu_report(); }
 
 void Slam::UseLoopFinder(LoopFinder finder) {
   ThrowIf(!options_.loops.enabled, "loops.enabled is false, must be true for a loop finder");

@@ -50,17 +50,20 @@ Tracked FrameRegistration::Register(const PreprocessedFrame& frame, const Refere
   if (tracked.has_pose()) return tracked;
   // A moving object in a large part of the view can pull the registration to a wrong minimum.
   Estimate unmoved;
-  unmoved.icp.target_from_source = initial;
+  unmoved.icp.target_from_source = unmoved.registered = initial;
   const Tracked hidden = Validate(frame, target, unmoved);
   if (!hidden.has_pose()) return tracked;
   const Tracked again =
-      Validate(frame, target, {hidden.icp, hidden.quality.is_weakly_constrained, std::nullopt});
+      Validate(frame, target,
+               {hidden.icp, reference.world_from_view.Inverse() * hidden.world_from_registered,
+                hidden.quality.is_weakly_constrained, std::nullopt});
   return again.has_pose() ? again : tracked;
 }
 
 FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
     const FramePyramid& frame, const Target& target, const Rigid3d& reference_from_initial) const {
   Estimate estimate = FromData(frame, target, reference_from_initial);
+  estimate.registered = estimate.icp.target_from_source;
   if (!target.prior || !estimate.icp.Succeeded()) return estimate;
   const ExpectedPose likely = MostLikely(
       *target.prior, estimate.icp.target_from_source, estimate.icp.trusted_information,
@@ -116,6 +119,10 @@ Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target
     tracked.motion_covariance =
         In(best.icp.target_from_source.Inverse(), {Rigid3d(), *best.covariance}).covariance;
   }
+  const Matrix6d from_camera = IncrementTransform(best.registered);
+  tracked.world_from_registered = reference.world_from_view * best.registered;
+  tracked.registered_information =
+      from_camera.transpose() * best.icp.trusted_information * from_camera;
   tracked.icp = std::move(best.icp);
   tracked.quality.is_weakly_constrained = best.is_weakly_constrained;
   tracked.world_from_camera = reference.world_from_view * tracked.icp.target_from_source;

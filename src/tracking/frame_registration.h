@@ -40,7 +40,8 @@ class FrameRegistration {
     std::optional<ExpectedPose> prior;  // in the frame of the reference
   };
   struct Estimate {
-    IcpResult icp;  // pose: combined with the motion prior
+    IcpResult icp;       // pose: combined with the motion prior
+    Rigid3d registered;  // pose without the motion prior
     bool is_weakly_constrained = false;
     std::optional<Matrix6d> covariance;  // of the left increment; only with a motion prior
   };

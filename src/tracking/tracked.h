@@ -50,6 +50,10 @@ struct Tracked {
   double moving_ratio = 0;       // moving cells / cells with depth
   double behind_ratio = 0;       // cells behind the model / compared cells
   bool has_two_motions = false;  // see FeatureMotion; false if the check did not run
+  // Registered pose without any prior, and its information (1/rad^2, 1/m^2): left perturbation of
+  // the identity in the camera frame. Zero information: not registered.
+  Rigid3d world_from_registered;
+  Matrix6d registered_information = Matrix6d::Zero();
   // Covariance of the motion to this frame, in the camera frame. Only with a motion prior.
   std::optional<Matrix6d> motion_covariance;
   std::optional<TentativePose> tentative;  // set if the frame is lost with a tentative pose

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "frame/rolling_shutter.h"
+#include "registration/solvers/decompositions.h"
 #include "tracking/pose_validation.h"
 
 namespace surfit {
@@ -15,6 +16,14 @@ namespace {
 constexpr std::size_t kReadoutLevel = 3;
 // Minimum inlier ratio of a pose that is certain by depth alone.
 constexpr double kCertainInliers = 0.6;
+
+// A registered pose agrees with the inertial prediction within this squared Mahalanobis distance
+// (99.9 % of the chi-square distribution with 6 degrees of freedom), and within these bounds.
+constexpr double kMaxImuDistance2 = 22.5, kMaxImuTurn_rad = 0.03, kMaxImuShift_m = 0.15;
+// Errors of a registered pose in this test.
+constexpr double kRegisteredSigma_rad = 0.004, kRegisteredSigma_m = 0.008;
+// Information of a given pose: 0.1 mrad and 0.1 mm.
+constexpr double kGivenInformation = 1e8;
 
 }  // namespace
 
@@ -36,6 +45,17 @@ void Tracker::UseRelocalizer(Relocalizer* relocalizer) {
 void Tracker::StartInGivenMap(double last_stamp_s) {
   state_ = TrackingState::InGivenMap();
   last_stamp_s_ = last_stamp_s;
+}
+
+void Tracker::UseImu(ImuRecording recording) {
+  imu_ = std::make_unique<ImuTracking>(std::move(recording));
+}
+
+CameraMotion Tracker::ExpectedMotion(double stamp_s) const {
+  CameraMotion motion = motion_model_.PredictMotion(state_);
+  if (!imu_) return motion;
+  if (const auto rate = imu_->CameraRate(stamp_s)) motion.angular_velocity_rad_per_s = *rate;
+  return motion;
 }
 
 bool Tracker::NeedsIntensities() const {
@@ -88,7 +108,10 @@ Tracked Tracker::TrackGiven(const PreprocessedFrame& frame, const Rigid3d& world
 
 Prediction Tracker::Predict(const PreprocessedFrame& frame) {
   Prediction prediction;
-  if (const std::optional<Rigid3d> predicted = PredictedPose()) {
+  imu_prediction_ = PredictByImu(frame.images.stamp_s);
+  if (imu_prediction_) {
+    prediction.world_from_camera = imu_prediction_->world_from_camera;
+  } else if (const std::optional<Rigid3d> predicted = PredictedPose()) {
     prediction.world_from_camera = *predicted;
   } else {
     const ViewPair views = {frame.view.pyramid, frame.view.color, last_.view.pyramid,
@@ -146,14 +169,17 @@ Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Predicti
   }
   if (std::optional<Tracked> confirmed = CompareWithTentative(frame, &tracked)) {
     tracked = *std::move(confirmed);
-  } else if (IsUncertain(frame, prediction, tracked)) {
+  } else if (!AgreesWithImu(tracked) && IsUncertain(frame, prediction, tracked)) {
     tracked = search_.Search(
         frame, {state_, last_, SecondsTo(frame), submap_, lost_with_depth_, ExpectedPose()},
         std::move(tracked));
   }
   tracked.has_own_view = prediction.has_own_view;
   if (tracked.has_pose()) {
-    tracked.world_from_camera = WithMeasuredMotion(frame, tracked);
+    const Rigid3d moved = WithMeasuredMotion(frame, tracked);
+    tracked.world_from_registered =
+        tracked.world_from_registered * (tracked.world_from_camera.Inverse() * moved);
+    tracked.world_from_camera = moved;
     return tracked;
   }
   if (on_lost_) {
@@ -174,7 +200,55 @@ IcpOptions Tracker::IcpOptionsInUse() const {
 Tracked Tracker::Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                           const Rigid3d& world_from_predicted) const {
   return registration_.Register(frame, reference, world_from_predicted, IcpOptionsInUse(),
-                                motion_model_.PriorCovariance(state_, SecondsTo(frame)));
+                                PriorCovariance(frame));
+}
+
+std::optional<ImuTracking::Prediction> Tracker::PredictByImu(double stamp_s) const {
+  if (!imu_ || !state_.is_localised || state_.IsTentative()) return std::nullopt;
+  return imu_->Predict(stamp_s);
+}
+
+std::optional<Matrix6d> Tracker::PriorCovariance(const PreprocessedFrame& frame) const {
+  if (imu_prediction_ && imu_prediction_->covariance) return imu_prediction_->covariance;
+  return motion_model_.PriorCovariance(state_, SecondsTo(frame));
+}
+
+// An accepted pose that agrees with the prediction of both inertial sensors needs no search: two
+// independent measurements agree.
+bool Tracker::AgreesWithImu(const Tracked& tracked) const {
+  if (!imu_prediction_ || !imu_prediction_->covariance || !tracked.has_pose() ||
+      tracked.verdict != Verdict::kAccepted) {
+    return false;
+  }
+  const Rigid3d error =
+      imu_prediction_->world_from_camera.Inverse() * tracked.world_from_registered;
+  Vector6d difference;
+  difference << QuaternionLog<double>(error.rotation), error.translation;
+  if (difference.head<3>().norm() > kMaxImuTurn_rad || difference.tail<3>().norm() > kMaxImuShift_m)
+    return false;
+  Matrix6d covariance = *imu_prediction_->covariance;
+  covariance.diagonal().head<3>().array() += kRegisteredSigma_rad * kRegisteredSigma_rad;
+  covariance.diagonal().tail<3>().array() += kRegisteredSigma_m * kRegisteredSigma_m;
+  return difference.dot(SolveLdlt(covariance, difference)) < kMaxImuDistance2;
+}
+
+void Tracker::AddToImu(const PreprocessedFrame& frame, const Tracked& tracked) {
+  if (!imu_) return;
+  TrackedPose pose;
+  pose.frame = frame.images.index;
+  pose.stamp_s = frame.images.stamp_s;
+  pose.world_from_camera = pose.registered = tracked.world_from_camera;
+  if (tracked.state == FrameState::kGiven) {
+    pose.information = kGivenInformation * Matrix6d::Identity();
+  } else if (!tracked.registered_information.isZero(0)) {
+    pose.registered = tracked.world_from_registered;
+    pose.information = tracked.registered_information;
+  }
+  const bool changes_submap = tracked.submap && *tracked.submap != submap_;
+  pose.continues =
+      state_.HasStarted() && state_.is_localised && !tracked.found_by_search && !changes_submap;
+  imu_->Add(pose, imu_prediction_);
+  imu_prediction_.reset();
 }
 
 // Accepts a pose that brightness contradicts, if it is certain by depth.
@@ -262,7 +336,10 @@ bool Tracker::IsFar(const PreprocessedFrame& frame, const Rigid3d& world_from_ca
 
 // Replaces the predicted motion during the readout by the measured motion.
 Rigid3d Tracker::WithMeasuredMotion(const PreprocessedFrame& frame, const Tracked& tracked) const {
-  const CameraMotion motion = MotionTo(frame.images.stamp_s, tracked);
+  CameraMotion motion = MotionTo(frame.images.stamp_s, tracked);
+  // The gyroscope has already given the rotation at the time of the frame.
+  if (imu_ && imu_->CameraRate(frame.images.stamp_s) && !motion.IsZero())
+    motion.angular_velocity_rad_per_s = frame.motion.angular_velocity_rad_per_s;
   const bool is_free = !tracked.icp.degenerate_directions.empty();
   if (frame.readout_s == 0 || motion.IsZero() || is_free) return tracked.world_from_camera;
   const std::vector<FrameLevel>& levels = frame.view.pyramid.levels;
@@ -293,9 +370,11 @@ void Tracker::Update(PreprocessedFrame frame, Tracked tracked) {
     lost_with_depth_ += HasEnoughDepth(frame, options_.icp);
     state_ = Next(state_, tentative_ ? TrackingEvent::kTentativePose : TrackingEvent::kNoPose);
     motion_model_.Lose(state_);
+    imu_prediction_.reset();
     return;
   }
   lost_with_depth_ = 0;
+  AddToImu(frame, tracked);
   submap_ = tracked.submap.value_or(submap_);
   const std::optional<Rigid3d> expected = ExpectedPose();
   motion_model_.Update(state_, {last_.world_from_view.Inverse() * tracked.world_from_camera,
@@ -314,7 +393,9 @@ void Tracker::Update(PreprocessedFrame frame, Tracked tracked) {
 
 void Tracker::PredictAhead(bool has_color) {
   const std::optional<Rigid3d> world_from_next = PredictedPose();
-  if (options_.IsFrameToFrame() || !world_from_next) return;
+  // The inertial prediction needs the time of the next frame.
+  const bool needs_time = imu_ && imu_->IsActive();
+  if (options_.IsFrameToFrame() || !world_from_next || needs_time) return;
   UpdateView(*world_from_next, NeedsIntensities() && has_color);
 }
 
@@ -333,6 +414,7 @@ std::optional<Rigid3d> Tracker::PredictedPose() const {
 
 // Returns std::nullopt without a motion prior.
 std::optional<Rigid3d> Tracker::ExpectedPose() const {
+  if (imu_prediction_ && imu_prediction_->covariance) return imu_prediction_->world_from_camera;
   return motion_model_.HasPredictableMotion(state_) ? PredictedPose() : std::nullopt;
 }
 
@@ -341,6 +423,7 @@ void Tracker::Move(const Rigid3d& new_from_old_now,
   last_.world_from_view = new_from_old_now * last_.world_from_view;
   regions_.Move(new_from_old_now);
   features_.Move(new_from_old_now);
+  if (imu_) imu_->Move(new_from_old_now);
   if (!tentative_) return;
   const Rigid3d new_from_old = tentative_->submap == submap_
                                    ? new_from_old_now

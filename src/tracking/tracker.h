@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "tracking/feature_watch.h"
 #include "tracking/frame_preprocessor.h"
 #include "tracking/frame_registration.h"
+#include "tracking/inertial/imu_tracking.h"
 #include "tracking/model_views.h"
 #include "tracking/motion_model.h"
 #include "tracking/moving_regions.h"
@@ -53,14 +55,21 @@ class Tracker {
   // the map. Call before the first frame.
   void StartInGivenMap(double last_stamp_s);
 
+  // Predicts poses by an inertial sensor, with times on the clock of the frames. Call before the
+  // first frame.
+  void UseImu(ImuRecording recording);
+  // Empty without a sensor.
+  ImuReport imu_report() const { return imu_ ? imu_->report() : ImuReport(); }
+
   // Submap of the last pose. Call before the first frame.
   void UseSubmap(int submap) { submap_ = submap; }
 
   const TrackingState& state() const { return state_; }
   // Returns whether the next frame may need photometric residuals.
   bool NeedsIntensities() const;
-  // Predicted velocity during the next frame. Zero after lost frames.
-  CameraMotion ExpectedMotion() const { return motion_model_.PredictMotion(state_); }
+  // Predicted velocity during the frame at `stamp_s`. The angular velocity is that of the gyroscope
+  // if it is in use. Otherwise, zero after lost frames.
+  CameraMotion ExpectedMotion(double stamp_s) const;
   // Camera velocity from the last frame to a pose. Zero after lost frames and for intervals of
   // 0.1 s or more.
   CameraMotion MotionTo(double stamp_s, const Rigid3d& world_from_camera) const;
@@ -118,6 +127,11 @@ class Tracker {
   Rigid3d WithMeasuredMotion(const PreprocessedFrame& frame, const Tracked& tracked) const;
   std::optional<Tracked> InNewSubmap(const PreprocessedFrame& frame, const Tracked& tracked);
 
+  // Poses are predicted by the inertial sensor if it is in use.
+  std::optional<ImuTracking::Prediction> PredictByImu(double stamp_s) const;
+  std::optional<Matrix6d> PriorCovariance(const PreprocessedFrame& frame) const;
+  bool AgreesWithImu(const Tracked& tracked) const;
+  void AddToImu(const PreprocessedFrame& frame, const Tracked& tracked);
   std::optional<Rigid3d> PredictedPose() const;
   std::optional<Rigid3d> ExpectedPose() const;
   bool UpdateView(const Rigid3d& world_from_predicted, bool has_intensities);
@@ -143,6 +157,8 @@ class Tracker {
   int submap_ = 0;           // of the last pose
   int lost_with_depth_ = 0;  // lost frames with enough depth since the last pose
   MotionModel motion_model_;
+  std::unique_ptr<ImuTracking> imu_;                       // null: no inertial sensor
+  std::optional<ImuTracking::Prediction> imu_prediction_;  // for the frame of Predict()
   Image<float> last_depth_m_;
 };
 

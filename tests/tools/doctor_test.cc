@@ -220,6 +220,25 @@ TEST_F(DoctorTool, DetectsAWrongCamera) {
   EXPECT_THAT(Faults(walk, {"--intrinsics=78,78,79.9,59.9"}), Contains("focal_error"));
 }
 
+TEST_F(DoctorTool, DetectsWrongSignOfGyroscope) {
+  const std::string sequence = SlamTool::Simulate(
+      "inertial", {"--imu", "--camera_yaml_imu", "--frames=75", "--downsample=2"});
+  EXPECT_THAT(Faults(sequence, {}), IsEmpty());
+  std::vector<std::string> rows = Lines(sequence + "/imu.csv");
+  std::ofstream file(sequence + "/imu.csv");
+  for (const std::string& row : rows) {
+    if (row[0] == '#') {
+      file << row << "\n";
+      continue;
+    }
+    const auto first = row.find(','), second = row.find(',', first + 1);
+    file << row.substr(0, first + 1) << -std::stod(row.substr(first + 1)) << row.substr(second)
+         << "\n";
+  }
+  file.close();
+  EXPECT_THAT(Faults(sequence, {}), ElementsAre("imu"));
+}
+
 TEST_F(DoctorTool, DetectsLostFrames) {
   const std::string copy = CopyOfRoom();
   Change(copy + "/depth", [](int i, cv::Mat* depth) {

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
@@ -252,6 +253,28 @@ TEST_F(SimulateTest, AddsAnInverseDepthField) {
     // Depth in both files is quantised by kUnit_m.
     EXPECT_NEAR(off(u, v), error.Corrected(exact(u, v), ray.x(), ray.y()), 1.1 * kUnit_m);
   }
+}
+
+TEST_F(SimulateTest, WritesInertialSensorWithItsCalibration) {
+  Succeeded(Simulate("room",
+                     {"--imu", "--imu_rate_hz=100", "--imu_time_offset_s=0.05",
+                      "--camera_from_imu=0.01,0.02,0.03,0.5,-0.5,0.5,-0.5", "--camera_yaml_imu"}));
+  SequenceOptions options;
+  options.path = folder_ / "room";
+  const auto imu = ReadImu(options, "tum");
+  ASSERT_TRUE(imu);
+  // Seven frames at 30 Hz take 0.2 s.
+  ASSERT_EQ(imu->samples.size(), 21u);
+  EXPECT_NEAR(imu->samples[0].stamp_s, 0.05, 1e-9);
+  EXPECT_THAT(
+      imu->calibration.camera_from_imu,
+      RigidNear({Eigen::Quaterniond(-0.5, 0.5, -0.5, 0.5), {0.01, 0.02, 0.03}}, 1e-9, 1e-9));
+  EXPECT_EQ(imu->calibration.time_offset_s, 0.05);
+  const std::string noisy = ReadBytes(folder_ / "room/imu.csv");
+  EXPECT_NE(noisy, ReadBytes(folder_ / "room/imu_exact.csv"));
+  Succeeded(Simulate("other", {"--imu"}));
+  options.path = folder_ / "other";
+  EXPECT_TRUE(std::isinf(ReadImu(options, "tum")->calibration.rotation_sigma_rad));
 }
 
 TEST_F(SimulateTest, RejectsBadFlagsByName) {

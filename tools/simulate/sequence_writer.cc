@@ -63,7 +63,8 @@ Image<std::uint16_t> ToUnits(const Image<float>& depth_m, double units_per_metre
 }  // namespace
 
 SequenceWriter::SequenceWriter(const std::string& folder, SequenceLayout layout,
-                               const RgbdCamera& camera, double latency_s, bool has_confidence)
+                               const RgbdCamera& camera, double latency_s, bool has_confidence,
+                               const ImuCalibration* imu)
     : folder_(folder),
       layout_(layout),
       camera_(camera),
@@ -72,7 +73,7 @@ SequenceWriter::SequenceWriter(const std::string& folder, SequenceLayout layout,
   MakeEmptyFolder(folder);
   for (const std::string& kind : Kinds()) fs::create_directory(Concat(folder, "/", kind));
   const bool mirrored = layout == SequenceLayout::kIclNuim;
-  WriteCameraYaml(mirrored ? Mirrored(camera) : camera, folder + "/camera.yaml");
+  WriteCameraYaml(mirrored ? Mirrored(camera) : camera, folder + "/camera.yaml", {}, imu);
 }
 
 std::vector<std::string> SequenceWriter::Kinds() const {
@@ -149,6 +150,22 @@ void SequenceWriter::WriteTruth(const Trajectory& world_from_camera,
       out << "rgb/" << NameOf(static_cast<int>(i), world_from_camera[i].stamp_s) << ".png "
           << truth.color_moments_s[i] << " " << truth.exposure_s << " " << truth.color_readout_s
           << " " << gain.x() << " " << gain.y() << " " << gain.z() << "\n";
+    }
+  });
+}
+
+void SequenceWriter::WriteImu(const std::string& name,
+                              const std::vector<ImuSample>& samples) const {
+  WriteFileAtomically(folder_ + "/" + name, [&](std::ostream& out) {
+    out << "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
+           "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n"
+        << std::setprecision(std::numeric_limits<double>::max_digits10);
+    for (const ImuSample& sample : samples) {
+      out << std::llround(sample.stamp_s * 1e9);
+      for (const Eigen::Vector3d& vector : {sample.gyro_rad_per_s, sample.accel_m_per_s2}) {
+        for (int k = 0; k < 3; ++k) out << "," << vector[k];
+      }
+      out << "\n";
     }
   });
 }

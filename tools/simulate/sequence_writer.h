@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "surfit/core/image.h"
+#include "surfit/geometry/inertial.h"
 #include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/geometry/trajectory.h"
@@ -39,14 +40,17 @@ class SequenceWriter {
   // camera.yaml. In both layouts, the arguments of all functions are upright and right-handed. For
   // kIclNuim, the writer mirrors the camera, the poses and the field, but not the images. Image
   // timestamps are later by latency_s, except for kIclNuim. Throws InputError if the folder
-  // contains other files. All functions throw InputError with the name of the folder or file.
+  // contains other files. A null `imu` is not in camera.yaml. All functions
+  // throw InputError with the name of the folder or file.
   SequenceWriter(const std::string& folder, SequenceLayout layout, const RgbdCamera& camera,
-                 double latency_s, bool has_confidence);
+                 double latency_s, bool has_confidence, const ImuCalibration* imu = nullptr);
 
   // Writes the lists and the ground truth, with one pose per frame. Independent of WriteFrame().
   void WriteLists(const Trajectory& world_from_camera) const;
   // Writes truth_camera.yaml and truth_color.txt. The vectors of `truth` have one entry per pose.
   void WriteTruth(const Trajectory& world_from_camera, const SequenceTruth& truth) const;
+  // Writes inertial measurements to the file `name`, in the form of EuRoC.
+  void WriteImu(const std::string& name, const std::vector<ImuSample>& samples) const;
   // Hard-links all images of another folder with the same layout into this folder. Returns their
   // number.
   int LinkImages(const std::string& folder) const;

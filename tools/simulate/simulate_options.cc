@@ -36,6 +36,22 @@ void VisitSensor(OptionVisitor& v, SimulateOptions* o) {
         AsFlag());
 }
 
+void VisitImu(OptionVisitor& v, SimulateOptions* o) {
+  v.Group("inertial sensor");
+  v.Add(o->imu, "imu", "write an inertial sensor to imu.csv, and without errors to imu_exact.csv",
+        AsFlag());
+  v.Add(o->imu_rate_hz, "imu_rate_hz", "rate of the inertial sensor", Between(1, 10000),
+        InUnit("Hz"), AsFlag());
+  v.Add(o->camera_from_imu, "camera_from_imu",
+        "transform tx,ty,tz,qx,qy,qz,qw from the inertial sensor to the depth camera; empty: that "
+        "of a phone",
+        InUnit("m"), AsFlag());
+  v.Add(o->imu_time_offset_s, "imu_time_offset_s",
+        "time of the inertial sensor minus capture time of depth", Between(-1, 1), AsFlag());
+  v.Add(o->camera_yaml_imu, "camera_yaml_imu",
+        "camera.yaml contains transform, time offset and noise of the inertial sensor", AsFlag());
+}
+
 // The field of view stays. Sizes of 0 stay.
 PinholeCamera Resized(PinholeCamera camera, int width, int height) {
   if (width > 0) {
@@ -81,6 +97,7 @@ void SimulateOptions::Visit(OptionVisitor& v) {
   v.Add(threads, SharedOption("threads", Everyday()));
   v.AddPart(path, "path", "camera path");
   VisitSensor(v, this);
+  VisitImu(v, this);
   v.Group("parts");
   v.Add(parts, "parts", "number of parts that are rendered separately", AtLeast(1), AsFlag());
   v.Add(part, "part", "render only this part, into the folder OUTPUT.part", ZeroIs("all parts"),
@@ -136,6 +153,30 @@ RgbdCamera CameraYamlOf(const SimulateOptions& options, RgbdCamera camera) {
   camera.depth.cy += center[1];
   camera.Validate("camera.yaml");
   return camera;
+}
+
+ImuSimulation ImuOf(const SimulateOptions& options) {
+  ImuSimulation imu;
+  imu.rate_hz = options.imu_rate_hz;
+  imu.seed = options.seed;
+  const std::vector<double>& mount = options.camera_from_imu;
+  if (mount.empty()) {
+    imu.calibration.camera_from_imu =
+        Rigid3d(Eigen::Quaterniond(0, 1, -1, 0).normalized(), {0.02, -0.01, 0.005});
+  } else {
+    const double norm = mount.size() == 7 ? Eigen::Vector4d(mount.data() + 3).norm() : 0;
+    if (!(std::abs(norm - 1) < 0.01)) {
+      throw InputError(Concat("--camera_from_imu is ", OptionToText(mount),
+                              ", must be seven numbers with a quaternion of norm 1"));
+    }
+    imu.calibration.camera_from_imu =
+        Rigid3d(Eigen::Quaterniond(Eigen::Vector4d(mount.data() + 3)).normalized(),
+                Eigen::Vector3d(mount.data()));
+  }
+  imu.calibration.time_offset_s = options.imu_time_offset_s;
+  imu.calibration.rotation_sigma_rad = imu.calibration.translation_sigma_m = 0.001;
+  imu.calibration.time_offset_sigma_s = 0.001;
+  return imu;
 }
 
 bool HasUnlistedTruth(const SimulateOptions& o) {

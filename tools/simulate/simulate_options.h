@@ -35,6 +35,13 @@ struct SimulateOptions {
   // Times that camera.yaml contains: latency_s, color_latency_s, readout_s. Other times are 0
   // there.
   std::vector<std::string> camera_yaml_times;
+  bool imu = false;  // writes imu.csv and imu_exact.csv; requires image_y_up = false
+  double imu_rate_hz = 200;
+  // True values of the inertial sensor. camera_from_imu: tx, ty, tz [m], qx, qy, qz, qw; empty: a
+  // phone.
+  std::vector<double> camera_from_imu;
+  double imu_time_offset_s = 0;
+  bool camera_yaml_imu = false;  // camera.yaml contains these true values
   int downsample = 1;
   bool image_y_up = false;  // SequenceLayout::kIclNuim; requires latency_s = 0
   double surface_grid_m = 0.005;
@@ -58,6 +65,10 @@ RgbdCamera TrueCameraOf(const SimulateOptions& options);
 // does not list are 0. Throws InputError for other names, names that occur twice, and an invalid
 // camera.
 RgbdCamera CameraYamlOf(const SimulateOptions& options, RgbdCamera camera);
+
+// True inertial sensor, with errors. Throws InputError unless `camera_from_imu` is empty, or has
+// seven numbers with a quaternion of norm 1.
+ImuSimulation ImuOf(const SimulateOptions& options);
 
 // True if camera.yaml and the images may not contain all true values: times, options of colour, or
 // errors of camera.yaml. Errors of the depth alone are not included.

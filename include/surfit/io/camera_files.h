@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "surfit/geometry/inertial.h"
 #include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/geometry/sensor.h"
 
@@ -32,6 +33,7 @@ std::vector<std::string> CameraPresetNames();
 //   color_latency_s: 0.01                    additional latency of colour
 //   readout_s: 0.033                         rolling-shutter readout
 //   prior: { focal_relative_sigma: 0.01, ... }        fields of CalibrationPrior
+//   imu: { camera_from_imu: { as color_from_depth }, ... }        ReadImuCalibration()
 // `depth_camera` is required, and either `depth_units_per_metre` or `disparity`. `color_from_depth`
 // requires `color_camera`. Missing keys have these defaults: no distortion, the identity for
 // `color_from_depth`, otherwise the defaults of RgbdCamera. Unknown keys and files above 64 KiB are
@@ -42,10 +44,18 @@ RgbdCamera ReadCameraYaml(const std::string& path);
 // zero field without the key. Other keys are not checked. Throws InputError that names the file.
 InverseDepthField ReadInverseDepthField(const std::string& path);
 
-// Writes such a file atomically. A zero `field`, a zero `color_latency_s` and the default prior are
-// omitted. The camera is not validated. Throws InputError that names the file if it cannot be
-// written.
+// Reads only the key `imu` of such a file: the inertial sensor. Its keys are camera_from_imu (as
+// color_from_depth), time_offset_s, their standard deviations rotation_sigma_rad,
+// translation_sigma_m and time_offset_sigma_s, and the fields of ImuNoise. The keys of `imu`
+// replace those of `calibration`. A given camera_from_imu has the standard deviations 0.005 rad and
+// 0.01 m, and a given time offset 0.003 s, unless their keys are present. Other keys of the file
+// are not checked. Throws InputError that names the file and the key.
+ImuCalibration ReadImuCalibration(const std::string& path, ImuCalibration calibration);
+
+// Writes such a file atomically. A zero `field`, a zero `color_latency_s`, the default prior
+// and a null `imu` are omitted. The camera is not validated. Throws InputError that names the file
+// if it cannot be written.
 void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
-                     const InverseDepthField& field = {});
+                     const InverseDepthField& field = {}, const ImuCalibration* imu = nullptr);
 
 }  // namespace surfit

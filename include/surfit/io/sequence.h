@@ -8,6 +8,7 @@
 
 #include "surfit/frame/frame_source.h"
 #include "surfit/frame/rectify_frame.h"
+#include "surfit/geometry/inertial.h"
 #include "surfit/geometry/inverse_depth_field.h"
 
 namespace surfit {
@@ -53,6 +54,9 @@ struct SequenceOptions {
   // time-of-flight cameras have them, and values below 85 are low. A frame without a confidence
   // image keeps all depth, and a warning has the number of such frames.
   bool confidence = true;
+
+  // Uses the inertial sensor of a recording, see ReadImu().
+  bool imu = true;
 
   // Topics of depth and colour in a ROS bag (bag, db3, mcap). Empty: the only topic. Colour "none":
   // no colour.
@@ -101,6 +105,23 @@ std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options);
 // their frames. The field belongs to these frames, which are mirrored if fy < 0 in the file. Throws
 // InputError that names the file and the key.
 InverseDepthField ReadDepthField(const SequenceOptions& options, const std::string& format);
+
+// Reads the inertial sensor of a recording. Returns std::nullopt without one, for live sources, and
+// if SequenceOptions::imu is false. `format` is SequenceInfo::format. Sources:
+// - folder, in this order: imu.csv, imu/data.csv, imu0/data.csv, accelerometer.txt
+// - bag, db3, mcap: topics of the type sensor_msgs/Imu. Two topics must have "gyro" and "accel" in
+//   their names; the accelerometer is then interpolated at the times of the gyroscope.
+// The first line of a csv file selects its form:
+// - "timestamp, a_x, ...": Stray Scanner, with times in s, accelerometer, gyroscope. The
+//   accelerometer is the negative of the specific force. The mounting in an iPhone is known.
+// - "#timestamp [ns],w_RS_S_x ...": EuRoC, with times in ns, gyroscope, accelerometer.
+// accelerometer.txt has the form of TUM: time in s, accelerometer. It has no gyroscope.
+//
+// The calibration is that of the format, replaced by the key `imu` of the camera file
+// (ReadImuCalibration()). An unknown mounting has an infinite rotation_sigma_rad. Samples that are
+// not later than the sample before are dropped and counted. Throws InputError that names the file
+// and line, or the topics.
+std::optional<ImuRecording> ReadImu(const SequenceOptions& options, const std::string& format);
 
 // Returns whether the format is live: OpenLive() is required instead of OpenSequence().
 bool IsLive(const SequenceOptions& options);

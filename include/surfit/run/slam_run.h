@@ -206,6 +206,7 @@ struct SlamRunSummary {
   std::optional<MountFit> mount;   // with SlamRunOptions::fit_mount and ground truth
   std::optional<Gravity> gravity;  // std::nullopt: unknown, see `gravity_unknown`
   std::string gravity_unknown;     // reason
+  std::optional<ImuReport> imu;    // std::nullopt: no inertial sensor
   double total_s = 0;
   std::optional<double> final_map_s;  // duration of the final map fusion; std::nullopt without it
   // Time per frame between completions, without the wait for input.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "surfit/geometry/inertial.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/simulation/scene.h"
 
@@ -38,6 +39,14 @@ struct PathOptions {
 Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
                     const PathOptions& options = {});
 
+// Derivatives of a camera path at a time.
+struct PathMotion {
+  Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();        // world frame
+  Eigen::Vector3d acceleration_m_per_s2 = Eigen::Vector3d::Zero();   // world frame
+  Eigen::Vector3d rate_rad_per_s = Eigen::Vector3d::Zero();          // camera frame
+  Eigen::Vector3d rate_change_rad_per_s2 = Eigen::Vector3d::Zero();  // camera frame
+};
+
 // Interpolates poses with continuous accelerations, by natural cubic splines of positions and
 // quaternions. Extrapolates positions and quaternions linearly before the first and after the last
 // pose.
@@ -49,14 +58,37 @@ class SmoothPath {
 
   // Pose at a time. Bitwise identical to a given pose at its time.
   Rigid3d At(double stamp_s) const;
+  // Exact derivatives of At(). Zero for a single pose.
+  PathMotion MotionAt(double stamp_s) const;
 
   const Trajectory& poses() const { return poses_; }
 
  private:
   using Knot = Eigen::Matrix<double, 7, 1>;  // position in metres, quaternion xyzw
+  // Value and derivatives of the spline. The quaternion does not have unit length.
+  struct Spline {
+    Knot value, first, second;
+  };
+  // Requires at least two poses.
+  Spline SplineAt(double stamp_s) const;
 
   Trajectory poses_;
   std::vector<Knot> values_, second_derivatives_;
 };
+
+// Options of a simulated inertial sensor.
+struct ImuSimulation {
+  double rate_hz = 200;
+  // Mounting, time offset and noise. The standard deviations of the calibration have no effect.
+  ImuCalibration calibration;
+  // Adds white noise, and a bias that begins with the prior standard deviations and then walks.
+  bool has_errors = true;
+  std::uint64_t seed = 0;
+};
+
+// Measurements along a path in a world with z up, from its first to its last pose. Timestamps are
+// pose times plus the time offset. The same seed gives the same errors. Throws InputError unless
+// the rate is from 1 to 10000 Hz, and for invalid noise.
+std::vector<ImuSample> SimulateImu(const SmoothPath& path, const ImuSimulation& simulation);
 
 }  // namespace surfit

@@ -9,6 +9,7 @@
 #include "surfit/core/image.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
+#include "surfit/geometry/inertial.h"
 #include "surfit/mapping/fusion.h"
 #include "surfit/mapping/model_renderer.h"
 #include "surfit/mapping/surfel_map.h"
@@ -127,6 +128,12 @@ class Slam {
   // LostFrame are valid during the call. It must not call this object. Process() passes on
   // exceptions of the callback.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
+
+  // Predicts camera poses by an inertial sensor, whose clock is that of the frames up to the time
+  // offset of its calibration. The report is empty without a sensor. Throws if a frame has been
+  // processed.
+  void UseImu(ImuRecording recording);
+  ImuReport imu_report() const;
 
   // Replaces FindLoops() for loop closure. Throws if loops are disabled or a frame has a pose, also
   // in a continued state.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "apps/doctor/recording_checks.h"
@@ -23,8 +24,12 @@ constexpr double kFitsBetter = 0.7;  // maximum ratio of the ATE with to the ATE
 
 class RecordingTracker {
  public:
-  explicit RecordingTracker(const SequenceInfo& info)
-      : info_(info), slam_(info.sensor(), SlamOptions(), Rigid3d()) {}
+  RecordingTracker(const SequenceOptions& options, const SequenceInfo& info)
+      : info_(info), slam_(info.sensor(), SlamOptions(), Rigid3d()) {
+    if (!info.has_clock || info.mirrored) return;
+    std::optional<ImuRecording> imu = ReadImu(options, info.format);
+    if (imu) slam_.UseImu(*std::move(imu));
+  }
 
   void Process(const RgbdFrame& frame) {
     ++tracked_.frames;
@@ -34,6 +39,7 @@ class RecordingTracker {
 
   TrackedRecording Finish() {
     slam_.Finish();
+    if (ImuReport imu = slam_.imu_report(); !imu.read_from.empty()) tracked_.imu = std::move(imu);
     const Backend& backend = *slam_.backend();
     if (backend.is_recalibrated()) {
       tracked_.calibration = *backend.calibration();
@@ -72,7 +78,8 @@ class RecordingChecker {
       : sequence_(OpenRawSequence(options.sequence)),
         figures_(sequence_.info.camera.depth_units_per_metre),
         sample_every_(std::max(1, sequence_.info.frame_count / kSamples)) {
-    if (options.track) tracker_ = std::make_unique<RecordingTracker>(sequence_.info);
+    if (options.track)
+      tracker_ = std::make_unique<RecordingTracker>(options.sequence, sequence_.info);
   }
 
   // Reads and evaluates the next frame. Returns false at the end of the recording.

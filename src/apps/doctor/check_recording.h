@@ -44,7 +44,7 @@ struct RecordingReport {
 // - depth scale, depth range, ratio of valid depth, image size
 // - registration and latency of colour, exposure, blur
 // - missing and repeated frames, timestamps
-// - with `track`, the calibration
+// - with `track`, the calibration, and signs, units and axes of an inertial sensor
 //
 // `progress` must not be empty. It receives the number of frames read so far. If `interrupted`
 // becomes true, stops before the next frame. Throws InputError for invalid options, or if the

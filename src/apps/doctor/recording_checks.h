@@ -9,6 +9,7 @@
 #include "apps/doctor/recording_statistics.h"
 #include "io/checks/recording_warnings.h"
 #include "surfit/core/error.h"
+#include "surfit/geometry/inertial.h"
 #include "surfit/geometry/inverse_depth_field.h"
 
 namespace surfit {
@@ -25,6 +26,7 @@ struct TrackedRecording {
   // Depth latency by ground truth minus configured latency. std::nullopt: no ground truth, no
   // common clock, or a wrong calibration. 0: a time offset hardly reduces the ATE.
   std::optional<double> late_s;
+  std::optional<ImuReport> imu;  // std::nullopt: no inertial sensor
 };
 
 // Input of the checks. The referenced objects must outlive this object.

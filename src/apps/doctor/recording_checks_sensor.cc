@@ -139,6 +139,21 @@ RecordingCheck Lost(const TrackedRecording& tracked) {
   return check;
 }
 
+// Sign, unit and axes of the inertial sensor. A small motion does not show them.
+RecordingCheck InertialSensor(const ImuReport& imu) {
+  RecordingCheck check = {"imu", {}, "deg", "unknown: the motion is too small", "", ""};
+  if (imu.has_enough_motion || !imu.off_reason.empty()) check.constraint = "agrees with the motion";
+  if (imu.rotation_is_known && imu.has_enough_motion)
+    check.value = imu.calibration.rotation_sigma_rad / kRadPerDeg;
+  if (imu.off_reason.empty()) return check;
+  check.fault = imu.read_from + ": " + imu.off_reason;
+  check.advice =
+      "correct signs, units and axes of the inertial sensor, or imu: camera_from_imu in "
+      "camera.yaml; "
+      "--noimu does not use the sensor";
+  return check;
+}
+
 }  // namespace
 
 std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence) {
@@ -153,6 +168,7 @@ std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence) {
                            camera.color_latency_s, kMostLatency_s));
   checks.push_back(Latency("stamps_late", "by ground truth, depth was captured", tracked.late_s,
                            "set the depth latency: --latency_s=", camera.latency_s, kMaxLate_s));
+  if (tracked.imu) checks.push_back(InertialSensor(*tracked.imu));
   checks.push_back(Lost(tracked));
   return checks;
 }

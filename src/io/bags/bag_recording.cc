@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "io/bags/bag_imu.h"
 #include "io/bags/bag_topics.h"
 #include "io/bags/message_images.h"
 #include "io/bags/messages.h"
@@ -55,13 +56,6 @@ class FrameTree {
 
   std::map<std::string, FrameTransform> by_child_;
 };
-
-std::unique_ptr<MessageLog> OpenLog(const std::string& path, const std::string& format,
-                                    bool is_folder) {
-  if (is_folder) return OpenBagFolder(path, "." + format);
-  if (format == "bag") return OpenRosBag(path);
-  return format == "mcap" ? OpenMcap(path) : OpenDb3(path);
-}
 
 // Timestamp in s, bitwise identical to the same timestamp in a text file.
 double Seconds(std::int64_t stamp_ns) {
@@ -341,6 +335,13 @@ class BagRecording : public Recording {
 };
 
 }  // namespace
+
+std::unique_ptr<MessageLog> OpenLog(const std::string& path, const std::string& format,
+                                    bool is_folder) {
+  if (is_folder) return OpenBagFolder(path, "." + format);
+  if (format == "bag") return OpenRosBag(path);
+  return format == "mcap" ? OpenMcap(path) : OpenDb3(path);
+}
 
 OpenedRecording OpenBag(const SequenceOptions& options, const std::string& format, bool is_folder) {
   auto bag = std::make_unique<BagRecording>(options, format, is_folder);

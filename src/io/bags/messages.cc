@@ -117,6 +117,24 @@ float ReadFloat(const std::string& bytes, const Topic& topic, const std::string&
   return MessageFields(bytes, topic.serialization, name).Number<float>();
 }
 
+ImuMessage ReadImuMessage(const std::string& bytes, const Topic& topic, const std::string& name) {
+  MessageFields fields(bytes, topic.serialization, name);
+  ImuMessage message;
+  message.header = fields.Header();
+  std::array<double, 4 + 9> orientation;
+  std::array<double, 9> covariance;
+  std::array<double, 3> gyro, accel;
+  fields.Numbers(&orientation);
+  fields.Numbers(&gyro);
+  fields.Numbers(&covariance);
+  fields.Numbers(&accel);
+  message.gyro_rad_per_s = Eigen::Vector3d::Map(gyro.data());
+  message.accel_m_per_s2 = Eigen::Vector3d::Map(accel.data());
+  ThrowIf(!message.gyro_rad_per_s.allFinite() || !message.accel_m_per_s2.allFinite(), name,
+          " has a measurement that is not a number");
+  return message;
+}
+
 std::vector<FrameTransform> ReadTransforms(const std::string& bytes, const Topic& topic,
                                            const std::string& name) {
   MessageFields fields(bytes, topic.serialization, name);

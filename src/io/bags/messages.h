@@ -56,6 +56,15 @@ CameraInfo ReadCameraInfo(const std::string& bytes, const Topic& topic, const st
 // std_msgs/Float32.
 float ReadFloat(const std::string& bytes, const Topic& topic, const std::string& name);
 
+// sensor_msgs/Imu without orientation and covariances.
+struct ImuMessage {
+  MessageHeader header;
+  Eigen::Vector3d gyro_rad_per_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d accel_m_per_s2 = Eigen::Vector3d::Zero();
+};
+// Also throws InputError for numbers that are not finite.
+ImuMessage ReadImuMessage(const std::string& bytes, const Topic& topic, const std::string& name);
+
 // geometry_msgs/TransformStamped.
 struct FrameTransform {
   std::string parent, child;  // tf frames without a leading slash

@@ -87,9 +87,10 @@ class Numbers : public OptionVisitor {
   }
 };
 
-Numbers NumbersOf(CalibrationPrior* prior) {
+template <typename Fields>
+Numbers NumbersOf(Fields* fields) {
   Numbers numbers;
-  prior->Visit(numbers);
+  fields->Visit(numbers);
   return numbers;
 }
 
@@ -165,7 +166,7 @@ RgbdCamera ReadCamera(const Node& root, const std::string& path) {
   root.RequireKeysAmong({"depth_camera", "color_camera", "color_from_depth",
                          "depth_units_per_metre", "disparity", "inverse_depth_sigma",
                          "inverse_depth_field", "frames_per_second", "latency_s", "color_latency_s",
-                         "readout_s", "prior"});
+                         "readout_s", "prior", "imu"});
   RgbdCamera camera;
   ThrowIf(!root["depth_camera"].Exists(), path, ": depth_camera is missing");
   camera.depth = ReadPinhole(root["depth_camera"]);
@@ -246,6 +247,51 @@ void WritePrior(cv::FileStorage& file, CalibrationPrior prior) {
   file << "}";
 }
 
+std::vector<std::pair<std::string, double*>> ImuNumbers(ImuCalibration* calibration) {
+  std::vector<std::pair<std::string, double*>> numbers = {
+      {"time_offset_s", &calibration->time_offset_s},
+      {"time_offset_sigma_s", &calibration->time_offset_sigma_s},
+      {"rotation_sigma_rad", &calibration->rotation_sigma_rad},
+      {"translation_sigma_m", &calibration->translation_sigma_m}};
+  const Numbers noise = NumbersOf(&calibration->noise);
+  numbers.insert(numbers.end(), noise.all.begin(), noise.all.end());
+  return numbers;
+}
+
+ImuCalibration ReadImuNode(const Node& node, ImuCalibration calibration, const std::string& name) {
+  std::vector<std::string> keys = {"camera_from_imu"};
+  for (const auto& [key, number] : ImuNumbers(&calibration)) keys.push_back(key);
+  node.RequireKeysAmong(keys);
+  if (node["camera_from_imu"].Exists()) {
+    calibration.camera_from_imu =
+        ReadTransform(node["camera_from_imu"], name + ": camera_from_imu");
+    calibration.rotation_sigma_rad = 0.005;
+    calibration.translation_sigma_m = 0.01;
+  }
+  if (node["time_offset_s"].Exists()) calibration.time_offset_sigma_s = 0.003;
+  for (const auto& [key, number] : ImuNumbers(&calibration)) {
+    if (node[key].Exists()) *number = node[key].Number();
+  }
+  ThrowIf(!(std::abs(calibration.time_offset_s) <= 1), name, ": time_offset_s is ",
+          calibration.time_offset_s, ", must be from -1 to 1 (s)");
+  for (const auto& [key, sigma] :
+       {std::pair("time_offset_sigma_s", calibration.time_offset_sigma_s),
+        std::pair("rotation_sigma_rad", calibration.rotation_sigma_rad),
+        std::pair("translation_sigma_m", calibration.translation_sigma_m)}) {
+    ThrowIf(!(sigma >= 0), name, ": ", key, " is ", sigma, ", must be at least 0");
+  }
+  calibration.noise.Validate(name);
+  return calibration;
+}
+
+void WriteImu(cv::FileStorage& file, ImuCalibration calibration) {
+  file << "imu"
+       << "{";
+  WriteTransform(file, "camera_from_imu", calibration.camera_from_imu);
+  for (const auto& [key, number] : ImuNumbers(&calibration)) file << key << *number;
+  file << "}";
+}
+
 // Reads a file. Throws InputError if the file has too many lists and maps for the recursive parser.
 // A camera file has about 12.
 std::string ReadShallowText(const std::string& path) {
@@ -277,8 +323,14 @@ InverseDepthField ReadInverseDepthField(const std::string& path) {
   return field;
 }
 
+ImuCalibration ReadImuCalibration(const std::string& path, ImuCalibration calibration) {
+  const YamlNode root = ParseYaml(ReadShallowText(path), path);
+  const Node node = Node(&root, path)["imu"];
+  return node.Exists() ? ReadImuNode(node, calibration, path + ": imu") : calibration;
+}
+
 void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
-                     const InverseDepthField& field) {
+                     const InverseDepthField& field, const ImuCalibration* imu) {
   std::string text;
   try {
     cv::FileStorage file(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
@@ -299,6 +351,7 @@ void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
     if (camera.color_latency_s != 0) file << "color_latency_s" << camera.color_latency_s;
     file << "readout_s" << camera.readout_s;
     WritePrior(file, camera.prior);
+    if (imu != nullptr) WriteImu(file, *imu);
     text = file.releaseAndGetString();
   } catch (const cv::Exception& error) {
     throw InputError(path, " cannot be written: ", error.err);

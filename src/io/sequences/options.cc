@@ -66,6 +66,10 @@ void SequenceOptions::Visit(OptionVisitor& v) {
         "use the confidence images of a folder (confidence/ or confidence.txt): depth of low "
         "confidence (0 of 0 to 2, or below 85 of 0 to 255) is missing",
         AsFlag());
+  v.Add(imu, "imu",
+        "use the inertial sensor of a recording: imu.csv, imu0/data.csv, accelerometer.txt, or Imu "
+        "topics",
+        AsFlag());
   v.Add(depth_topic, "depth_topic", "depth image topic of a ROS bag; empty: the only depth topic",
         AsFlag());
   v.Add(color_topic, "color_topic",

@@ -154,6 +154,46 @@ std::array<double, 3> UpIn(const Rigid3d& upright_from_world) {
   return {up.x(), up.y(), up.z()};
 }
 
+std::array<double, 3> NumbersOf(const Eigen::Vector3d& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+Json ToJson(const ImuReport& imu) {
+  Json bridges = Json::array();
+  for (const ImuBridge& bridge : imu.bridges) {
+    bridges.push_back({{"frame", bridge.frame},
+                       {"seconds", bridge.seconds},
+                       {"predicted", ToJson(bridge.world_from_camera)},
+                       {"sigma_m", bridge.sigma_m},
+                       {"sigma_deg", bridge.sigma_rad / kRadPerDeg},
+                       {"correction_m", bridge.correction_m},
+                       {"correction_deg", bridge.correction_rad / kRadPerDeg}});
+  }
+  Json j = {{"read_from", imu.read_from},
+            {"off_reason", imu.off_reason.empty() ? Json() : Json(imu.off_reason)},
+            {"frames_predicted_by_gyroscope", imu.gyro_frames},
+            {"frames_predicted_by_both", imu.full_frames},
+            {"starts", imu.starts},
+            {"bridges", bridges},
+            {"gyro_bias_rad_per_s", NumbersOf(imu.bias.gyro_rad_per_s)},
+            {"gyro_bias_sigma_rad_per_s", imu.gyro_bias_sigma_rad_per_s},
+            {"accel_bias_m_per_s2", NumbersOf(imu.bias.accel_m_per_s2)},
+            {"time_offset_s", imu.calibration.time_offset_s},
+            {"time_offset_sigma_s", imu.calibration.time_offset_sigma_s},
+            {"camera_from_imu", nullptr},
+            {"up_in_world", nullptr}};
+  if (imu.rotation_is_known) {
+    j["camera_from_imu"] = ToJson(imu.calibration.camera_from_imu);
+    j["rotation_sigma_deg"] = imu.calibration.rotation_sigma_rad / kRadPerDeg;
+    j["translation_sigma_m"] = imu.calibration.translation_sigma_m;
+  }
+  if (imu.up_in_world) {
+    j["up_in_world"] = NumbersOf(*imu.up_in_world);
+    j["up_sigma_deg"] = imu.up_sigma_rad / kRadPerDeg;
+  }
+  return j;
+}
+
 }  // namespace
 
 void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
@@ -235,6 +275,13 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
                     {"sigma_deg", s.gravity->sigma_rad / kRadPerDeg},
                     {"source", "floor and walls of the map"},
                     {"upright_from_world", ToJson(s.gravity->upright_from_world)}};
+  }
+  if (s.imu) j["imu"] = ToJson(*s.imu);
+  if (!s.gravity && s.imu && s.imu->up_in_world) {
+    j["gravity"] = {{"up_in_world", NumbersOf(*s.imu->up_in_world)},
+                    {"sigma_deg", s.imu->up_sigma_rad / kRadPerDeg},
+                    {"source", "accelerometer"},
+                    {"upright_from_world", nullptr}};
   }
   j["total_s"] = s.total_s;
   j["final_map_s"] = s.final_map_s ? Json(*s.final_map_s) : Json();

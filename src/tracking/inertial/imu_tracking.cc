@@ -1,0 +1,273 @@
+#include "tracking/inertial/imu_tracking.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "registration/solvers/decompositions.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kMaxBridge_s = 1.1;
+// Longest extrapolation of the translation at constant velocity.
+constexpr double kMaxConstantVelocity_s = 0.2;
+// Shortest turn for the alignment, and the time between two turns.
+constexpr double kTurn_s = 0.2, kBetweenTurns_s = 0.1;
+constexpr std::size_t kMaxTurns = 400;
+// The alignment runs after each tenth turn.
+constexpr std::size_t kTurnsPerAlignment = 10;
+constexpr double kRecent_s = 1.5;
+constexpr std::size_t kMinRecent = 8;
+// An interval without poses of this length is a bridge. It exceeds the interval of slow cameras.
+constexpr double kBridge_s = 0.25;
+// The sensor is switched off after this number of consecutive frames whose rotation differs by more
+// than the limit, or whose pose exceeds this squared Mahalanobis distance (6 degrees of freedom).
+constexpr int kMaxContradictions = 8;
+constexpr double kMaxTurnError_rad = 0.03, kMaxTurnError_rad_per_s = 0.1, kMaxPoseDistance2 = 100;
+
+// Covariance of a pose with this information, and a prior of 1 rad and 1 m for directions without
+// information.
+Matrix6d CovarianceOf(const Matrix6d& information) {
+  return SymmetricInverse(information + Matrix6d::Identity());
+}
+
+// Accepted mean size of the accelerometer, m/s^2. A swung camera increases it.
+constexpr double kMinMeanForce = 8.5, kMaxMeanForce = 12;
+// Ratio of squared distances below which the negative accelerometer fits better.
+constexpr double kMirroredForce = 0.25;
+// Poses for the mean of the accelerometer.
+constexpr int kMinForces = 10;
+
+}  // namespace
+
+ImuTracking::ImuTracking(ImuRecording recording)
+    : recording_(std::move(recording)), gyro_(&recording_.samples) {
+  alignment_ = AlignImu(gyro_, {}, recording_.calibration);
+  report_.read_from = recording_.read_from;
+  if (const std::string fault = FaultOfSize(); !fault.empty()) SwitchOff(fault);
+}
+
+bool ImuTracking::IsActive() const {
+  return recording_.has_gyro && report_.off_reason.empty() && alignment_.is_known &&
+         !recent_.empty();
+}
+
+std::optional<ImuTracking::Prediction> ImuTracking::Predict(double stamp_s) const {
+  if (!IsActive()) return std::nullopt;
+  const TrackedPose& last = recent_.back();
+  const double seconds = stamp_s - last.stamp_s;
+  if (!(seconds > 0 && seconds <= kMaxBridge_s)) return std::nullopt;
+  if (filter_) {
+    const auto predicted = filter_->Predict(stamp_s);
+    if (!predicted) return std::nullopt;
+    return Prediction{predicted->world_from_camera, predicted->covariance};
+  }
+  const ImuCalibration& calibration = alignment_.calibration;
+  const auto motion =
+      PreintegrateImu(recording_.samples, last.stamp_s + calibration.time_offset_s,
+                      stamp_s + calibration.time_offset_s,
+                      {alignment_.gyro_bias_rad_per_s, Vector3d::Zero()}, calibration.noise);
+  if (!motion) return std::nullopt;
+  const Eigen::Quaterniond& mount = calibration.camera_from_imu.rotation;
+  Prediction prediction = {last.world_from_camera, std::nullopt};
+  prediction.world_from_camera.rotation =
+      (last.world_from_camera.rotation * mount * motion->rotation * mount.conjugate()).normalized();
+  if (recent_.size() >= 2) {
+    const TrackedPose& before = recent_[recent_.size() - 2];
+    const Vector3d velocity =
+        (last.world_from_camera.translation - before.world_from_camera.translation) /
+        (last.stamp_s - before.stamp_s);
+    prediction.world_from_camera.translation +=
+        std::min(seconds, kMaxConstantVelocity_s) * velocity;
+  }
+  return prediction;
+}
+
+std::optional<Vector3d> ImuTracking::CameraRate(double stamp_s) const {
+  if (!IsActive()) return std::nullopt;
+  const ImuCalibration& calibration = alignment_.calibration;
+  const auto sample = InterpolateImu(recording_.samples, stamp_s + calibration.time_offset_s,
+                                     calibration.noise.max_step_s);
+  if (!sample) return std::nullopt;
+  const Vector3d& bias = filter_ ? filter_->bias().gyro_rad_per_s : alignment_.gyro_bias_rad_per_s;
+  return calibration.camera_from_imu.rotation * Vector3d(sample->gyro_rad_per_s - bias);
+}
+
+RegisteredPose ImuTracking::Registered(const TrackedPose& pose) const {
+  RegisteredPose registered = {pose.stamp_s, pose.registered, CovarianceOf(pose.information)};
+  for (int k = 0; k < 3; ++k) {
+    registered.covariance(k, k) += kPoseSigma_rad * kPoseSigma_rad;
+    registered.covariance(3 + k, 3 + k) += kPoseSigma_m * kPoseSigma_m;
+  }
+  return registered;
+}
+
+void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& predicted) {
+  AddForce(pose);
+  if (!recording_.has_gyro || !report_.off_reason.empty()) return;
+  const bool continues =
+      pose.continues && !recent_.empty() && pose.stamp_s > recent_.back().stamp_s;
+  if (!continues) {
+    recent_ = {pose};
+    filter_.reset();
+    return;
+  }
+  const double seconds = pose.stamp_s - recent_.back().stamp_s;
+  if (predicted) {
+    const Rigid3d error = predicted->world_from_camera.Inverse() * pose.registered;
+    const double turn_error = RotationAngle(error.rotation);
+    ++(predicted->covariance ? report_.full_frames : report_.gyro_frames);
+    if (seconds >= kBridge_s && predicted->covariance) {
+      const Matrix6d& covariance = *predicted->covariance;
+      report_.bridges.push_back({pose.frame, seconds, predicted->world_from_camera,
+                                 LargestSigma(covariance.bottomRightCorner<3, 3>()),
+                                 LargestSigma(covariance.topLeftCorner<3, 3>()),
+                                 error.translation.norm(), turn_error});
+    }
+    if (!filter_) {
+      CountContradiction(turn_error > kMaxTurnError_rad + kMaxTurnError_rad_per_s * seconds,
+                         "the gyroscope contradicts the registered rotation");
+    }
+  }
+  if (filter_) {
+    const std::optional<double> distance2 =
+        seconds <= kMaxBridge_s ? filter_->Correct(Registered(pose)) : std::nullopt;
+    if (distance2) {
+      CountContradiction(*distance2 > kMaxPoseDistance2,
+                         "the inertial sensor contradicts the registered poses");
+    } else {
+      filter_.reset();
+      recent_.clear();
+    }
+  }
+  if (!report_.off_reason.empty()) return;
+  recent_.push_back(pose);
+  while (recent_.size() > kMinRecent && recent_.front().stamp_s < pose.stamp_s - kRecent_s)
+    recent_.erase(recent_.begin());
+  AddTurn(pose);
+  if (!filter_ && report_.off_reason.empty()) StartFilter();
+}
+
+void ImuTracking::AddTurn(const TrackedPose& pose) {
+  if (pose.stamp_s - last_turn_s_ < kBetweenTurns_s && !turns_.empty()) return;
+  for (std::size_t i = recent_.size() - 1; i-- > 0;) {
+    const TrackedPose& begin = recent_[i];
+    const double seconds = pose.stamp_s - begin.stamp_s;
+    if (seconds < kTurn_s) continue;
+    if (seconds > kMaxBridge_s) return;
+    last_turn_s_ = pose.stamp_s;
+    turns_.push_back({begin.stamp_s, pose.stamp_s,
+                      begin.registered.rotation.conjugate() * pose.registered.rotation});
+    if (turns_.size() > kMaxTurns) turns_.erase(turns_.begin());
+    if (turns_.size() % kTurnsPerAlignment == 0) Align();
+    return;
+  }
+}
+
+void ImuTracking::Align() {
+  alignment_ = AlignImu(gyro_, turns_, recording_.calibration);
+  if (!alignment_.fault.empty()) SwitchOff(alignment_.fault);
+  if (filter_) filter_->Recalibrate(alignment_.calibration);
+}
+
+void ImuTracking::StartFilter() {
+  if (!alignment_.is_known) return;
+  std::vector<RegisteredPose> poses;
+  for (const TrackedPose& pose : recent_) poses.push_back(Registered(pose));
+  filter_ = ImuFilter::Start(&recording_.samples, poses, alignment_.calibration,
+                             alignment_.gyro_bias_rad_per_s, alignment_.gyro_bias_sigma_rad_per_s);
+  report_.starts += filter_.has_value();
+}
+
+void ImuTracking::CountContradiction(bool contradicts, const char* what) {
+  contradictions_ = contradicts ? contradictions_ + 1 : 0;
+  if (contradictions_ < kMaxContradictions) return;
+  const bool is_negative = filter_ && NegativeAccelFits();
+  SwitchOff(Concat(what, " in ", kMaxContradictions, " consecutive frames",
+                   is_negative ? ": the sign of the accelerometer is wrong" : ""));
+}
+
+std::string ImuTracking::FaultOfSize() const {
+  if (recording_.samples.empty()) return "there is no sample";
+  double sum = 0;
+  for (const ImuSample& sample : recording_.samples) sum += sample.accel_m_per_s2.norm();
+  const double mean = sum / static_cast<double>(recording_.samples.size());
+  if (mean > kMinMeanForce && mean < kMaxMeanForce) return "";
+  const double in_g = mean * kGravity_m_per_s2;
+  const bool is_g = in_g > kMinMeanForce && in_g < kMaxMeanForce;
+  return Concat("the mean size of the accelerometer is ", mean, ", must be about ",
+                kGravity_m_per_s2, " (m/s^2)", is_g ? ": its unit is g" : "");
+}
+
+bool ImuTracking::NegativeAccelFits() const {
+  std::vector<ImuSample> negative = recording_.samples;
+  for (ImuSample& sample : negative) sample.accel_m_per_s2 *= -1;
+  std::vector<RegisteredPose> poses;
+  for (const TrackedPose& pose : recent_) poses.push_back(Registered(pose));
+  const auto start = [&](const std::vector<ImuSample>& samples) {
+    return ImuFilter::Start(&samples, poses, alignment_.calibration, alignment_.gyro_bias_rad_per_s,
+                            alignment_.gyro_bias_sigma_rad_per_s);
+  };
+  const auto as_given = start(recording_.samples), negated = start(negative);
+  return negated && as_given &&
+         negated->start_distance2() < kMirroredForce * as_given->start_distance2();
+}
+
+// The acceleration of the camera averages out over the recording.
+void ImuTracking::AddForce(const TrackedPose& pose) {
+  const ImuCalibration& calibration = alignment_.calibration;
+  const auto sample = InterpolateImu(recording_.samples, pose.stamp_s + calibration.time_offset_s,
+                                     calibration.noise.max_step_s);
+  if (!sample || !alignment_.is_known) return;
+  force_sum_ += pose.world_from_camera.rotation *
+                (calibration.camera_from_imu.rotation * sample->accel_m_per_s2);
+  ++force_count_;
+}
+
+void ImuTracking::SwitchOff(const std::string& reason) {
+  report_.off_reason = reason;
+  filter_.reset();
+  LOG(WARNING) << "the inertial sensor is switched off: " << reason;
+}
+
+void ImuTracking::Move(const Rigid3d& new_from_old) {
+  for (TrackedPose& pose : recent_) {
+    pose.world_from_camera = new_from_old * pose.world_from_camera;
+    pose.registered = new_from_old * pose.registered;
+  }
+  force_sum_ = new_from_old.rotation * force_sum_;
+  if (filter_) filter_->Move(new_from_old);
+}
+
+ImuReport ImuTracking::report() const {
+  ImuReport report = report_;
+  report.calibration = alignment_.calibration;
+  report.rotation_is_known = alignment_.is_known;
+  report.has_enough_motion = alignment_.has_enough_motion;
+  report.bias.gyro_rad_per_s = alignment_.gyro_bias_rad_per_s;
+  report.gyro_bias_sigma_rad_per_s = alignment_.gyro_bias_sigma_rad_per_s;
+  if (!filter_) {
+    // A fallback for sensors without gyroscope.
+    if (recording_.has_gyro || force_count_ < kMinForces) return report;
+    report.up_in_world = force_sum_.normalized();
+    report.up_sigma_rad =
+        std::hypot(recording_.calibration.noise.accel_bias_sigma / kGravity_m_per_s2,
+                   alignment_.calibration.rotation_sigma_rad);
+    return report;
+  }
+  report.bias = filter_->bias();
+  report.calibration.camera_from_imu.translation = filter_->lever_arm_m();
+  report.calibration.translation_sigma_m =
+      LargestSigma(filter_->covariance().bottomRightCorner<3, 3>());
+  report.up_in_world = -filter_->gravity_m_per_s2().normalized();
+  report.up_sigma_rad = filter_->GravitySigma();
+  return report;
+}
+
+}  // namespace surfit

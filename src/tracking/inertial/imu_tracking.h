@@ -1,0 +1,90 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "surfit/geometry/inertial.h"
+#include "surfit/registration/normal_system.h"
+#include "tracking/inertial/imu_alignment.h"
+#include "tracking/inertial/imu_filter.h"
+
+namespace surfit {
+
+// Pose of a tracked frame.
+struct TrackedPose {
+  int frame = 0;
+  double stamp_s = 0;         // capture time
+  Rigid3d world_from_camera;  // with the motion prior
+  Rigid3d registered;         // without any prior
+  // Information of `registered` (1/rad^2, 1/m^2): left perturbation of the identity in the camera
+  // frame. Zero: unknown.
+  Matrix6d information = Matrix6d::Zero();
+  // False for the first pose, a pose from a search, and the first pose of another submap.
+  bool continues = false;
+};
+
+// Prediction of the camera pose by an inertial sensor, in three stages:
+// 1. rotation unknown: no prediction until AlignImu() knows it
+// 2. the gyroscope predicts the rotation, and the last velocity predicts the translation
+// 3. both sensors predict the pose with its covariance (ImuFilter)
+// The sensor is switched off if it contradicts the registered poses over several frames. Not
+// thread-safe.
+class ImuTracking {
+ public:
+  explicit ImuTracking(ImuRecording recording);
+  ImuTracking(const ImuTracking&) = delete;
+  ImuTracking& operator=(const ImuTracking&) = delete;
+
+  struct Prediction {
+    Rigid3d world_from_camera;
+    // Covariance as in ImuPrediction; stage 3 only.
+    std::optional<Matrix6d> covariance;
+  };
+  // Prediction at a capture time. Returns std::nullopt in stage 1, without samples, if the sensor
+  // is off, and more than 1.1 s after the last pose.
+  std::optional<Prediction> Predict(double stamp_s) const;
+  // Rotation rate of the camera in its frame, rad/s. Returns std::nullopt if Predict() does for
+  // reasons other than the last pose.
+  std::optional<Eigen::Vector3d> CameraRate(double stamp_s) const;
+  // True if Predict() may return a pose in stage 2 or 3.
+  bool IsActive() const;
+
+  // Adds the pose of a frame, in the order of time. `predicted`: Predict() for this frame.
+  void Add(const TrackedPose& pose, const std::optional<Prediction>& predicted);
+  // Applies a correction of the world frame.
+  void Move(const Rigid3d& new_from_old);
+
+  ImuReport report() const;
+
+ private:
+  // Standard deviations of the errors that registration does not know, per axis. They have the same
+  // direction over several frames.
+  static constexpr double kPoseSigma_rad = 0.002, kPoseSigma_m = 0.003;
+
+  RegisteredPose Registered(const TrackedPose& pose) const;
+  void AddTurn(const TrackedPose& pose);
+  void Align();
+  void StartFilter();
+  void CountContradiction(bool contradicts, const char* what);
+  // Checks the mean size of the accelerometer. Returns the reason of a fault; empty: none.
+  std::string FaultOfSize() const;
+  // True if the recent poses agree much better with the negative accelerometer.
+  bool NegativeAccelFits() const;
+  void AddForce(const TrackedPose& pose);
+  void SwitchOff(const std::string& reason);
+
+  ImuRecording recording_;
+  GyroIntegral gyro_;
+  std::vector<CameraTurn> turns_;
+  ImuAlignment alignment_;
+  std::optional<ImuFilter> filter_;
+  std::vector<TrackedPose> recent_;  // consecutive poses of the last 1.5 s, or the last eight
+  double last_turn_s_ = 0;           // end of the last turn
+  int contradictions_ = 0;           // consecutive frames
+  // Sum of the specific forces at the poses in the world frame, m/s^2, and their number.
+  Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
+  int force_count_ = 0;
+  ImuReport report_;
+};
+
+}  // namespace surfit
