@@ -54,8 +54,8 @@ std::vector<Candidate> FindCandidates(const std::vector<double>& first_s,
   return candidates;
 }
 
-// Sorts both indices. Of two matches that cross, the larger difference does not become larger, so
-// all differences stay within the limit.
+// Sorts both indices. Matches that cross exchange their partners. This does not increase the larger
+// of their differences, so all differences stay within the limit.
 std::vector<StampMatch> InOrder(std::vector<StampMatch> matches) {
   std::sort(matches.begin(), matches.end(),
             [](const StampMatch& a, const StampMatch& b) { return a.first < b.first; });

@@ -148,9 +148,9 @@ std::vector<int> WithViews(const std::vector<Keyframe>& keyframes) {
   return positions;
 }
 
-// Returns the older keyframe of the most similar pair, or the only keyframe. Of equal pairs, the
-// pair with the older keyframes wins. Keyframes are sorted along one axis, so that only pairs are
-// compared whose distance along this axis is smaller than the least difference.
+// Returns the older keyframe of the most similar pair, or the only keyframe. If pairs are
+// equal, the pair with the older keyframes wins. Keyframes are sorted along one axis, so that only
+// pairs are compared whose distance along this axis is smaller than the least difference.
 int MostRedundant(const std::vector<Keyframe>& keyframes, std::vector<int> positions) {
   // The inverse of a pose is rounded, so its distance can be slightly smaller.
   constexpr double kMargin = 1e-9;

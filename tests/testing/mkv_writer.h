@@ -29,8 +29,8 @@ inline std::string MkvNumber(std::uint32_t id, std::uint64_t value) {
   return MkvElement(id, bytes);
 }
 
-// Recording of an Azure Kinect in the form of k4arecord: a time scale of 1 us, tracks of
-// V_MS/VFW/FOURCC, clusters of simple blocks and block groups, and the attachment calibration.json.
+// Recording of an Azure Kinect in the form of k4arecord. The time scale is 1 us. Tracks are
+// V_MS/VFW/FOURCC. Clusters have simple blocks and block groups.
 class MkvWriter {
  public:
   // `fourcc`: pixel format of the Windows header. Returns the number of the track.
