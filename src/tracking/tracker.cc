@@ -194,8 +194,10 @@ Tracked Tracker::Register(const PreprocessedFrame& frame, const ReferenceView& r
                           const Rigid3d& world_from_predicted) const {
   IcpOptions icp_options = options_.icp;
   if (state_.last.is_weakly_constrained) icp_options.min_source_rows = 0;
+  Matrix6d pose_noise = Matrix6d::Zero();
+  if (imu_prediction_ && imu_prediction_->covariance) pose_noise = imu_prediction_->pose_noise;
   return registration_.Register(frame, reference, world_from_predicted, icp_options,
-                                PriorCovariance(frame));
+                                PriorCovariance(frame), pose_noise);
 }
 
 std::optional<ImuTracking::Prediction> Tracker::PredictByImu(double stamp_s) const {
