@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "registration/solvers/decompositions.h"
 #include "tracking/pose_validation.h"
 #include "tracking/view_comparison.h"
 
@@ -30,6 +31,15 @@ Rigid3d MovedAlongWeakDirections(const IcpResult& by_shape, const Rigid3d& with_
   return LeftIncrement<double>(along_weak, by_shape.target_from_source);
 }
 
+// Information of a pose with additional noise in the camera frame. Directions without information
+// get a standard deviation of 1 rad or 1 m.
+Matrix6d WithNoise(const Matrix6d& information, const Rigid3d& reference_from_camera,
+                   const Matrix6d& noise) {
+  if (noise.isZero(0)) return information;
+  const Matrix6d covariance = SymmetricInverse(information + Matrix6d::Identity());
+  return SymmetricInverse(covariance + In(reference_from_camera, {Rigid3d(), noise}).covariance);
+}
+
 }  // namespace
 
 bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_options) {
@@ -42,9 +52,10 @@ bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_option
 Tracked FrameRegistration::Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                                     const Rigid3d& world_from_initial,
                                     const IcpOptions& icp_options,
-                                    const std::optional<Matrix6d>& motion_prior) const {
+                                    const std::optional<Matrix6d>& motion_prior,
+                                    const Matrix6d& pose_noise) const {
   const Rigid3d initial = reference.world_from_view.Inverse() * world_from_initial;
-  Target target = {reference, icp_options, std::nullopt};
+  Target target = {reference, icp_options, std::nullopt, pose_noise};
   if (motion_prior) target.prior = In(initial, {Rigid3d(), *motion_prior});
   Tracked tracked = Validate(frame, target, MostLikelyPose(frame.view.pyramid, target, initial));
   if (tracked.has_pose()) return tracked;
@@ -66,7 +77,9 @@ FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
   estimate.registered = estimate.icp.target_from_source;
   if (!target.prior || !estimate.icp.Succeeded()) return estimate;
   const ExpectedPose likely = MostLikely(
-      *target.prior, estimate.icp.target_from_source, estimate.icp.trusted_information,
+      *target.prior, estimate.icp.target_from_source,
+      WithNoise(estimate.icp.trusted_information, estimate.icp.target_from_source,
+                target.pose_noise),
       estimate.is_weakly_constrained ? kMaxSigmas : std::numeric_limits<double>::infinity());
   estimate.icp.target_from_source = likely.target_from_source;
   estimate.covariance = likely.covariance;

@@ -199,8 +199,10 @@ IcpOptions Tracker::IcpOptionsInUse() const {
 
 Tracked Tracker::Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                           const Rigid3d& world_from_predicted) const {
+  Matrix6d pose_noise = Matrix6d::Zero();
+  if (imu_prediction_ && imu_prediction_->covariance) pose_noise = imu_prediction_->pose_noise;
   return registration_.Register(frame, reference, world_from_predicted, IcpOptionsInUse(),
-                                PriorCovariance(frame));
+                                PriorCovariance(frame), pose_noise);
 }
 
 std::optional<ImuTracking::Prediction> Tracker::PredictByImu(double stamp_s) const {

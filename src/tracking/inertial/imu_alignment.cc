@@ -26,7 +26,9 @@ constexpr double kMinTurnSigma = 5e-4;
 constexpr double kMinWeakRate = 0.03, kMinRateRatio = 3;
 // A mirrored fit is better if its sum of squares is below this ratio of that of a rotation.
 constexpr double kMirrorRatio = 0.25;
-constexpr double kMinCorrelation = 0.8;
+constexpr double kMaxLogScale = 0.3;
+// RMS rate of the camera that shows a missing correlation, rad/s. Errors of poses give 0.02.
+constexpr double kMinRate = 0.1, kNoCorrelation = 0.5;
 // Smallest difference of a wrong given rotation.
 constexpr double kMinWrongRotation = 10 * kRadPerDeg;
 
@@ -100,17 +102,15 @@ RateFit FitRates(const std::vector<RatePair>& pairs) {
 // Reason why the rates cannot be those of the camera; empty: none. `has_enough_motion` is set if a
 // wrong sign would be found.
 std::string FaultOf(const RateFit& fit, double weight_s2, bool* has_enough_motion) {
-  const double best = std::min(fit.squares, fit.mirrored_squares);
-  const double residual = std::sqrt(best / (3 * weight_s2));
+  const double residual = std::sqrt(std::min(fit.squares, fit.mirrored_squares) / (3 * weight_s2));
   const double scale = fit.product / fit.gyro_squares;
   const double correlation = fit.product / std::sqrt(fit.gyro_squares * fit.camera_squares);
   const double camera_rate = std::sqrt(fit.camera_squares / weight_s2);
   const double gyro_rate = std::sqrt(fit.gyro_squares / weight_s2);
-  if (camera_rate > 3 * kMinWeakRate && correlation > kMinCorrelation &&
-      std::abs(std::log(scale * 180 / M_PI)) < 0.3) {
-    return Concat(
-        "the gyroscope is ", 1 / scale,
-        " times the rotation of the camera: its unit is degrees per second, must be rad/s");
+  if (camera_rate > kMinRate && correlation < kNoCorrelation &&
+      fit.mirrored_squares > kMirrorRatio * fit.squares) {
+    return Concat("the gyroscope does not follow the rotation of the camera: their correlation is ",
+                  correlation);
   }
   *has_enough_motion =
       std::min(fit.weakest, camera_rate) > kMinWeakRate && camera_rate > kMinRateRatio * residual;
@@ -118,12 +118,29 @@ std::string FaultOf(const RateFit& fit, double weight_s2, bool* has_enough_motio
     return "the gyroscope fits the rotation of the camera as a mirror image: the sign of one axis, "
            "or of all three, is wrong, or two axes are exchanged";
   }
-  if (*has_enough_motion && (correlation < kMinCorrelation || std::abs(std::log(scale)) > 0.3)) {
-    return Concat("the gyroscope does not follow the rotation of the camera: correlation ",
-                  correlation, ", size of rates ", gyro_rate / camera_rate,
-                  " times that of the camera");
+  if (*has_enough_motion && std::abs(std::log(scale)) > kMaxLogScale) {
+    return Concat("the rates of the gyroscope are ", gyro_rate / camera_rate,
+                  " times those of the camera");
   }
   return "";
+}
+
+// Reason if the rates have the size of degrees per second; empty: none. Their rotations exceed 180
+// degrees within a turn, so the other tests do not find this.
+std::string FaultOfUnit(const GyroIntegral& gyro, const std::vector<CameraTurn>& turns,
+                        double offset_s) {
+  double camera_rad = 0, gyro_rad = 0, seconds = 0;
+  for (const CameraTurn& turn : turns) {
+    const double begin = turn.begin_s + offset_s, end = turn.end_s + offset_s;
+    if (!gyro.Covers(begin, end)) continue;
+    camera_rad += RotationAngle(turn.begin_from_end);
+    gyro_rad += gyro.PathLength(begin, end);
+    seconds += turn.end_s - turn.begin_s;
+  }
+  const double ratio = gyro_rad / camera_rad;
+  if (!(camera_rad > kMinRate * seconds && std::abs(std::log(ratio * kRadPerDeg)) < 0.5)) return "";
+  return Concat("the rates of the gyroscope are ", ratio,
+                " times those of the camera: their unit is degrees per second, must be rad/s");
 }
 
 // Reason why the given rotation cannot be that of the best fit; empty: none.
@@ -199,10 +216,12 @@ GyroIntegral::GyroIntegral(const std::vector<ImuSample>* samples) : samples_(sam
   for (std::size_t i = 0; i < samples->size(); ++i) {
     if (i == 0) {
       rotations_.push_back(Eigen::Quaterniond::Identity());
+      lengths_.push_back(0);
       continue;
     }
     const ImuSample &a = (*samples)[i - 1], &b = (*samples)[i];
     const Vector3d turn = (a.gyro_rad_per_s + b.gyro_rad_per_s) * ((b.stamp_s - a.stamp_s) / 2);
+    lengths_.push_back(lengths_.back() + turn.norm());
     rotations_.push_back((rotations_.back() * QuaternionExp<double>(turn)).normalized());
   }
 }
@@ -215,6 +234,16 @@ bool GyroIntegral::Covers(double begin_s, double end_s) const {
 Vector3d GyroIntegral::MeanRate(double begin_s, double end_s) const {
   const Eigen::Quaterniond turn = RotationAt(begin_s).conjugate() * RotationAt(end_s);
   return QuaternionLog<double>(turn) / (end_s - begin_s);
+}
+
+double GyroIntegral::PathLength(double begin_s, double end_s) const {
+  const auto index = [&](double stamp_s) {
+    return std::lower_bound(
+               samples_->begin(), samples_->end(), stamp_s,
+               [](const ImuSample& sample, double stamp) { return sample.stamp_s < stamp; }) -
+           samples_->begin();
+  };
+  return lengths_[index(end_s)] - lengths_[index(begin_s)];
 }
 
 Eigen::Quaterniond GyroIntegral::RotationAt(double stamp_s) const {
@@ -237,6 +266,9 @@ ImuAlignment AlignImu(const GyroIntegral& gyro, const std::vector<CameraTurn>& t
   const bool is_given = given.rotation_sigma_rad <= 0.1;
   alignment.is_known = given.rotation_sigma_rad < kMaxRotationSigma;
 
+  if (static_cast<int>(turns.size()) >= kMinTurns)
+    alignment.fault = FaultOfUnit(gyro, turns, given.time_offset_s);
+  if (!alignment.fault.empty()) return alignment;
   AlignmentState state = {given.camera_from_imu.rotation, given.time_offset_s};
   double best = std::numeric_limits<double>::infinity();
   const int steps = static_cast<int>(std::ceil(3 * given.time_offset_sigma_s / kOffsetStep_s));

@@ -27,12 +27,15 @@ class GyroIntegral {
   // Rotation vector of the sensor between two covered times, divided by the time between them,
   // rad/s.
   Eigen::Vector3d MeanRate(double begin_s, double end_s) const;
+  // Sum of the rotation angles of the steps between two covered times, to the next samples, rad.
+  double PathLength(double begin_s, double end_s) const;
 
  private:
   Eigen::Quaterniond RotationAt(double stamp_s) const;
 
   const std::vector<ImuSample>* samples_ = nullptr;
   std::vector<Eigen::Quaterniond> rotations_;  // from the first sample to each sample
+  std::vector<double> lengths_;                // path length to each sample, rad
 };
 
 // Calibration of a gyroscope by the rotations of the camera.

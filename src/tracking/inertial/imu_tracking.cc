@@ -23,6 +23,10 @@ constexpr std::size_t kMaxTurns = 400;
 // The alignment runs after each tenth turn.
 constexpr std::size_t kTurnsPerAlignment = 10;
 constexpr double kRecent_s = 1.5;
+// Bounds of the pose noise per axis, and the weight of one frame in its mean.
+constexpr double kMinPoseSigma_rad = 0.001, kMaxPoseSigma_rad = 0.02;
+constexpr double kMinPoseSigma_m = 0.002, kMaxPoseSigma_m = 0.04, kMaxStartSigma_m = 0.02;
+constexpr double kNoiseRate = 0.05;
 constexpr std::size_t kMinRecent = 8;
 // An interval without poses of this length is a bridge. It exceeds the interval of slow cameras.
 constexpr double kBridge_s = 0.25;
@@ -66,7 +70,7 @@ std::optional<ImuTracking::Prediction> ImuTracking::Predict(double stamp_s) cons
   if (filter_) {
     const auto predicted = filter_->Predict(stamp_s);
     if (!predicted) return std::nullopt;
-    return Prediction{predicted->world_from_camera, predicted->covariance};
+    return Prediction{predicted->world_from_camera, predicted->covariance, noise_.Covariance()};
   }
   const ImuCalibration& calibration = alignment_.calibration;
   const auto motion =
@@ -75,7 +79,8 @@ std::optional<ImuTracking::Prediction> ImuTracking::Predict(double stamp_s) cons
                       {alignment_.gyro_bias_rad_per_s, Vector3d::Zero()}, calibration.noise);
   if (!motion) return std::nullopt;
   const Eigen::Quaterniond& mount = calibration.camera_from_imu.rotation;
-  Prediction prediction = {last.world_from_camera, std::nullopt};
+  Prediction prediction;
+  prediction.world_from_camera = last.world_from_camera;
   prediction.world_from_camera.rotation =
       (last.world_from_camera.rotation * mount * motion->rotation * mount.conjugate()).normalized();
   if (recent_.size() >= 2) {
@@ -101,11 +106,32 @@ std::optional<Vector3d> ImuTracking::CameraRate(double stamp_s) const {
 
 RegisteredPose ImuTracking::Registered(const TrackedPose& pose) const {
   RegisteredPose registered = {pose.stamp_s, pose.registered, CovarianceOf(pose.information)};
-  for (int k = 0; k < 3; ++k) {
-    registered.covariance(k, k) += kPoseSigma_rad * kPoseSigma_rad;
-    registered.covariance(3 + k, 3 + k) += kPoseSigma_m * kPoseSigma_m;
-  }
+  registered.covariance += noise_.Covariance();
   return registered;
+}
+
+Matrix6d ImuTracking::PoseNoise::Covariance() const {
+  Vector6d variances;
+  variances << Vector3d::Constant(turn_rad * turn_rad), Vector3d::Constant(shift_m * shift_m);
+  return variances.asDiagonal();
+}
+
+// The squared error has the expectation of both covariances. Errors beyond three standard
+// deviations are limited.
+void ImuTracking::AddError(const Rigid3d& predicted_from_registered, const Matrix6d& covariance) {
+  const auto update = [](double error2, double predicted2, double least, double most,
+                         double* sigma) {
+    const double now = *sigma * *sigma;
+    const double limited = std::min(error2, 9 * 3 * (now + predicted2)) / 3;
+    const double next = now + kNoiseRate * (std::max(0., limited - predicted2) - now);
+    *sigma = std::clamp(std::sqrt(next), least, most);
+  };
+  const double turn = RotationAngle(predicted_from_registered.rotation);
+  update(turn * turn, covariance.topLeftCorner<3, 3>().trace() / 3, kMinPoseSigma_rad,
+         kMaxPoseSigma_rad, &noise_.turn_rad);
+  update(predicted_from_registered.translation.squaredNorm(),
+         covariance.bottomRightCorner<3, 3>().trace() / 3, kMinPoseSigma_m, kMaxPoseSigma_m,
+         &noise_.shift_m);
 }
 
 void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& predicted) {
@@ -139,7 +165,12 @@ void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& 
     const std::optional<double> distance2 =
         seconds <= kMaxBridge_s ? filter_->Correct(Registered(pose)) : std::nullopt;
     if (distance2) {
-      CountContradiction(*distance2 > kMaxPoseDistance2,
+      if (predicted && predicted->covariance) {
+        AddError(predicted->world_from_camera.Inverse() * pose.registered, *predicted->covariance);
+      }
+      const bool is_noisy =
+          noise_.shift_m >= kMaxPoseSigma_m || noise_.turn_rad >= kMaxPoseSigma_rad;
+      CountContradiction(*distance2 > kMaxPoseDistance2 || is_noisy,
                          "the inertial sensor contradicts the registered poses");
     } else {
       filter_.reset();
@@ -178,10 +209,17 @@ void ImuTracking::Align() {
 
 void ImuTracking::StartFilter() {
   if (!alignment_.is_known) return;
-  std::vector<RegisteredPose> poses;
-  for (const TrackedPose& pose : recent_) poses.push_back(Registered(pose));
-  filter_ = ImuFilter::Start(&recording_.samples, poses, alignment_.calibration,
-                             alignment_.gyro_bias_rad_per_s, alignment_.gyro_bias_sigma_rad_per_s);
+  for (const bool is_second : {false, true}) {
+    std::vector<RegisteredPose> poses;
+    for (const TrackedPose& pose : recent_) poses.push_back(Registered(pose));
+    filter_ =
+        ImuFilter::Start(&recording_.samples, poses, alignment_.calibration,
+                         alignment_.gyro_bias_rad_per_s, alignment_.gyro_bias_sigma_rad_per_s);
+    if (!filter_ || is_second || filter_->start_distance2() <= 1) break;
+    // The fit shows the pose noise.
+    noise_.shift_m =
+        std::min(kMaxStartSigma_m, noise_.shift_m * std::sqrt(filter_->start_distance2()));
+  }
   report_.starts += filter_.has_value();
 }
 

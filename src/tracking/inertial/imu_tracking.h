@@ -39,6 +39,8 @@ class ImuTracking {
     Rigid3d world_from_camera;
     // Covariance as in ImuPrediction; stage 3 only.
     std::optional<Matrix6d> covariance;
+    // Covariance of the errors of registered poses that their information does not contain.
+    Matrix6d pose_noise = Matrix6d::Zero();
   };
   // Prediction at a capture time. Returns std::nullopt in stage 1, without samples, if the sensor
   // is off, and more than 1.1 s after the last pose.
@@ -57,14 +59,20 @@ class ImuTracking {
   ImuReport report() const;
 
  private:
-  // Standard deviations of the errors that registration does not know, per axis. They have the same
-  // direction over several frames.
-  static constexpr double kPoseSigma_rad = 0.002, kPoseSigma_m = 0.003;
+  // Standard deviations per axis of the errors that registration does not know. They are estimated
+  // from the differences of registered and predicted poses.
+  struct PoseNoise {
+    double turn_rad = 0.002, shift_m = 0.004;
+
+    Matrix6d Covariance() const;
+  };
 
   RegisteredPose Registered(const TrackedPose& pose) const;
   void AddTurn(const TrackedPose& pose);
   void Align();
   void StartFilter();
+  // Updates the pose noise by the error of one prediction.
+  void AddError(const Rigid3d& predicted_from_registered, const Matrix6d& covariance);
   void CountContradiction(bool contradicts, const char* what);
   // Checks the mean size of the accelerometer. Returns the reason of a fault; empty: none.
   std::string FaultOfSize() const;
@@ -80,7 +88,8 @@ class ImuTracking {
   std::optional<ImuFilter> filter_;
   std::vector<TrackedPose> recent_;  // consecutive poses of the last 1.5 s, or the last eight
   double last_turn_s_ = 0;           // end of the last turn
-  int contradictions_ = 0;           // consecutive frames
+  PoseNoise noise_;
+  int contradictions_ = 0;  // consecutive frames
   // Sum of the specific forces at the poses in the world frame, m/s^2, and their number.
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
   int force_count_ = 0;
