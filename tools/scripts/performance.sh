@@ -60,9 +60,6 @@ if [[ -d $data/seven_scenes_kitchen ]]; then
   fi
 fi
 table "Growing map" "$benchmarks/map_growth" "$scratch/out" 30 40
-for benchmark in tracking mapping cost_functions; do
-  table "Functions: $benchmark" "$benchmarks/benchmark_$benchmark"
-done
 
 # The budget is written by hand, and kept.
 budget=$(sed -n '/^## Budget$/,/^## Frames/p' "$out" | sed '/^## Frames/d')
