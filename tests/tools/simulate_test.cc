@@ -268,7 +268,7 @@ TEST_F(SimulateTest, WritesInertialSensorWithItsCalibration) {
   EXPECT_NEAR(imu->samples[0].stamp_s, 0.05, 1e-9);
   EXPECT_THAT(
       imu->calibration.camera_from_imu,
-      RigidNear({Eigen::Quaterniond(-0.5, 0.5, -0.5, 0.5), {0.01, 0.02, 0.03}}, 1e-9, 1e-9));
+      RigidNear(Rigid3d(Eigen::Quaterniond(-0.5, 0.5, -0.5, 0.5), {0.01, 0.02, 0.03}), 1e-9, 1e-9));
   EXPECT_EQ(imu->calibration.time_offset_s, 0.05);
   const std::string noisy = ReadBytes(folder_ / "room/imu.csv");
   EXPECT_NE(noisy, ReadBytes(folder_ / "room/imu_exact.csv"));
