@@ -389,7 +389,7 @@ class SlamRun {
     const Backend& backend = *slam.backend();
     summary->loops = backend.counts();
     summary->merged_duplicates = static_cast<std::int64_t>(slam.merged_duplicates());
-    if (options_.slam.loops.enabled) {
+    if (options_.slam.loops.enabled || !backend.poses().loops().empty()) {
       failures_.Try([&] { WriteLoopsCsv(backend.poses().loops(), Path("loops.csv")); });
     }
     if (options_.keep_places) {
@@ -459,6 +459,8 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
     run.slam.confident_inlier_ratio = 0;
     run.slam.real_time = true;
   }
+  // No frame is lost, so keyframes need no views.
+  if (run.poses != "track") run.slam.loops.relocalization = false;
   std::unique_ptr<RunSession> session;
   if (!run.session.empty()) session = std::make_unique<RunSession>(&run);
   SlamRun slam(run, session.get(), interrupted);
