@@ -199,7 +199,8 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
     std::printf("the map is full: %lld surfels were rejected (--max_map_points)\n",
                 static_cast<long long>(s.refused));
   }
-  const bool closes_loops = options.slam.loops.enabled || !options.session.empty();
+  const bool closes_loops = options.slam.loops.enabled || !options.session.empty() ||
+                            s.loops.relocalisations > 0 || s.loops.submaps > 1;
   if (closes_loops && !options.localize) PrintLoops(s.loops);
   PrintSession(s, options);
   WarnAboutMovingObjects(s);

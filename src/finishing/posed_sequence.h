@@ -70,4 +70,22 @@ bool ReadPosedFrames(const PosedSequence& known, FrameSource* source,
                      const std::atomic<bool>& interrupted,
                      const std::function<void(std::size_t pose, RgbdFrame frame)>& call);
 
+// Lost frame whose pose was found after the run.
+struct PoseBetween {
+  int frame = 0;  // frame index
+  double stamp_s = 0;
+  Rigid3d world_from_camera;
+  std::size_t before = 0;  // position of the last frame with a pose before it
+};
+
+// Registers lost frames to the frame with a pose before and to the frame with a pose after. Returns
+// a pose if both registrations are certain and agree. A registration is certain with the inlier
+// ratio and RMSE of a tracked frame, and if the data constrain all directions. `gaps`: positions p
+// in the trajectory, ascending. The frames between the positions p and p + 1 are lost, and both
+// positions have the same world frame. The poses have ascending frame indices. Returns no pose if
+// interrupted. Throws InputError like OpenSequence().
+std::vector<PoseBetween> FindPosesBetween(const PosedSequence& known,
+                                          const std::vector<std::size_t>& gaps,
+                                          const std::atomic<bool>& interrupted);
+
 }  // namespace surfit

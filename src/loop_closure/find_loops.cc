@@ -8,6 +8,9 @@ namespace surfit {
 
 namespace {
 
+// Number of keyframes that RelocalizeOptions::first_candidate can select.
+constexpr int kMaxRanked = 5;
+
 struct Neighbour {
   int keyframe;
   double relative_distance;  // distance / max_near_m or angle / max_near_rad, the larger value
@@ -81,7 +84,13 @@ Relocalization Relocalize(const PlaceView& view, const std::vector<Keyframe>& ke
   Validate(options);
   Relocalization result;
   const auto has_view = [&](int keyframe) { return !keyframes[keyframe].view.empty(); };
-  for (const PlaceCandidate& candidate : index.Query(view, options.max_candidates, has_view)) {
+  std::vector<PlaceCandidate> candidates =
+      index.Query(view, std::max(options.max_candidates, kMaxRanked), has_view);
+  if (candidates.empty()) return result;
+  const std::size_t first = options.first_candidate % candidates.size();
+  const std::size_t end = std::min(candidates.size(), first + options.max_candidates);
+  for (std::size_t i = first; i < end; ++i) {
+    const PlaceCandidate& candidate = candidates[i];
     const Keyframe& keyframe = keyframes[candidate.keyframe];
     const GlobalRegistrationResult verdict = VerifyLoop(view, keyframe.view, options.verify);
     result.attempts.push_back(

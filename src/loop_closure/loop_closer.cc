@@ -1,6 +1,7 @@
 #include "loop_closure/loop_closer.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -12,7 +13,10 @@
 namespace surfit {
 namespace {
 
-LoopFinder DefaultFinder(const FindLoopsOptions& options) {
+// Without loop closure, finds loops between submaps only.
+LoopFinder DefaultFinder(const LoopOptions& loops) {
+  FindLoopsOptions options = loops.find;
+  if (!loops.enabled) options.min_gap = std::numeric_limits<int>::max();
   return [options](int source, const std::vector<Keyframe>& keyframes, const PlaceIndex& index) {
     return FindLoops(source, keyframes, index, options);
   };
@@ -70,7 +74,7 @@ PoseGraphEdge LoopEdge(const LoopVerification& attempt, const EdgeNoise& noise) 
 
 LoopCloser::LoopCloser(const LoopOptions& options, LoopFinder finder, bool always_in_background)
     : options_(options),
-      finder_(finder ? std::move(finder) : DefaultFinder(options.find)),
+      finder_(finder ? std::move(finder) : DefaultFinder(options)),
       index_(options.places),
       task_(always_in_background) {}
 
@@ -129,15 +133,26 @@ void LoopCloser::Optimise(PoseGraph graph, LoopOutcome* outcome) const {
   }
 }
 
-Relocalization LoopCloser::Find(const ColoredView& view,
+Relocalization LoopCloser::Find(const ColoredView& view, int rank,
                                 const std::vector<Rigid3d>& world_from_keyframe) {
   task_.Wait();
   const TraceSlice slice("relocalize");
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
     keyframes_[k].world_from_camera = world_from_keyframe[k];
   }
+  RelocalizeOptions options = options_.relocalize;
+  options.max_candidates = 1;
+  options.first_candidate = rank;
   return Relocalize(MakePlaceView(view.pyramid, view.color, options_.views), keyframes_, index_,
-                    options_.relocalize);
+                    options);
+}
+
+GlobalRegistrationResult LoopCloser::RegisterTo(const ColoredView& earlier,
+                                                const ColoredView& view) const {
+  const TraceSlice slice("register_to_last");
+  return VerifyLoop(MakePlaceView(view.pyramid, view.color, options_.views),
+                    MakePlaceView(earlier.pyramid, earlier.color, options_.views),
+                    options_.relocalize.verify);
 }
 
 ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options) {

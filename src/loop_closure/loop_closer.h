@@ -31,7 +31,9 @@ struct KeyframeForLoops {
 struct LoopTask {
   std::vector<KeyframeForLoops> added;
   PoseGraph graph;
-  std::vector<int> piece_of_keyframe;  // see PoseStore; one per pose of the graph
+  // Keyframe::piece, one per pose of the graph: see PoseStore. Without loop closure, this is the
+  // submap, so that loops between joined submaps are found, too.
+  std::vector<int> piece_of_keyframe;
 };
 
 // Result of a task, applied to the pose store by the caller.
@@ -62,9 +64,13 @@ class LoopCloser {
   void Start(LoopTask task);
   BackgroundTask<LoopOutcome>& task() { return task_; }
 
-  // Relocalises a view in the keyframes of all tasks. `world_from_keyframe` has at least one
-  // current pose per keyframe. Waits for the current task, and keeps its outcome for Take().
-  Relocalization Find(const ColoredView& view, const std::vector<Rigid3d>& world_from_keyframe);
+  // Relocalises a view by one keyframe of all tasks: RelocalizeOptions::first_candidate is `rank`.
+  // `world_from_keyframe` has at least one current pose per keyframe. Waits for the current task,
+  // and keeps its outcome for Take().
+  Relocalization Find(const ColoredView& view, int rank,
+                      const std::vector<Rigid3d>& world_from_keyframe);
+  // Registers a view to the view of an earlier frame. Thread-safe.
+  GlobalRegistrationResult RegisterTo(const ColoredView& earlier, const ColoredView& view) const;
 
   // Keyframes of all tasks, with the poses of the last task or Find(). Requires that no task is
   // running. Valid until the next Start().

@@ -25,9 +25,12 @@ void EdgeNoise::Visit(OptionVisitor& v) {
 
 void LoopOptions::Visit(OptionVisitor& v) {
   v.Group("loops");
-  v.Add(enabled, "enabled",
-        "close loops: correct poses and map, and relocalise a lost camera anywhere in the map",
+  v.Add(enabled, "enabled", "close loops: correct poses and map where the camera returns",
         AsFlag("loop_closure"), Everyday());
+  v.Add(relocalization, "relocalization",
+        "relocalise a lost camera anywhere in the map, and start a submap if that fails; "
+        "loop_closure implies it",
+        AsFlag());
   v.AddPart(keyframes, "keyframes", "selection of keyframes", NoFlags());
   v.AddPart(views, "views", "stored views of keyframes", NoFlags());
   v.AddPart(places, "places", "place recognition", NoFlags());
@@ -47,8 +50,8 @@ void LoopOptions::Visit(OptionVisitor& v) {
         "minimum displacement of a keyframe for a correction of the map", AtLeast(0));
   v.Add(max_view_bytes, "max_view_bytes", "memory of keyframe views");
   v.Add(new_map_after, "new_map_after",
-        "with loop_closure: number of consecutive lost frames after which a new submap starts; a "
-        "loop closure connects it to the first submap",
+        "number of consecutive lost frames with depth until a new submap starts; a loop closure "
+        "connects it to the first submap",
         ZeroIs("never"), AsFlag());
 }
 

@@ -65,6 +65,8 @@ void FindLoopsOptions::Visit(OptionVisitor& v) {
 void RelocalizeOptions::Visit(OptionVisitor& v) {
   v.Add(max_candidates, "max_candidates",
         "maximum number of keyframes to verify, by descending similarity", AtLeast(1));
+  v.Add(first_candidate, "first_candidate",
+        "rank of the first keyframe to verify, modulo the number of similar keyframes", AtLeast(0));
   v.AddPart(verify, "verify", "verification of candidates");
 }
 

@@ -91,6 +91,12 @@ int PoseStore::submap_count() const {
   return count;
 }
 
+std::vector<int> PoseStore::SubmapOfKeyframe() const {
+  std::vector<int> submaps;
+  for (const KeyframeLink& keyframe : keyframes_) submaps.push_back(keyframe.submap);
+  return submaps;
+}
+
 // The root of a set is its first keyframe.
 std::vector<int> PoseStore::PieceOfKeyframe() const {
   std::vector<int> root(keyframes_.size());

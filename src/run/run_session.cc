@@ -13,9 +13,6 @@
 namespace surfit {
 namespace {
 
-// Default of LoopOptions::new_map_after for a continued session.
-constexpr int kNewMapAfter = 10;
-
 std::string FullPath(const std::string& path) {
   std::error_code none;
   const std::filesystem::path full = std::filesystem::weakly_canonical(path, none);
@@ -90,11 +87,7 @@ RunSession::RunSession(SlamRunOptions* options) : options_(*options) {
     return;
   }
   state_ = std::move(session.state);
-  if (options->continue_session) {
-    ContinueAfter(session.runs, &options->sequence);
-    int& after = options->slam.loops.new_map_after;
-    if (after == 0) after = kNewMapAfter;
-  }
+  if (options->continue_session) ContinueAfter(session.runs, &options->sequence);
   first_index_ =
       state_->frames.back().index + (is_contiguous_ ? 1 : SessionGap(options->slam.loops));
   shift_ = first_index_ - options->sequence.first;

@@ -18,10 +18,10 @@ namespace surfit {
 class RunSession {
  public:
   // Opens the session, and enables loop closure in the options. Keeps a reference to the options.
-  // Sets `options->sequence.first` to skip the frames that a continued session already has, and a
-  // `new_map_after` of 0 to 10. If the session to continue does not exist, creates it with a
-  // warning. Throws InputError like ReadSession() and SessionWriter. Also throws if no frame
-  // remains, and for localisation in an empty session.
+  // Sets `options->sequence.first` to skip the frames that a continued session already has. If the
+  // session to continue does not exist, creates it with a warning. Throws InputError like
+  // ReadSession() and SessionWriter. Also throws if no frame remains, and for localisation in an
+  // empty session.
   explicit RunSession(SlamRunOptions* options);
 
   // Converts frame indices of the sequence to indices of the session.

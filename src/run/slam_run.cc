@@ -198,6 +198,8 @@ class SlamRun {
   void Keep(const RgbdFrame& frame, const FrameReport& report) {
     statistics_.CountProcessed(frame, report);
     has_pose_ = has_pose_ || report.HasPose();
+    if (!report.HasPose()) lost_.insert(report.index);
+    if (report.confirmed) lost_.erase(report.confirmed->index);
     if (!has_pose_) {
       pixels_without_pose_ += frame.depth_m.size();
       depths_without_pose_ += std::count_if(frame.depth_m.begin(), frame.depth_m.end(),
@@ -226,6 +228,7 @@ class SlamRun {
       failures_.Try([&] { TakeCorrections(); });
     }
     failures_.Try([&] { Improve(interrupted, progress); });
+    failures_.Try([&] { FindLostPoses(interrupted); });
     SlamRunSummary summary;
     failures_.Try([&] { summary = statistics_.Summary(map().size()); });
     if (final_map_) summary.refinement = refinement_;
@@ -283,13 +286,29 @@ class SlamRun {
     found_.color_latency_s = backend->color_latency_s();
   }
 
+  // Returns true if the sequence can be read again, after a complete run from the first frame.
+  bool CanReadAgain(const std::atomic<bool>& interrupted) const {
+    return !IsLive(options_.sequence) && is_frame_complete_ && !interrupted && !failures_.any() &&
+           !options_.continue_session && !options_.localize;
+  }
+
+  // Finds poses of lost frames between two frames of the same piece.
+  void FindLostPoses(const std::atomic<bool>& interrupted) {
+    if (options_.poses != "track" || !CanReadAgain(interrupted)) return;
+    const std::vector<PoseBetween> found = FindPosesBetween(
+        Known(trajectory_->poses(), found_),
+        GapsOf(*trajectory_, slam_->backend() ? &slam_->backend()->poses() : nullptr, lost_),
+        interrupted);
+    trajectory_->Insert(found);
+    std::vector<int> frames;
+    for (const PoseBetween& pose : found) frames.push_back(pose.frame);
+    frame_table_->MarkFound(frames);
+  }
+
   // Refines the run and fuses the final map. Does nothing for live sources, continued sessions,
   // localisation, and after an early end.
   void Improve(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
-    if (!options_.final_map || IsLive(options_.sequence) || !is_frame_complete_ || interrupted ||
-        failures_.any() || options_.continue_session || options_.localize) {
-      return;
-    }
+    if (!options_.final_map || !CanReadAgain(interrupted)) return;
     std::optional<RefinedSequence> refined;
     const PosedSequence known = Known(trajectory_->poses(), found_);
     // Without a new calibration, RefinePosedSequence() changes nothing.
@@ -390,7 +409,7 @@ class SlamRun {
     const Backend& backend = *slam.backend();
     summary->loops = backend.counts();
     summary->merged_duplicates = static_cast<std::int64_t>(slam.merged_duplicates());
-    if (options_.slam.loops.enabled) {
+    if (options_.slam.loops.enabled || !backend.poses().loops().empty()) {
       failures_.Try([&] { WriteLoopsCsv(backend.poses().loops(), Path("loops.csv")); });
     }
     if (options_.keep_places) {
@@ -437,6 +456,7 @@ class SlamRun {
   RepeatedWarning skipped_{"frames skipped"}, without_truth_{"frames without a ground-truth pose"};
   RepeatedWarning repeated_{"frames that repeat the depth of the frame before"};
   Failures failures_;
+  std::set<int> lost_;      // indices of lost frames
   std::set<int> left_out_;  // held-out and duplicate frames: not in the final map
   std::map<int, Image<std::uint8_t>> moving_;
   std::optional<FinalRefinement> refinement_;
@@ -460,6 +480,8 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
     run.slam.confident_inlier_ratio = 0;
     run.slam.real_time = true;
   }
+  // No frame is lost, so keyframes need no views.
+  if (run.poses != "track") run.slam.loops.relocalization = false;
   std::unique_ptr<RunSession> session;
   if (!run.session.empty()) session = std::make_unique<RunSession>(&run);
   SlamRun slam(run, session.get(), interrupted);

@@ -44,7 +44,7 @@ Backend::Backend(const DepthSensor& sensor, const PreprocessOptions& preprocess,
                  const LoopOptions& loops, const CalibrationOptions& calibration, LoopFinder finder,
                  bool real_time)
     : options_(Validated(loops)), real_time_(real_time) {
-  if (loops.enabled) closer_ = std::make_unique<LoopCloser>(loops, std::move(finder), real_time);
+  if (loops.HasViews()) closer_ = std::make_unique<LoopCloser>(loops, std::move(finder), real_time);
   if (calibration.enabled) {
     calibrator_ = std::make_unique<Calibrator>(sensor, preprocess, calibration, real_time);
   }
@@ -206,12 +206,19 @@ int Backend::BeginSubmap() {
 
 void Backend::StartLoopTask() {
   in_task_ = waiting_.size();
-  closer_->Start({std::move(waiting_), poses_.Snapshot(), poses_.PieceOfKeyframe()});
+  closer_->Start({std::move(waiting_), poses_.Snapshot(),
+                  options_.enabled ? poses_.PieceOfKeyframe() : poses_.SubmapOfKeyframe()});
   waiting_.clear();
 }
 
-Relocalization Backend::Find(const ColoredView& view) {
-  return closer_->Find(view, poses_.KeyframePoses());
+Relocalization Backend::Find(const ColoredView& view, int rank) {
+  if (real_time_ && closer_->task().IsAtWork()) return {};
+  return closer_->Find(view, rank, poses_.KeyframePoses());
+}
+
+GlobalRegistrationResult Backend::RegisterTo(const ColoredView& earlier,
+                                             const ColoredView& view) const {
+  return closer_->RegisterTo(earlier, view);
 }
 
 void Backend::StartCalibration() {

@@ -56,11 +56,17 @@ class BackendRelocalizer : public Relocalizer {
   BackendRelocalizer(Backend* backend, int new_map_after)
       : backend_(backend), new_map_after_(new_map_after) {}
 
-  std::optional<KeyframePose> Find(const ColoredView& view) override {
-    const Relocalization found = backend_->Find(view);
+  std::optional<KeyframePose> Find(const ColoredView& view, int rank) override {
+    const Relocalization found = backend_->Find(view, rank);
     if (!found.found()) return std::nullopt;
     const KeyframeLink& link = backend_->poses().keyframes()[found.keyframe];
     return KeyframePose{found.keyframe, link.frame, link.submap, found.world_from_camera};
+  }
+
+  std::optional<Rigid3d> RegisterTo(const ColoredView& earlier, const ColoredView& view) override {
+    const GlobalRegistrationResult found = backend_->RegisterTo(earlier, view);
+    if (!found.accepted()) return std::nullopt;
+    return found.target_from_source;
   }
 
   std::optional<int> BeginSubmap(int lost_frames) override {
@@ -88,14 +94,15 @@ Slam::Slam(const DepthSensor& sensor, const SlamOptions& options,
       mapper_(std::make_unique<Mapper>(sensor, options_, use)),
       tracker_(std::make_unique<Tracker>(options_, world_from_first_camera, mapper_.get())) {
   sensor.Validate();
-  if (options.loops.enabled || options.calibration.enabled) MakeBackend({});
+  if (options.loops.HasViews() || options.calibration.enabled) MakeBackend({});
 }
 
 Slam::Slam(const DepthSensor& sensor, const SlamOptions& options, SlamState state, StateUse use)
     : Slam(sensor, WithCalibrationOf(state, options),
            state.frames.empty() ? Rigid3d() : state.frames.back().world_from_camera, use) {
-  if (!options.loops.enabled) {
-    throw InputError("loops.enabled is false, must be true to go on from a state");
+  if (!options.loops.HasViews()) {
+    throw InputError(
+        "loops.enabled and loops.relocalization are false, one must be true to go on from a state");
   }
   if (options_.IsFrameToFrame()) {
     throw InputError(
@@ -119,7 +126,7 @@ void Slam::MakeBackend(LoopFinder finder) {
                                        options_.calibration, std::move(finder), options_.real_time);
   backend_->OnKeyframe(on_keyframe_);
   mapper_->UseCalibration(backend_->calibration());
-  if (!options_.loops.enabled) return;
+  if (!options_.loops.HasViews()) return;
   relocalizer_ = std::make_unique<BackendRelocalizer>(
       backend_.get(), use_ == StateUse::kContinue ? options_.loops.new_map_after : 0);
   tracker_->UseRelocalizer(relocalizer_.get());
@@ -301,14 +308,16 @@ void Slam::UseImu(ImuRecording recording) {
 ImuReport Slam::imu_report() const { return tracker_->imu_report(); }
 
 void Slam::UseLoopFinder(LoopFinder finder) {
-  ThrowIf(!options_.loops.enabled, "loops.enabled is false, must be true for a loop finder");
+  ThrowIf(!options_.loops.HasViews(),
+          "loops.enabled and loops.relocalization are false, one must be true for a loop finder");
   ThrowIf(!backend_->poses().frames().empty(), "a loop finder must be set before the first frame");
   MakeBackend(std::move(finder));
 }
 
 void Slam::OnKeyframe(KeyframeCall call) {
-  ThrowIf(!options_.loops.enabled,
-          "loops.enabled is false, must be true for a callback for keyframes");
+  ThrowIf(!options_.loops.HasViews(),
+          "loops.enabled and loops.relocalization are false, one must be true for a callback for "
+          "keyframes");
   on_keyframe_ = std::move(call);
   backend_->OnKeyframe(on_keyframe_);
 }

@@ -19,8 +19,9 @@ constexpr double kContinuous_s = 0.25;
 // long as ten registrations.
 constexpr int kSearchStride = 5;
 
-// Every kRelocalizeStride-th lost frame is relocalised.
-constexpr int kRelocalizeStride = 3;
+// Rank of the keyframe that is verified for a lost frame: 0, 1, 0, 2, 0, 3, ... The most similar
+// keyframe is verified for every second lost frame.
+int RankOf(int lost_frames) { return lost_frames % 2 == 0 ? 0 : (lost_frames + 1) / 2; }
 
 // Acceptance criteria without brightness, which motion blur changes.
 FitCriteria ShapesAlone() {
@@ -65,9 +66,15 @@ Tracked PoseSearch::Search(const PreprocessedFrame& frame, const SearchStart& st
   const bool follows =
       start.state.is_localised || (start.seconds > 0 && start.seconds < kFollows_s);
   if (!follows) tracked.state = FrameState::kLost;
-  std::optional<Tracked> found = FromLastFrame(
-      frame, start,
-      tracked.has_pose() && start.seconds <= kContinuous_s ? tracked.moving : CellMask());
+  std::optional<Tracked> found;
+  const bool is_first = start.lost_frames == 0;
+  if (relocalizer_ && !is_first && !tracked.has_pose() && !options_.IsFrameToFrame()) {
+    found = NearLastFrame(frame, start);
+  } else {
+    found = FromLastFrame(
+        frame, start,
+        tracked.has_pose() && start.seconds <= kContinuous_s ? tracked.moving : CellMask());
+  }
   if (!found && StaticPartAgrees(frame, start, tracked)) {
     tracked.verdict = Verdict::kAccepted;
     tracked.has_second = true;
@@ -90,17 +97,29 @@ Tracked PoseSearch::Search(const PreprocessedFrame& frame, const SearchStart& st
   return tracked;
 }
 
+bool PoseSearch::IsDue(const PreprocessedFrame& frame, const SearchStart& start) const {
+  if (options_.initialize == "identity" || !start.state.is_localised) return false;
+  const bool is_soon = options_.VerifiesBySearch() && start.lost_frames < kSearchStride;
+  return (is_soon || start.lost_frames % kSearchStride == 0) && HasEnoughDepth(frame, options_.icp);
+}
+
+std::optional<Tracked> PoseSearch::NearLastFrame(const PreprocessedFrame& frame,
+                                                 const SearchStart& start) const {
+  if (!IsDue(frame, start)) return std::nullopt;
+  const std::optional<Rigid3d> last_from_frame =
+      relocalizer_->RegisterTo(start.last.view, frame.view);
+  if (!last_from_frame) return std::nullopt;
+  return Confirm(frame, start, start.last.world_from_view * *last_from_frame);
+}
+
 // Features and surfaces of moving objects are not used, because these objects are also in the last
 // frame if they were not detected there.
 std::optional<Tracked> PoseSearch::FromLastFrame(const PreprocessedFrame& frame,
                                                  const SearchStart& start,
                                                  const CellMask& moving) const {
+  if (!IsDue(frame, start)) return std::nullopt;
   const TrackingState& state = start.state;
-  if (options_.initialize == "identity" || !state.is_localised) return std::nullopt;
   const bool verifies = options_.VerifiesBySearch();
-  const bool is_soon = verifies && start.lost_frames < kSearchStride;
-  if (!is_soon && start.lost_frames % kSearchStride != 0) return std::nullopt;
-  if (!HasEnoughDepth(frame, options_.icp)) return std::nullopt;
   const TraceSlice slice("find_again", frame.images.index);
   InitializeOptions initialization;
   initialization.method = options_.initialize;
@@ -142,9 +161,9 @@ bool PoseSearch::StaticPartAgrees(const PreprocessedFrame& frame, const SearchSt
 
 std::optional<Tracked> PoseSearch::ByKeyframes(const PreprocessedFrame& frame,
                                                const SearchStart& start) const {
-  if (!relocalizer_ || start.lost_frames % kRelocalizeStride != 0) return std::nullopt;
-  if (!HasEnoughDepth(frame, options_.icp)) return std::nullopt;
-  const std::optional<KeyframePose> found = relocalizer_->Find(frame.view);
+  if (!relocalizer_ || !HasEnoughDepth(frame, options_.icp)) return std::nullopt;
+  const std::optional<KeyframePose> found =
+      relocalizer_->Find(frame.view, RankOf(start.lost_frames));
   if (!found) return std::nullopt;
   views_->UseSubmap(found->submap);
   if (found->submap != start.submap) regions_->Forget();

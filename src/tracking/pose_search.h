@@ -26,8 +26,12 @@ class Relocalizer {
  public:
   virtual ~Relocalizer() = default;
 
-  // Returns std::nullopt if no keyframe matches.
-  virtual std::optional<KeyframePose> Find(const ColoredView& view) = 0;
+  // Verifies one similar keyframe: `rank` counts by descending similarity, modulo the number of
+  // similar keyframes. Returns std::nullopt if the keyframe does not match.
+  virtual std::optional<KeyframePose> Find(const ColoredView& view, int rank) = 0;
+  // Returns earlier_from_view, or std::nullopt if the registration is not accepted.
+  virtual std::optional<Rigid3d> RegisterTo(const ColoredView& earlier,
+                                            const ColoredView& view) = 0;
   // Begins a new submap if `lost_frames` lost frames with enough depth are enough. Returns its
   // number, or std::nullopt if no submap was begun. The submap has a world frame of its own.
   virtual std::optional<int> BeginSubmap(int lost_frames) = 0;
@@ -48,8 +52,13 @@ struct SearchStart {
 
 // Estimates poses of lost or uncertain frames by global registration and relocalisation. Each pose
 // is verified by registration to the map. Global registration runs for every fifth lost frame, and
-// for each of the first five with TrackingOptions::VerifiesBySearch(). Relocalisation runs for
-// every third lost frame. Frames with too little depth do not count.
+// for each of the first five with TrackingOptions::VerifiesBySearch(). Frames with too little depth
+// do not count.
+//
+// With a Relocalizer, global registration runs for the first lost frame only. The search of later
+// frames whose registration is rejected costs about as much as tracking: two verifications of small
+// views. The targets are the last frame with a pose, and one similar keyframe. The keyframes of
+// lower ranks are verified for later lost frames.
 class PoseSearch {
  public:
   // Keeps references and the pointer.
@@ -71,11 +80,16 @@ class PoseSearch {
   // std::nullopt if the registration fails or is not due.
   std::optional<Tracked> FromLastFrame(const PreprocessedFrame& frame, const SearchStart& start,
                                        const CellMask& moving) const;
+  // Registration of small views to the last frame with a pose. Returns std::nullopt as above.
+  std::optional<Tracked> NearLastFrame(const PreprocessedFrame& frame,
+                                       const SearchStart& start) const;
+  // Returns whether global registration is due.
+  bool IsDue(const PreprocessedFrame& frame, const SearchStart& start) const;
   // Returns whether a registration to the last frame confirms the pose of an uncertain frame with
   // moving objects or few inliers.
   bool StaticPartAgrees(const PreprocessedFrame& frame, const SearchStart& start,
                         const Tracked& tracked) const;
-  // Returns std::nullopt if no keyframe matches, or if no relocalisation is due.
+  // Returns std::nullopt if the keyframe of this frame does not match.
   std::optional<Tracked> ByKeyframes(const PreprocessedFrame& frame,
                                      const SearchStart& start) const;
   std::optional<Tracked> Confirm(const PreprocessedFrame& frame, const SearchStart& start,

@@ -196,8 +196,13 @@ struct Verdicts {
   }
 };
 
+// The poses of a new submap have their own world frame, so no submap starts.
 inline const SlamOptions& DefaultSlam() {
-  static const SlamOptions options;
+  static const SlamOptions options = [] {
+    SlamOptions in_one_map;
+    in_one_map.loops.new_map_after = 0;
+    return in_one_map;
+  }();
   return options;
 }
 

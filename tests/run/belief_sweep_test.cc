@@ -10,7 +10,7 @@ namespace {
 constexpr int kStrides[] = {1, 2, 3, 5, 8, 10, 15, 20};
 
 SlamOptions WithLoops() {
-  SlamOptions options;
+  SlamOptions options = DefaultSlam();
   options.loops.enabled = true;
   return options;
 }

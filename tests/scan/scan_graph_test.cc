@@ -134,6 +134,47 @@ TEST_F(ScanGraphTest, LinksCorrectDriftAndOutliersAreRejected) {
   EXPECT_LT(Error(graph.Frames(0)), Error(without.Frames(0)));
 }
 
+// The tracking of fragment 2 slides by 0.8 m between two keyframes. Links of both halves are right.
+TEST_F(ScanGraphTest, CutsFragmentWhereItsOdometryContradictsLinks) {
+  constexpr std::size_t kSlides = 2, kEdge = 4;
+  const Rigid3d slide(Eigen::Quaterniond::Identity(), {0.5, 0.6, 0});
+  RunPlaces& places = *fragments_[kSlides];
+  const Rigid3d world_from_slid = places.keyframes[kEdge + 1].world_from_camera * slide *
+                                  places.keyframes[kEdge + 1].world_from_camera.Inverse();
+  for (PosedFrame& frame : places.frames) {
+    if (frame.keyframe > static_cast<int>(kEdge)) {
+      frame.world_from_camera = world_from_slid * frame.world_from_camera;
+    }
+  }
+  for (std::size_t k = kEdge + 1; k < places.keyframes.size(); ++k) {
+    places.keyframes[k].world_from_camera = world_from_slid * places.keyframes[k].world_from_camera;
+  }
+  places.edges[kEdge].a_from_b = places.keyframes[kEdge].world_from_camera.Inverse() *
+                                 places.keyframes[kEdge + 1].world_from_camera;
+  places.edges[kEdge].information *= 0.1;
+  for (const int keyframe : {0, 2}) Link(kSlides, keyframe, 0, keyframe + 1);
+  for (const int keyframe : {6, 7, 8}) Link(kSlides, keyframe, 0, keyframe - 3);
+  ScanGraph graph(fragments_, recordings_, links_, LoopOptions());
+  ASSERT_TRUE(graph.Solve());
+  ASSERT_EQ(graph.cuts().size(), 1u);
+  EXPECT_EQ(graph.cuts()[0].fragment, kSlides);
+  EXPECT_EQ(graph.cuts()[0].edge, kEdge);
+  EXPECT_EQ(graph.cuts()[0].after - graph.cuts()[0].before, kKeyframeStep);
+  for (const GraphLink& link : graph.links()) EXPECT_FALSE(link.is_rejected);
+  EXPECT_LT(Error(graph.Frames(0)), 0.2);
+}
+
+TEST_F(ScanGraphTest, DoesNotCutFragmentForOneWrongLink) {
+  const std::size_t last = fragments_.size() - 1;
+  Link(last, 0, 0, 0);
+  Link(last, 1, 0, 1);
+  Link(2, 3, 0, 4, Rigid3d(Eigen::Quaterniond::Identity(), {1.5, 0, 0}));
+  ScanGraph graph(fragments_, recordings_, links_, LoopOptions());
+  ASSERT_TRUE(graph.Solve());
+  EXPECT_TRUE(graph.cuts().empty());
+  EXPECT_TRUE(graph.links()[2].is_rejected);
+}
+
 TEST_F(ScanGraphTest, KeepsConsistentLoopsWithinFragments) {
   const auto add_loop = [&](std::size_t a, std::size_t b, const Rigid3d& error) {
     PoseGraphEdge edge;

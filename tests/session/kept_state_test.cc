@@ -108,7 +108,7 @@ TEST_F(KeptState, IsNotChangedByLocalisation) {
 
 TEST_F(KeptState, RejectsOptionsWithoutLoopsOrMap) {
   SlamOptions options = SessionSlamOptions();
-  options.loops.enabled = false;
+  options.loops.enabled = options.loops.relocalization = false;
   ExpectInputError([&] { GoOn(StateUse::kContinue, options); }, Names("loops.enabled"));
   options = SessionSlamOptions();
   options.tracking = "frame_to_frame";

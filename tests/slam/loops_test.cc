@@ -56,7 +56,9 @@ LoopRun RunLoops(const SimulatedSequence& sequence, const SlamOptions& options) 
 TEST(SlamLoops, RelocalisesKidnappedCamera) {
   constexpr int kKnown = 60, kUnknown = 12, kAgain = 15;
   const SimulatedSequence sequence = KidnappedAndBack(kKnown, kUnknown, kAgain);
-  const LoopRun run = RunLoops(sequence, WithLoops());
+  SlamOptions options = WithLoops();
+  options.loops.new_map_after = 0;
+  const LoopRun run = RunLoops(sequence, options);
   for (int i = kKnown; i < kKnown + kUnknown; ++i) {
     EXPECT_EQ(run.reports[i].state, FrameState::kLost) << i;
     EXPECT_EQ(run.reports[i].fusion.merged_points, 0) << i;

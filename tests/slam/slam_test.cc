@@ -291,11 +291,12 @@ TEST(Slam, RejectsKeyframeCallbackWithoutLoops) {
   const SimulatedSequence& room = IdealRoom();
   const auto call = [](int, const ViewOfKeyframe&, const std::shared_ptr<const RgbdFrame>&) {};
   SlamOptions options;
+  options.loops.relocalization = false;
   for (const bool calibrates : {false, true}) {
     options.calibration.enabled = calibrates;
     Slam slam({room.camera, {}}, options, {});
     ExpectInputError([&] { slam.OnKeyframe(call); },
-                     HasSubstr("loops.enabled is false, must be true"));
+                     HasSubstr("loops.enabled and loops.relocalization are false"));
   }
 }
 

@@ -69,6 +69,9 @@ std::vector<LoopVerification> FindLoops(int source, const std::vector<Keyframe>&
 // Options of Relocalize().
 struct RelocalizeOptions {
   int max_candidates = 5;  // maximum number of verified keyframes, by descending similarity
+  // Rank of the first verified keyframe, modulo the number of similar keyframes. Other values than
+  // 0 spread the candidates over several frames.
+  int first_candidate = 0;
   VerifyLoopOptions verify;
 
   void Visit(OptionVisitor& visitor);

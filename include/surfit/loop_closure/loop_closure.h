@@ -41,10 +41,14 @@ inline PoseGraphOptions RobustPoseGraphOptions() {
   return options;
 }
 
-// Options of loop closure and relocalisation. `keyframes` is also used for calibration without loop
-// closure.
+// Options of loop closure and relocalisation. `keyframes` is also used for calibration without
+// keyframe views.
 struct LoopOptions {
+  // Closes loops within a piece of the trajectory, too. Implies `relocalization`.
   bool enabled = false;
+  // Relocalises a lost camera, starts submaps, and joins submaps by loop closures between them. Has
+  // no effect on a camera that is never lost.
+  bool relocalization = true;
   KeyframeOptions keyframes;
   PlaceViewOptions views;
   PlaceIndexOptions places;
@@ -55,7 +59,7 @@ struct LoopOptions {
   // Number of frames from the start of a loop task until its result is applied, on every machine.
   // In real time, it may be applied later. A task has all keyframes since the last task.
   int delay_frames = 30;
-  // FusionOptions::active_frames with loop closure, if that option is 0. Old surfels must not
+  // FusionOptions::active_frames if `enabled` is true and that option is 0. Old surfels must not
   // constrain a drifted camera before a loop closure. 0: no limit.
   int active_frames = 200;
   // Duplicate surfels are merged after a loop closure if more than this number of frames is between
@@ -66,9 +70,12 @@ struct LoopOptions {
   double min_correction_m = 0.002;
   // Maximum memory of keyframe views, bytes. LimitKeyframes() removes further views.
   std::size_t max_view_bytes = std::size_t{512} << 20;
-  // Number of consecutive lost frames before a new submap starts. A loop closure can connect it to
-  // the first submap. 0: never.
-  int new_map_after = 0;
+  // A new submap starts with this lost frame in a row. Frames with too little depth do not count. A
+  // loop closure can connect the submap to the first submap. 0: never.
+  int new_map_after = 6;
+
+  // Returns whether keyframes have views, for loop closure or relocalisation.
+  bool HasViews() const { return enabled || relocalization; }
 
   void Visit(OptionVisitor& visitor);
 };

@@ -100,6 +100,8 @@ class PoseStore {
 
   // Number of submaps, at least 1 after the first keyframe.
   int submap_count() const;
+  // KeyframeLink::submap of each keyframe.
+  std::vector<int> SubmapOfKeyframe() const;
   // Piece of each keyframe. A piece is a set of keyframes that parents and loops in the graph
   // connect. Poses of different pieces are not comparable. Pieces are numbered by their first
   // keyframe.

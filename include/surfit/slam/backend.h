@@ -91,8 +91,9 @@ class Backend {
           const CalibrationOptions& calibration, LoopFinder finder = {}, bool real_time = false);
   ~Backend();
 
-  // Continues from a state. Requires enabled loops and a state with a keyframe and one view per
-  // keyframe. Call before the first frame. Moves from all members of the state except its map.
+  // Continues from a state. Requires LoopOptions::HasViews(), and a state with a keyframe and one
+  // view per keyframe. Call before the first frame. Moves from all members of the state except its
+  // map.
   void ContinueFrom(SlamState* state, StateUse use);
   // Sets the callback for new keyframes; null: none. Not called without loops.
   void OnKeyframe(KeyframeCall call) { on_keyframe_ = std::move(call); }
@@ -114,8 +115,13 @@ class Backend {
   // Ends calibration: waits for a running task and drops its result. The current estimate stays.
   void EndCalibration();
 
-  // Relocalises a view by all keyframes. Waits for the current loop task. Requires enabled loops.
-  Relocalization Find(const ColoredView& view);
+  // Relocalises a view by one of the most similar keyframes: RelocalizeOptions::first_candidate is
+  // `rank`. Waits for the current loop task. In real time, finds nothing during a task. Requires
+  // LoopOptions::HasViews().
+  Relocalization Find(const ColoredView& view, int rank);
+  // Registers a view to the view of an earlier frame, as for a loop closure. Requires
+  // LoopOptions::HasViews().
+  GlobalRegistrationResult RegisterTo(const ColoredView& earlier, const ColoredView& view) const;
   // Call after a relocalisation. The next frame becomes a keyframe with an edge to `keyframe`.
   void AfterRelocalization(int keyframe);
   // Starts a new submap with the next frame, and returns the number of the submap. Its poses have a
@@ -133,7 +139,7 @@ class Backend {
 
   // Frames, keyframes, edges and loops. The reference is valid until the Backend is destroyed.
   const PoseStore& poses() const { return poses_; }
-  // Keyframes with their views, by keyframe. Call after Finish(), with enabled loops.
+  // Keyframes with their views, by keyframe. Call after Finish(). Requires LoopOptions::HasViews().
   std::vector<Keyframe> keyframe_views() const;
   // Number of keyframes with a completed loop search.
   std::size_t settled_keyframes() const;

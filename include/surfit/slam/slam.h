@@ -41,7 +41,7 @@ struct SlamOptions : TrackingOptions {
   LoopOptions loops;
   CalibrationOptions calibration;
   // Frames arrive at the rate of a camera. Tracking does not wait for loop closure or calibration,
-  // so the result depends on the machine. Only relocalisation waits for the current loop task.
+  // so the result depends on the machine. Relocalisation finds nothing during a loop task.
   bool real_time = false;
   // Every hold_out-th frame is tracked, but not fused, for the evaluation of the map. Lost frames
   // are counted. The first frame of a map is always fused. 0: off. 1 is invalid.
@@ -102,8 +102,8 @@ class Slam {
   // state.
   //
   // Enables calibration if the state is calibrated. Throws InputError for an invalid sensor,
-  // invalid options, disabled loop closure, frame-to-frame tracking, or a state without keyframes.
-  // Other errors of the state are not checked.
+  // invalid options, disabled relocalisation, frame-to-frame tracking, or a state without
+  // keyframes. Other errors of the state are not checked.
   Slam(const DepthSensor& sensor, const SlamOptions& options, SlamState state, StateUse use);
   ~Slam();
 
@@ -135,12 +135,12 @@ class Slam {
   void UseImu(ImuRecording recording);
   ImuReport imu_report() const;
 
-  // Replaces FindLoops() for loop closure. Throws if loops are disabled or a frame has a pose, also
-  // in a continued state.
+  // Replaces FindLoops() for loop closure. Throws without LoopOptions::HasViews(), and if a frame
+  // has a pose, also in a continued state.
   void UseLoopFinder(LoopFinder finder);
 
   // Sets a callback for each new keyframe, called by the thread of Process(). It must not throw or
-  // call this object. Throws InputError if loops are disabled.
+  // call this object. Throws InputError without LoopOptions::HasViews().
   void OnKeyframe(KeyframeCall call);
 
   // Replaces SlamOptions::map_period for the following frames. Use a longer period if frames arrive

@@ -1,3 +1,5 @@
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -274,6 +276,13 @@ Json ToJson(const ScanPlan& plan, const ScanGraph& graph,
                          {"frames", fragment ? fragment->places.frames.size() : 0},
                          {"keyframes", fragment ? fragment->places.keyframes.size() : 0}});
   }
+  Json cuts = Json::array();
+  for (const FragmentCut& cut : graph.cuts()) {
+    cuts.push_back({{"fragment", plan.fragments[cut.fragment].name},
+                    {"before_frame", cut.before},
+                    {"after_frame", cut.after},
+                    {"links", cut.links}});
+  }
   Json links = Json::array();
   for (const GraphLink& link : graph.links()) {
     const auto frame = [&](std::size_t fragment, int keyframe) {
@@ -299,7 +308,17 @@ Json ToJson(const ScanPlan& plan, const ScanGraph& graph,
           {"worst_link", ToJson(result.worst_link)},
           {"worst_loop", ToJson(result.worst_loop)},
           {"fragments", fragments},
+          {"cuts", cuts},
           {"links", links}};
+}
+
+void WarnOfCuts(const ScanPlan& plan, const ScanGraph& graph) {
+  for (const FragmentCut& cut : graph.cuts()) {
+    LOG(WARNING) << "fragment " << plan.fragments[cut.fragment].name
+                 << " is cut between the frames " << cut.before << " and " << cut.after
+                 << ": its tracked motion contradicts " << cut.links
+                 << " verified links, and poses between these frames may be wrong";
+  }
 }
 
 // Paths of the link files of current candidates. Link files of an earlier plan are excluded.
@@ -345,6 +364,7 @@ GraphResult BuildScanGraph(const GraphOptions& options) {
       result.keyframes += static_cast<int>(graph.fragments()[i]->solved.size());
     }
   }
+  WarnOfCuts(plan, graph);
   for (const GraphLink& link : graph.links()) {
     ++(link.is_rejected ? result.links_rejected : result.links_accepted);
   }

@@ -20,11 +20,11 @@ void ScanPlanOptions::Visit(OptionVisitor& v) {
   v.Group("sequence");
   v.Add(sequences,
         SharedOption("sequence", InField("sequences"), Required(), Repeatable(), Everyday()));
-  v.AddPart(
-      run, "run", "options of the fragment runs", OptionalPart(),
-      WithoutFlags({"sequence", "loop_closure", "calibrate", "refine", "final_map", "pictures",
-                    "report", "keep_places", "session", "continue", "localize", "trace",
-                    "dump_failures", "offered_fps", "real_time", "poses", "initial_pose"}));
+  v.AddPart(run, "run", "options of the fragment runs", OptionalPart(),
+            WithoutFlags({"sequence", "loop_closure", "relocalization", "new_map_after",
+                          "calibrate", "refine", "final_map", "pictures", "report", "keep_places",
+                          "session", "continue", "localize", "trace", "dump_failures",
+                          "offered_fps", "real_time", "poses", "initial_pose"}));
   v.Group("fragments");
   v.Add(fragment_frames, "fragment_frames", "maximum number of frames of a fragment", AtLeast(2),
         AsFlag(), Everyday());

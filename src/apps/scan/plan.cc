@@ -22,6 +22,7 @@ std::string NameOf(std::int64_t fragment) {
 
 SlamRunOptions RunOfFragments(SlamRunOptions run) {
   run.slam.loops.enabled = run.keep_places = true;
+  run.slam.loops.new_map_after = 0;  // a fragment has one world frame
   run.slam.calibration.enabled = run.refine = run.final_map = run.pictures = false;
   return run;
 }

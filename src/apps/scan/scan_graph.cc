@@ -1,7 +1,9 @@
 #include "apps/scan/scan_graph.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "loop_closure/correct_frames.h"
@@ -14,6 +16,16 @@ constexpr int kNoPart = -1;
 // Nearly infinite information, for two fragments that share a frame. LoopInformation() adds the
 // noise of loop closures.
 const Matrix6d kExact = 1e12 * Matrix6d::Identity();
+// Factor of the information of a cut edge. The edge still connects both halves for the solver.
+constexpr double kCutInformation = 1e-9;
+// Minimum number of links that a cut makes consistent. One link alone can be wrong.
+constexpr std::size_t kMinCutLinks = 2;
+
+// Smallest eigenvalue of the information of an edge. Rotations count in rad, translations in m.
+double Certainty(const PoseGraphEdge& edge) {
+  return Eigen::SelfAdjointEigenSolver<Matrix6d>(edge.information, Eigen::EigenvaluesOnly)
+      .eigenvalues()[0];
+}
 
 std::vector<int> FrameOfKeyframe(const RunPlaces& places) {
   std::vector<int> positions;
@@ -129,25 +141,32 @@ int ScanGraph::LargestPart(const std::vector<int>& parts) const {
   return largest;
 }
 
-bool ScanGraph::Solve() {
-  std::vector<Connection> connections = Connections();
+std::optional<ScanGraph::Solution> ScanGraph::SolveWith(
+    const std::vector<FragmentCut>& cuts) const {
+  const std::vector<Connection> connections = Connections();
   std::vector<Rigid3d> world_from_fragment;
-  std::vector<int> parts = Parts(connections, &world_from_fragment);
+  const std::vector<int> parts = Parts(connections, &world_from_fragment);
   const int largest = LargestPart(parts);
-  PoseGraph graph;
-  std::vector<std::size_t> first_node(fragments_.size()), first_edge(fragments_.size());
+  Solution solution;
+  PoseGraph& graph = solution.graph;
+  solution.first_node.resize(fragments_.size());
+  solution.first_edge.resize(fragments_.size());
   for (std::size_t i = 0; i < fragments_.size(); ++i) {
     if (parts[i] != largest || !fragments_[i]) continue;
-    first_node[i] = graph.poses.size();
-    first_edge[i] = graph.edges.size();
+    solution.first_node[i] = graph.poses.size();
+    solution.first_edge[i] = graph.edges.size();
     for (const Keyframe& keyframe : fragments_[i]->places.keyframes) {
       graph.poses.push_back({static_cast<std::int64_t>(graph.poses.size()),
                              world_from_fragment[i] * keyframe.world_from_camera, false});
     }
     for (PoseGraphEdge edge : fragments_[i]->places.edges) {
-      edge.a += first_node[i], edge.b += first_node[i];
+      edge.a += solution.first_node[i], edge.b += solution.first_node[i];
       graph.edges.push_back(edge);
     }
+  }
+  for (const FragmentCut& cut : cuts) {
+    if (parts[cut.fragment] != largest) continue;
+    graph.edges[solution.first_edge[cut.fragment] + cut.edge].information *= kCutInformation;
   }
   std::map<std::size_t, std::size_t> link_of_edge;
   for (const Connection& connection : connections) {
@@ -164,37 +183,122 @@ bool ScanGraph::Solve() {
       edge.loop = true;
       link_of_edge[graph.edges.size()] = connection.link;
     }
-    edge.a += first_node[connection.a], edge.b += first_node[connection.b];
+    edge.a += solution.first_node[connection.a], edge.b += solution.first_node[connection.b];
     graph.edges.push_back(edge);
   }
   const PoseGraphSummary summary = OptimizePoseGraph(options_.graph, &graph);
-  if (!summary.Succeeded()) return false;
-  std::vector<bool> is_wrong(graph.edges.size(), false);
+  if (!summary.Succeeded()) return std::nullopt;
+  solution.is_wrong.assign(graph.edges.size(), false);
   for (const std::size_t edge : summary.outlier_edges) {
-    is_wrong[edge] = true;
+    solution.is_wrong[edge] = true;
     const auto link = link_of_edge.find(edge);
-    if (link != link_of_edge.end()) links_[link->second].is_rejected = true;
+    if (link != link_of_edge.end()) solution.rejected_links.push_back(link->second);
   }
+  std::sort(solution.rejected_links.begin(), solution.rejected_links.end());
+  return solution;
+}
+
+// Connections of a fragment divide its keyframes into intervals. All edges of an interval explain
+// the same contradictions. One end of the interval must have a rejected link.
+std::vector<FragmentCut> ScanGraph::PossibleCuts(const Solution& solution) const {
+  std::vector<FragmentCut> cuts;
+  const std::vector<Connection> connections = Connections();
+  for (std::size_t f = 0; f < fragments_.size(); ++f) {
+    if (!fragments_[f]) continue;
+    std::set<std::size_t> ends;  // connected keyframes
+    std::size_t rejected = 0;
+    for (const Connection& connection : connections) {
+      if (connection.joint) {
+        if (connection.a == f) ends.insert(connection.joint->a);
+        if (connection.b == f) ends.insert(connection.joint->b);
+        continue;
+      }
+      const GraphLink& link = links_[connection.link];
+      if (link.source == f) ends.insert(static_cast<std::size_t>(link.source_keyframe));
+      if (link.target == f) ends.insert(static_cast<std::size_t>(link.target_keyframe));
+      if (link.source != f && link.target != f) continue;
+      rejected += std::binary_search(solution.rejected_links.begin(), solution.rejected_links.end(),
+                                     connection.link);
+    }
+    if (rejected < kMinCutLinks) continue;
+    const RunPlaces& places = fragments_[f]->places;
+    std::map<std::size_t, std::size_t> weakest;  // edge by the end of its interval
+    for (std::size_t e = 0; e < places.edges.size(); ++e) {
+      const PoseGraphEdge& edge = places.edges[e];
+      const auto end = ends.lower_bound(edge.b);
+      if (edge.loop || edge.b != edge.a + 1 || end == ends.end() || edge.a < *ends.begin())
+        continue;
+      const auto [at, is_new] = weakest.emplace(*end, e);
+      if (!is_new && Certainty(edge) < Certainty(places.edges[at->second])) at->second = e;
+    }
+    for (const auto& [end, e] : weakest) {
+      const PoseGraphEdge& edge = places.edges[e];
+      cuts.push_back(
+          {f, e, 0, places.keyframes[edge.a].frame_index, places.keyframes[edge.b].frame_index});
+    }
+  }
+  return cuts;
+}
+
+bool ScanGraph::Cut(Solution* solution) {
+  const std::size_t before = solution->rejected_links.size();
+  std::optional<Solution> best;
+  FragmentCut best_cut;
+  for (FragmentCut cut : PossibleCuts(*solution)) {
+    std::vector<FragmentCut> cuts = cuts_;
+    cuts.push_back(cut);
+    std::optional<Solution> with_cut = SolveWith(cuts);
+    if (!with_cut || with_cut->rejected_links.size() + kMinCutLinks > before) continue;
+    if (best && with_cut->rejected_links.size() >= best->rejected_links.size()) continue;
+    cut.links = before - with_cut->rejected_links.size();
+    best = std::move(with_cut);
+    best_cut = cut;
+  }
+  if (!best) return false;
+  *solution = *std::move(best);
+  cuts_.push_back(best_cut);
+  return true;
+}
+
+bool ScanGraph::Solve() {
+  std::optional<Solution> solution = SolveWith({});
+  if (!solution) return false;
+  while (Cut(&*solution)) continue;
+  std::stable_sort(cuts_.begin(), cuts_.end(), [](const FragmentCut& a, const FragmentCut& b) {
+    return a.fragment < b.fragment;
+  });
+  Take(*solution);
+  return true;
+}
+
+void ScanGraph::Take(const Solution& solution) {
+  for (const std::size_t link : solution.rejected_links) links_[link].is_rejected = true;
   // The rejection of outlier links can disconnect further fragments.
-  connections = Connections();
-  parts = Parts(connections, &world_from_fragment);
+  std::vector<Rigid3d> world_from_fragment;
+  const std::vector<int> parts = Parts(Connections(), &world_from_fragment);
   const int left = LargestPart(parts);
   for (std::size_t i = 0; i < fragments_.size(); ++i) {
     if (!fragments_[i] || parts[i] != left) continue;
     for (std::size_t k = 0; k < fragments_[i]->places.keyframes.size(); ++k) {
-      fragments_[i]->solved.push_back(graph.poses[first_node[i] + k].world_from_pose);
+      fragments_[i]->solved.push_back(
+          solution.graph.poses[solution.first_node[i] + k].world_from_pose);
     }
     const std::vector<PoseGraphEdge>& edges = fragments_[i]->places.edges;
     for (std::size_t e = 0; e < edges.size(); ++e) {
-      if (edges[e].loop && !is_wrong[first_edge[i] + e]) {
+      if (edges[e].loop && !solution.is_wrong[solution.first_edge[i] + e]) {
         fragments_[i]->kept_loops.push_back(edges[e]);
       }
+    }
+  }
+  // Corrections are not interpolated across a cut.
+  for (const FragmentCut& cut : cuts_) {
+    for (PosedFrame& frame : fragments_[cut.fragment]->places.frames) {
+      if (frame.index >= cut.after) ++frame.segment;
     }
   }
   for (GraphLink& link : links_) {
     link.is_rejected |= IsDisconnected(link.source) || IsDisconnected(link.target);
   }
-  return true;
 }
 
 std::optional<Rigid3d> ScanGraph::Residual(const GraphLink& link) const {

@@ -27,6 +27,14 @@ struct GraphLink {
   bool is_rejected = false;  // outlier, or link to a disconnected fragment
 };
 
+// Odometry edge of a fragment that contradicts verified links. The graph does not use the edge.
+struct FragmentCut {
+  std::size_t fragment = 0;
+  std::size_t edge = 0;       // index in RunPlaces::edges
+  std::size_t links = 0;      // number of links that are consistent only with the cut
+  int before = 0, after = 0;  // frame indices of both keyframes
+};
+
 // Pose graph of the keyframes of all fragments. Not thread-safe.
 class ScanGraph {
  public:
@@ -38,7 +46,12 @@ class ScanGraph {
 
   // Optimises the connected part with the most frames, and rejects outliers. Call once. Returns
   // false, without changes, if the solver fails.
+  //
+  // Cuts a fragment whose odometry contradicts at least two links that agree. Each interval between
+  // the connections of the fragment is tried. The edge with the least information is cut.
   bool Solve();
+  // Cuts of Solve(), in the order of the fragments.
+  const std::vector<FragmentCut>& cuts() const { return cuts_; }
 
   // std::nullopt: missing fragment.
   const std::vector<std::optional<GraphFragment>>& fragments() const { return fragments_; }
@@ -63,7 +76,21 @@ class ScanGraph {
     std::size_t link = 0;                // index of the link; only without `joint`
   };
 
+  // Optimised graph of the largest part.
+  struct Solution {
+    PoseGraph graph;
+    std::vector<std::size_t> first_node, first_edge;  // per fragment
+    std::vector<bool> is_wrong;                       // per edge: outlier
+    std::vector<std::size_t> rejected_links;          // ascending
+  };
+
   std::vector<Connection> Connections() const;
+  // Returns std::nullopt if the solver fails.
+  std::optional<Solution> SolveWith(const std::vector<FragmentCut>& cuts) const;
+  std::vector<FragmentCut> PossibleCuts(const Solution& solution) const;
+  // Adds the cut that makes the most links consistent. Returns false without such a cut.
+  bool Cut(Solution* solution);
+  void Take(const Solution& solution);
   std::optional<Connection> Joint(std::size_t a, std::size_t b) const;
   // `world_from_fragment` receives the poses of the fragments, chained along a spanning forest.
   std::vector<int> Parts(const std::vector<Connection>& connections,
@@ -74,6 +101,7 @@ class ScanGraph {
   std::vector<int> recordings_;
   std::vector<GraphLink> links_;
   LoopOptions options_;
+  std::vector<FragmentCut> cuts_;
 };
 
 }  // namespace surfit

@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <string>
 #include <utility>
@@ -19,7 +20,11 @@ std::vector<int> PieceOfFrame(const std::vector<int>& frames, const PoseStore* p
   for (const PosedFrame& frame : poses->frames()) {
     piece_of_frame[frame.index] = piece_of_keyframe[frame.keyframe];
   }
-  for (std::size_t i = 0; i < pieces.size(); ++i) pieces[i] = piece_of_frame[frames[i]];
+  // A lost frame with a pose is in the piece of the frame before it.
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const auto next = piece_of_frame.upper_bound(frames[i]);
+    if (next != piece_of_frame.begin()) pieces[i] = std::prev(next)->second;
+  }
   return pieces;
 }
 
@@ -60,6 +65,20 @@ TrajectoryPieces SplitIntoPieces(const RunTrajectory& trajectory, const PoseStor
     }
   }
   return pieces;
+}
+
+std::vector<std::size_t> GapsOf(const RunTrajectory& trajectory, const PoseStore* poses,
+                                const std::set<int>& lost) {
+  constexpr int kMaxLostFrames = 10;
+  const std::vector<int>& frames = trajectory.frames();
+  const std::vector<int> pieces = PieceOfFrame(frames, poses);
+  std::vector<std::size_t> gaps;
+  for (std::size_t p = 0; p + 1 < frames.size(); ++p) {
+    const auto between =
+        std::distance(lost.upper_bound(frames[p]), lost.lower_bound(frames[p + 1]));
+    if (between > 0 && between <= kMaxLostFrames && pieces[p] == pieces[p + 1]) gaps.push_back(p);
+  }
+  return gaps;
 }
 
 void EvaluateRun(const Trajectory& estimate, const Trajectory& truth,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <set>
 #include <vector>
 
 #include "run/results/run_files.h"
@@ -20,6 +22,11 @@ struct TrajectoryPieces {
 // own world frame; empty: no evaluation of the pieces. `stamps_s`: timestamps of all frames.
 TrajectoryPieces SplitIntoPieces(const RunTrajectory& trajectory, const PoseStore* poses,
                                  const Trajectory& truth, const std::vector<double>& stamps_s);
+
+// Positions p in the trajectory with 1 to 10 lost frames between the positions p and p + 1, if both
+// positions are in the same piece. `lost`: indices of lost frames. `poses`: as above.
+std::vector<std::size_t> GapsOf(const RunTrajectory& trajectory, const PoseStore* poses,
+                                const std::set<int>& lost);
 
 // Sets the errors of the summary for the poses of the largest piece. Logs a warning if the ground
 // truth of `options` has no pose at the times of the frames. `truth` must not be empty.

@@ -1,10 +1,13 @@
 #include "run/results/run_files.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <iomanip>
 #include <sstream>
 #include <utility>
 
+#include "core/files.h"
 #include "output/recorded_run.h"
 #include "run/results/kept_views.h"
 #include "surfit/geometry/sensor.h"
@@ -57,6 +60,15 @@ void RunTrajectory::Replace(Trajectory corrected) {
   is_replaced_ = true;
 }
 
+void RunTrajectory::Insert(const std::vector<PoseBetween>& found) {
+  for (const PoseBetween& pose : found) {
+    const auto at = std::lower_bound(frames_.begin(), frames_.end(), pose.frame);
+    poses_.insert(poses_.begin() + (at - frames_.begin()), {pose.stamp_s, pose.world_from_camera});
+    frames_.insert(at, pose.frame);
+  }
+  is_replaced_ = is_replaced_ || !found.empty();
+}
+
 void RunTrajectory::Finish() const {
   if (!is_replaced_) return;
   Trajectory written = poses_;
@@ -69,7 +81,7 @@ StampedPose RunTrajectory::InSourceConvention(StampedPose pose) const {
   return pose;
 }
 
-FrameTable::FrameTable(const std::string& folder) : file_(folder + "/frames.csv") {
+FrameTable::FrameTable(const std::string& folder) : path_(folder + "/frames.csv"), file_(path_) {
   file_.Append(
       "index,stamp_s,state,fused,termination,iterations,inliers,inlier_ratio,rmse_m,"
       "smallest_eigenvalue,moving_ratio,two_motions,points,merged_points,merged,added,removed,"
@@ -99,6 +111,21 @@ void FrameTable::AddSkipped(const ReadResult& result, double frame_ms) {
       << ",skipped,0,,0,0,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.read_ms
       << ",0,0,0,0,0," << frame_ms << '\n';
   file_.Append(row.str());
+}
+
+void FrameTable::MarkFound(const std::vector<int>& frames) {
+  if (frames.empty() || !std::filesystem::is_regular_file(path_)) return;
+  std::istringstream rows(ReadFile(path_));
+  std::ostringstream marked;
+  std::string row;
+  while (std::getline(rows, row)) {
+    const std::size_t index_end = row.find(','), state = row.find(",lost,");
+    const bool is_found = state != std::string::npos &&
+                          std::binary_search(frames.begin(), frames.end(),
+                                             std::atoi(row.substr(0, index_end).c_str()));
+    marked << (is_found ? row.replace(state, 6, ",between,") : row) << '\n';
+  }
+  WriteFileAtomically(path_, [&](std::ostream& out) { out << marked.str(); });
 }
 
 }  // namespace surfit

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "finishing/posed_sequence.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/frame/frame_source.h"
 #include "surfit/io/trajectory_files.h"
@@ -28,7 +29,9 @@ class RunTrajectory {
   // Replaces the poses of all frames(), in this order. After a failed frame, the sizes differ:
   // drops surplus poses or frames at the end.
   void Replace(Trajectory corrected);
-  // Writes trajectory.txt again if Replace() was called.
+  // Adds poses of lost frames, which were found after the run.
+  void Insert(const std::vector<PoseBetween>& found);
+  // Writes trajectory.txt again if Replace() or Insert() was called.
   void Finish() const;
 
   // Poses in the convention of the run: mirrored if `mirrored` is true.
@@ -59,8 +62,12 @@ class FrameTable {
   void Add(const FrameReport& report, double read_ms, double frame_ms);
   // Adds an unreadable frame.
   void AddSkipped(const ReadResult& result, double frame_ms);
+  // Replaces the state "lost" of these frames by "between", and writes the file again. `frames`:
+  // indices of lost frames, ascending. Does nothing on a device or pipe.
+  void MarkFound(const std::vector<int>& frames);
 
  private:
+  std::string path_;
   AppendedFile file_;
 };
 
