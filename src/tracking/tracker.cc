@@ -164,6 +164,7 @@ Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Predicti
   const ReferenceView& reference = *prediction.reference;
   Tracked tracked =
       ByDepthAlone(frame, prediction, Register(frame, reference, prediction.world_from_camera));
+  tracked = WithoutImu(frame, prediction, std::move(tracked));
   if (state_.HasLastPose() && !options_.IsFrameToFrame() && MayShowNewSurfaces(tracked)) {
     tracked = AgainstNewest(frame, std::move(tracked));
   }
@@ -208,6 +209,20 @@ std::optional<ImuTracking::Prediction> Tracker::PredictByImu(double stamp_s) con
 std::optional<Matrix6d> Tracker::PriorCovariance(const PreprocessedFrame& frame) const {
   if (imu_prediction_ && imu_prediction_->covariance) return imu_prediction_->covariance;
   return motion_model_.PriorCovariance(state_, SecondsTo(frame));
+}
+
+// The inertial sensor loses no frame: a pose that is not accepted is registered again without the
+// inertial prior.
+Tracked Tracker::WithoutImu(const PreprocessedFrame& frame, const Prediction& prediction,
+                            Tracked tracked) {
+  const bool is_accepted = tracked.has_pose() && tracked.verdict == Verdict::kAccepted;
+  if (!imu_prediction_ || !imu_prediction_->covariance || is_accepted) return tracked;
+  const std::optional<ImuTracking::Prediction> predicted = std::exchange(imu_prediction_, {});
+  Tracked again = ByDepthAlone(
+      frame, prediction, Register(frame, *prediction.reference, prediction.world_from_camera));
+  if (again.has_pose() && again.verdict == Verdict::kAccepted) return again;
+  imu_prediction_ = predicted;
+  return tracked;
 }
 
 // An accepted pose that agrees with the prediction of both inertial sensors needs no search: two
