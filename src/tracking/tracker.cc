@@ -17,11 +17,9 @@ constexpr std::size_t kReadoutLevel = 3;
 // Minimum inlier ratio of a pose that is certain by depth alone.
 constexpr double kCertainInliers = 0.6;
 
-// A registered pose agrees with the inertial prediction within this squared Mahalanobis distance
-// (99.9 % of the chi-square distribution with 6 degrees of freedom), and within these bounds.
-constexpr double kMaxImuDistance2 = 22.5, kMaxImuTurn_rad = 0.03, kMaxImuShift_m = 0.15;
-// Errors of a registered pose in this test.
-constexpr double kRegisteredSigma_rad = 0.004, kRegisteredSigma_m = 0.008;
+// A registered pose agrees with the inertial prediction within these bounds. The bounds of a
+// certain prediction are those of AreOnePlace().
+constexpr double kImuShift_m = 0.05, kMaxImuShift_m = 0.15, kMaxImuTurn_rad = 0.05;
 // Information of a given pose: 0.1 mrad and 0.1 mm.
 constexpr double kGivenInformation = 1e8;
 
@@ -234,14 +232,10 @@ bool Tracker::AgreesWithImu(const Tracked& tracked) const {
   }
   const Rigid3d error =
       imu_prediction_->world_from_camera.Inverse() * tracked.world_from_registered;
-  Vector6d difference;
-  difference << QuaternionLog<double>(error.rotation), error.translation;
-  if (difference.head<3>().norm() > kMaxImuTurn_rad || difference.tail<3>().norm() > kMaxImuShift_m)
-    return false;
-  Matrix6d covariance = *imu_prediction_->covariance;
-  covariance.diagonal().head<3>().array() += kRegisteredSigma_rad * kRegisteredSigma_rad;
-  covariance.diagonal().tail<3>().array() += kRegisteredSigma_m * kRegisteredSigma_m;
-  return difference.dot(SolveLdlt(covariance, difference)) < kMaxImuDistance2;
+  const Matrix6d& covariance = *imu_prediction_->covariance;
+  const double sigma_m = LargestSigma(covariance.bottomRightCorner<3, 3>());
+  return error.translation.norm() <= std::min(kImuShift_m + 3 * sigma_m, kMaxImuShift_m) &&
+         RotationAngle(error.rotation) <= kMaxImuTurn_rad;
 }
 
 void Tracker::AddToImu(const PreprocessedFrame& frame, const Tracked& tracked) {
