@@ -420,7 +420,6 @@ std::optional<Rigid3d> Tracker::PredictedPose() const {
 
 // Returns std::nullopt without a motion prior.
 std::optional<Rigid3d> Tracker::ExpectedPose() const {
-  if (imu_prediction_ && imu_prediction_->covariance) return imu_prediction_->world_from_camera;
   return motion_model_.HasPredictableMotion(state_) ? PredictedPose() : std::nullopt;
 }
 
