@@ -192,7 +192,7 @@ class AnalyticInertialMotion final
     j = residual_.root() * derivative;
   }
 
-  // Converts derivatives by (w, t) to derivatives by the pose block, as AnalyticRelativePose does.
+  // Converts derivatives by (w, t) to derivatives by the pose block. See AnalyticRelativePose.
   void FillPose(const Columns<6>& derivative, const double* pose, double* jacobian) const {
     const Columns<6> whitened = residual_.root() * derivative;
     const Vector3d u(pose[0], pose[1], pose[2]);

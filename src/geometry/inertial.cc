@@ -75,8 +75,8 @@ StepNoise NoiseOf(const ImuStep& step, const ImuNoise& noise) {
   return square;
 }
 
-// Covariance of the errors that a step of length T adds. White noise of the density a in the turn
-// rate, b in the acceleration, c and d in the rates of both biases has after the time s the effect
+// Covariance of the errors that a step of length T adds. The white noises have the densities a
+// (turn rate), b (acceleration), c and d (rates of both biases). Their effects after the time s are
 //   a: turn 1, speed S s, shift S s^2 / 2              S: derivative of the speed rate by the turn
 //   b: speed 1, shift s                                R: rotation
 //   c: gyro bias 1, turn -s, speed -S s^2 / 2, shift -S s^3 / 6

@@ -17,11 +17,9 @@ constexpr std::size_t kReadoutLevel = 3;
 // Minimum inlier ratio of a pose that is certain by depth alone.
 constexpr double kCertainInliers = 0.6;
 
-// A registered pose agrees with the inertial prediction within this squared Mahalanobis distance
-// (99.9 % of the chi-square distribution with 6 degrees of freedom), and within these bounds.
-constexpr double kMaxImuDistance2 = 22.5, kMaxImuTurn_rad = 0.03, kMaxImuShift_m = 0.15;
-// Errors of a registered pose in this test.
-constexpr double kRegisteredSigma_rad = 0.004, kRegisteredSigma_m = 0.008;
+// A registered pose agrees with the inertial prediction within these bounds. The bounds of a
+// certain prediction are those of AreOnePlace().
+constexpr double kImuShift_m = 0.05, kMaxImuShift_m = 0.15, kMaxImuTurn_rad = 0.05;
 // Information of a given pose: 0.1 mrad and 0.1 mm.
 constexpr double kGivenInformation = 1e8;
 
@@ -164,6 +162,7 @@ Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Predicti
   const ReferenceView& reference = *prediction.reference;
   Tracked tracked =
       ByDepthAlone(frame, prediction, Register(frame, reference, prediction.world_from_camera));
+  tracked = WithoutImu(frame, prediction, std::move(tracked));
   if (state_.HasLastPose() && !options_.IsFrameToFrame() && MayShowNewSurfaces(tracked)) {
     tracked = AgainstNewest(frame, std::move(tracked));
   }
@@ -215,6 +214,20 @@ std::optional<Matrix6d> Tracker::PriorCovariance(const PreprocessedFrame& frame)
   return motion_model_.PriorCovariance(state_, SecondsTo(frame));
 }
 
+// The inertial sensor loses no frame: a pose that is not accepted is registered again without the
+// inertial prior.
+Tracked Tracker::WithoutImu(const PreprocessedFrame& frame, const Prediction& prediction,
+                            Tracked tracked) {
+  const bool is_accepted = tracked.has_pose() && tracked.verdict == Verdict::kAccepted;
+  if (!imu_prediction_ || !imu_prediction_->covariance || is_accepted) return tracked;
+  const std::optional<ImuTracking::Prediction> predicted = std::exchange(imu_prediction_, {});
+  Tracked again = ByDepthAlone(
+      frame, prediction, Register(frame, *prediction.reference, prediction.world_from_camera));
+  if (again.has_pose() && again.verdict == Verdict::kAccepted) return again;
+  imu_prediction_ = predicted;
+  return tracked;
+}
+
 // An accepted pose that agrees with the prediction of both inertial sensors needs no search: two
 // independent measurements agree.
 bool Tracker::AgreesWithImu(const Tracked& tracked) const {
@@ -224,14 +237,10 @@ bool Tracker::AgreesWithImu(const Tracked& tracked) const {
   }
   const Rigid3d error =
       imu_prediction_->world_from_camera.Inverse() * tracked.world_from_registered;
-  Vector6d difference;
-  difference << QuaternionLog<double>(error.rotation), error.translation;
-  if (difference.head<3>().norm() > kMaxImuTurn_rad || difference.tail<3>().norm() > kMaxImuShift_m)
-    return false;
-  Matrix6d covariance = *imu_prediction_->covariance;
-  covariance.diagonal().head<3>().array() += kRegisteredSigma_rad * kRegisteredSigma_rad;
-  covariance.diagonal().tail<3>().array() += kRegisteredSigma_m * kRegisteredSigma_m;
-  return difference.dot(SolveLdlt(covariance, difference)) < kMaxImuDistance2;
+  const Matrix6d& covariance = *imu_prediction_->covariance;
+  const double sigma_m = LargestSigma(covariance.bottomRightCorner<3, 3>());
+  return error.translation.norm() <= std::min(kImuShift_m + 3 * sigma_m, kMaxImuShift_m) &&
+         RotationAngle(error.rotation) <= kMaxImuTurn_rad;
 }
 
 void Tracker::AddToImu(const PreprocessedFrame& frame, const Tracked& tracked) {
@@ -416,7 +425,6 @@ std::optional<Rigid3d> Tracker::PredictedPose() const {
 
 // Returns std::nullopt without a motion prior.
 std::optional<Rigid3d> Tracker::ExpectedPose() const {
-  if (imu_prediction_ && imu_prediction_->covariance) return imu_prediction_->world_from_camera;
   return motion_model_.HasPredictableMotion(state_) ? PredictedPose() : std::nullopt;
 }
 

@@ -130,6 +130,7 @@ class Tracker {
   // Poses are predicted by the inertial sensor if it is in use.
   std::optional<ImuTracking::Prediction> PredictByImu(double stamp_s) const;
   std::optional<Matrix6d> PriorCovariance(const PreprocessedFrame& frame) const;
+  Tracked WithoutImu(const PreprocessedFrame& frame, const Prediction& prediction, Tracked tracked);
   bool AgreesWithImu(const Tracked& tracked) const;
   void AddToImu(const PreprocessedFrame& frame, const Tracked& tracked);
   std::optional<Rigid3d> PredictedPose() const;

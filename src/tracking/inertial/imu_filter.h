@@ -34,8 +34,9 @@ class ImuFilter {
   static constexpr int kSize = 21;
   using Covariance = Eigen::MatrixXd;  // kSize rows
 
-  // Solves velocity, gravity, accelerometer bias and lever arm from the poses before and at the
-  // last one, by linear least squares with priors of bias, lever arm and the length of gravity.
+  // Solves velocity, gravity, accelerometer bias and lever arm from the given poses by linear least
+  // squares. The state is that of the last pose. Bias, lever arm and the length of gravity have
+  // priors.
   // Requires at least five poses over at least 0.4 s. Returns std::nullopt for fewer poses or
   // missing samples, and if the standard deviation of the velocity exceeds 0.15 m/s or that of
   // gravity's direction 3 degrees. Keeps the pointer to the samples.

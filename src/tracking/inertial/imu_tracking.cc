@@ -30,8 +30,9 @@ constexpr double kNoiseRate = 0.05;
 constexpr std::size_t kMinRecent = 8;
 // An interval without poses of this length is a bridge. It exceeds the interval of slow cameras.
 constexpr double kBridge_s = 0.25;
-// The sensor is switched off after this number of consecutive frames whose rotation differs by more
-// than the limit, or whose pose exceeds this squared Mahalanobis distance (6 degrees of freedom).
+// The sensor is switched off after this number of consecutive contradictions. A rotation
+// contradicts the gyroscope beyond the limit. A pose contradicts both sensors beyond this squared
+// Mahalanobis distance (6 degrees of freedom).
 constexpr int kMaxContradictions = 8;
 constexpr double kMaxTurnError_rad = 0.03, kMaxTurnError_rad_per_s = 0.1, kMaxPoseDistance2 = 100;
 
