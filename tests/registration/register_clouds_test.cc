@@ -128,8 +128,8 @@ TEST(RegisterCloudsFrom, FindsAnyPoseByAutoAndGlobal) {
 }
 
 // A wall does not constrain two translations and the rotation about its normal.
-// The part has 8 % of the surface, which is less than IcpOptions::min_inlier_ratio. Backward
-// registration must accept so few correspondences, because all points of the part have one.
+// The part has 8 % of the surface, which is less than IcpOptions::min_inlier_ratio. The limit must
+// not apply to the backward registration, because each point of the part has a correspondence.
 TEST(RegisterCloudsFrom, AcceptsSmallPartOfLargeCloud) {
   constexpr float kPart_m = 0.28f;
   const PointSet all = Corner(kSigma_m, 1), other = Corner(kSigma_m, 2);
