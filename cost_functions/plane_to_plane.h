@@ -8,7 +8,9 @@ namespace surfit {
 
 // Generalized-ICP residual (Segal, Haehnel and Thrun 2009): r = U (R p + t - q), three rows, with
 // U^T U = C^-1 and (R, t) = target_from_source. C = C_q + R C_p R^T is the covariance of the
-// difference of two points on planes. As in the paper, C is constant during a solve.
+// difference of two points on planes. As in the paper, C is constant during a solve. So the sum of
+// squares changes between two solves, and its minimum is not the end of the iteration. Solvers that
+// take different steps end with sums that can differ by 1e-3 of the sum.
 struct PlaneToPlane : PointFunctor<PlaneToPlane, 12, 3> {
   PlaneToPlane() = default;  // without data, for batches
   // p in the source frame, q in the target frame, m. Covariance C in the target frame, m^2,

@@ -128,6 +128,28 @@ TEST(RegisterCloudsFrom, FindsAnyPoseByAutoAndGlobal) {
 }
 
 // A wall does not constrain two translations and the rotation about its normal.
+// The part has 8 % of the surface, which is less than IcpOptions::min_inlier_ratio. The limit must
+// not apply to the backward registration, because each point of the part has a correspondence.
+TEST(RegisterCloudsFrom, AcceptsSmallPartOfLargeCloud) {
+  constexpr float kPart_m = 0.28f;
+  const PointSet all = Corner(kSigma_m, 1), other = Corner(kSigma_m, 2);
+  PointSet part;
+  for (std::size_t i = 0; i < other.size(); ++i) {
+    const Eigen::Vector3f from_corner = other.points[i] - Eigen::Vector3f(-0.5f, -0.5f, 2);
+    if (from_corner.maxCoeff() < kPart_m)
+      part.Add(other.points[i], other.normals[i], other.sigma_m[i]);
+  }
+  ASSERT_LT(part.size(), 0.09 * all.size());
+  CloudStartOptions start;
+  start.method = "identity";
+  RegisterCloudsOptions options;
+  options.icp.gates.max_distance_m = 0;
+  const CloudRegistration result =
+      RegisterCloudsFrom(Sensed(part), Sensed(all), std::nullopt, start, options);
+  EXPECT_EQ(ToString(result.reason), "accepted");
+  EXPECT_THAT(result.icp.target_from_source, RigidNear(Rigid3d(), 0.005, 0.005));
+}
+
 TEST(RegisterCloudsFrom, RejectsNoisyWallAsDegenerate) {
   const auto wall = [](int seed) {
     PointSet set = Corner(0.002, seed);

@@ -41,10 +41,12 @@ struct RegisterCloudsOptions {
 // invalid options. Throws if the vectors of a PointSet have different sizes. Keeps no reference.
 // The result is the same for any number of threads.
 //
-// `covariance` includes the noise of points and normals, and correlated errors of neighbouring
-// points. It also includes errors that source points share through a common target point.
-// `information` is its inverse. `covariance` is std::nullopt along `degenerate_directions`, and
-// with fewer than 12 independent regions. `information` is then that of Register(). Assumptions:
+// Newton steps move the final pose to the minimum of the cost if it is more than 0.3 standard
+// deviations away. `covariance` includes the noise of points and normals, and correlated errors of
+// neighbouring points. It also includes errors that source points share through a common target
+// point. `information` is its inverse. `covariance` is std::nullopt along `degenerate_directions`,
+// and with fewer than 12 independent regions. `information` is then that of Register().
+// Assumptions:
 // - The errors of points more than kErrorSpacings point spacings apart are independent.
 // - Both clouds show the same rigid surfaces.
 // - The sensor has no systematic error.
@@ -58,9 +60,11 @@ inline constexpr double kErrorSpacings = 8;
 // Acceptance criteria of a registration of two clouds, which must all hold. Points are on the other
 // surface if they are near its tangent plane and the normals agree.
 struct CloudCriteria {
-  double min_overlap_ratio = 0.1;                // of points on the surface of the other cloud
-  double min_inlier_ratio = 0.65;                // points on the other surface, per point near it
-  double max_free_space_violation_ratio = 0.06;  // if both viewpoints are known
+  double min_overlap_ratio = 0.1;  // of points on the surface of the other cloud
+  double min_inlier_ratio = 0.65;  // points on the other surface, per point near it
+  // If both viewpoints are known. The limit also holds for the points off the three largest common
+  // planes, because three planes can agree at wrong poses.
+  double max_free_space_violation_ratio = 0.06;
   // 1 - second-best score / best score. Not tested for a given or identity start with an overlap of
   // at least 0.5 and an inlier ratio of at least 0.85.
   double min_score_margin = 0.1;
@@ -81,7 +85,8 @@ struct SensedCloud {
 // Source of the initial pose of two clouds.
 // - identity: no motion.
 // - file: the given pose.
-// - global: matches of local shapes (FPFH).
+// - global: matches of local shapes (FPFH). 50 of about 4,000 key points must agree off the two
+//   largest common planes.
 // - auto: the given pose, or the identity without one; then global if the result is not accepted.
 std::vector<std::string> CloudStartNames();
 
@@ -100,7 +105,8 @@ struct CloudRegistration {
   IcpResult icp;
   double overlap_ratio = 0;  // larger of both directions
   double inlier_ratio = 0;   // smaller of both directions
-  // Larger of both directions. std::nullopt: a viewpoint is unknown, or ICP failed.
+  // Larger of both directions, and of all points and those off the three largest common planes.
+  // std::nullopt: a viewpoint is unknown, or ICP failed.
   std::optional<double> free_space_violation_ratio;
   double score_margin = 0;
   // Forward and backward registration, RMS of the source points. Infinite if backward failed.

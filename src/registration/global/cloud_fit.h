@@ -37,8 +37,8 @@ struct ComparisonLimits {
   bool uses_signs = false;  // normals with opposite signs disagree
 };
 
-// Compares clouds at poses. A source point is on the surface of the target if it is near, within
-// the tolerance of the tangent plane, and if the normals agree. Points without a normal are
+// Compares clouds at poses. A source point on the surface of the target is near a target point. It
+// is within the tolerance of the tangent plane, and both normals agree. Points without a normal are
 // ignored.
 class CloudComparison {
  public:

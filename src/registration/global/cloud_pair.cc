@@ -12,6 +12,8 @@ constexpr double kPointSigmaSpacings = 0.5;  // kSigmaSpacings for residuals wit
 constexpr double kOnSurfaceCells = 0.35;     // maximum distance from the other surface
 constexpr double kPlaneCells = 0.5;          // added distance from a common plane
 constexpr double kNearCells = 2.5;           // maximum distance from the other key points
+constexpr int kMaxReturnIterations = 50;     // of RegisterAgain()
+constexpr double kReturnRmseRatio = 0.01;    // factor of the termination limit of RegisterAgain()
 constexpr double kKeyCount = 4000;           // wanted number of key points
 constexpr double kLeastKeys = 1500;          // with fewer key points, the cells shrink
 
@@ -83,9 +85,8 @@ CloudPair::CloudPair(const SensedCloud& source, const SensedCloud& target,
 
 // Normals with an arbitrary sign face the viewpoint of the target at the initial pose.
 IcpResult CloudPair::Register(const PointSet& source, const Eigen::Vector3d& viewpoint_in_target,
-                              const PointSet& target, const Rigid3d& start, int levels) const {
-  RegisterCloudsOptions options = options_;
-  options.levels = levels;
+                              const PointSet& target, const Rigid3d& start,
+                              const RegisterCloudsOptions& options) const {
   if (source_.has_signed_normals && target_.has_signed_normals) {
     return RegisterClouds(source, target, start, options);
   }
@@ -96,11 +97,26 @@ IcpResult CloudPair::Register(const PointSet& source, const Eigen::Vector3d& vie
 }
 
 IcpResult CloudPair::Register(const Rigid3d& start, int levels) const {
-  return Register(source_.points, target_.viewpoint, target_.points, start, levels);
+  RegisterCloudsOptions options = options_;
+  options.levels = levels;
+  return Register(source_.points, target_.viewpoint, target_.points, start, options);
+}
+
+IcpResult CloudPair::RegisterAgain(const Rigid3d& start) const {
+  RegisterCloudsOptions options = options_;
+  options.levels = 1;
+  options.icp.min_inlier_ratio = 0;
+  options.icp.max_iterations = std::max(options.icp.max_iterations, kMaxReturnIterations);
+  options.icp.min_relative_rmse_change *= kReturnRmseRatio;
+  options.icp.stop_at_rmse_increase = false;
+  return Register(source_.points, target_.viewpoint, target_.points, start, options);
 }
 
 IcpResult CloudPair::RegisterReverse(const Rigid3d& start, int levels) const {
-  return Register(target_.points, source_.viewpoint, source_.points, start.Inverse(), levels);
+  RegisterCloudsOptions options = options_;
+  options.levels = levels;
+  options.icp.min_inlier_ratio = 0;
+  return Register(target_.points, source_.viewpoint, source_.points, start.Inverse(), options);
 }
 
 double CloudPair::KeyScore(const Rigid3d& pose) const {

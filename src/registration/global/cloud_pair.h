@@ -48,7 +48,11 @@ class CloudPair {
 
   // Runs ICP from a pose, on the given number of levels.
   IcpResult Register(const Rigid3d& start, int levels) const;
-  // Runs ICP from the target to the source. The result has the pose source_from_target.
+  // Runs ICP on the finest level from a pose near a verified pose. It converges further than
+  // Register(). IcpOptions::min_inlier_ratio has no effect, because the overlap is verified.
+  IcpResult RegisterAgain(const Rigid3d& start) const;
+  // Runs ICP from the target to the source, for a verified pose. The result has the pose
+  // source_from_target. IcpOptions::min_inlier_ratio has no effect.
   IcpResult RegisterReverse(const Rigid3d& start, int levels) const;
 
   // Agreement of the key points at a pose, of the source with the target and vice versa.
@@ -76,7 +80,8 @@ class CloudPair {
   // Structure of the source in the image of the target, and vice versa. Requires viewpoints.
   std::array<StructureCounts, 2> StructureAt(const Rigid3d& pose) const;
   IcpResult Register(const PointSet& source, const Eigen::Vector3d& viewpoint_in_target,
-                     const PointSet& target, const Rigid3d& start, int levels) const;
+                     const PointSet& target, const Rigid3d& start,
+                     const RegisterCloudsOptions& options) const;
 
   SensedCloud source_, target_;
   const CloudCriteria& criteria_;

@@ -209,7 +209,7 @@ std::string ViolatedCriterion(const CloudRegistration& r, const CloudCriteria& c
         return "there are too few separate surface regions to determine the pose";
       }
       return Concat("the surfaces do not constrain ", r.icp.degenerate_directions.size(),
-                    " direction(s) of motion: ICP from displaced poses must return within ",
+                    " direction(s) of motion: ICP from displaced poses must return within about ",
                     criteria.max_disagreement_spacings * r.spacing_m, " m");
     case GlobalRegistrationReason::kLittleOverlap:
       return at_least("overlap ratio", r.overlap_ratio, criteria.min_overlap_ratio);

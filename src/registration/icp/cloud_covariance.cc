@@ -1,5 +1,6 @@
 #include "registration/icp/cloud_covariance.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -123,6 +124,11 @@ std::vector<Vector6d> DegenerateDirections(const Matrix6d& motions, const Matrix
 
 }  // namespace
 
+double CloudCovariance::StepSigmas() const {
+  if (!covariance) return 0;
+  return std::sqrt(std::max(0., step_to_minimum.dot(covariance->llt().solve(step_to_minimum))));
+}
+
 CloudCovariance CovarianceOfClouds(const Association& association,
                                    const Rigid3d& target_from_source, ResidualType residual,
                                    const RobustKernel& kernel, const CloudErrorScales& scales) {
@@ -158,6 +164,7 @@ CloudCovariance CovarianceOfClouds(const Association& association,
   const Matrix6d inverse = motions * derivative.inverse() * motions.transpose();
   const Matrix6d covariance = inverse * spread * inverse.transpose();
   result.covariance = 0.5 * (covariance + covariance.transpose());
+  result.step_to_minimum = inverse * system.right_side;
   return result;
 }
 

@@ -20,7 +20,12 @@ struct CloudErrorScales {
 // Covariance of a pose, or the directions (rad, m) that the clouds do not constrain.
 struct CloudCovariance {
   std::optional<Matrix6d> covariance;
+  // Left perturbation to the minimum of the cost: a Newton step. 0 without a covariance.
+  Vector6d step_to_minimum = Vector6d::Zero();
   std::vector<Vector6d> degenerate_directions;
+
+  // Length of the step to the minimum, in standard deviations. 0 without a covariance.
+  double StepSigmas() const;
 };
 
 // Covariance of the pose that minimises the cost of the clouds, for the left perturbation (rad, m).

@@ -51,18 +51,43 @@ double MedianSigma(const PointSet& set) {
   return *middle;
 }
 
+void UpdateStatistics(const NormalSystem& system, int source_count, IcpResult* result) {
+  result->system = system;
+  result->inlier_count = system.inlier_count;
+  result->inlier_ratio = static_cast<double>(system.inlier_count) / source_count;
+  result->rmse_m = std::sqrt(system.AverageLoss());
+}
+
+// Moves the pose to the minimum of the cost and states its covariance. ICP ends if the RMSE changes
+// little. Distances within the plane change so slowly that this pose can be several standard
+// deviations from the minimum. Newton steps with the derivative of the covariance are faster,
+// because this derivative contains the change of the correspondences.
 void StateCovariance(const SearchablePoints& source_points, const SearchablePoints& target_points,
                      const PointSet& source, const PointSet& target,
                      const RegisterCloudsOptions& options, IcpResult* result) {
+  constexpr int kMaxSteps = 5;
+  constexpr double kLeastSigmas = 0.3;  // shorter steps add less than 2 % to the squared error
   const double spacing_m =
       std::max(MeasureScale(source.points).spacing_m, MeasureScale(target.points).spacing_m);
   const ResidualType residual = ResidualTypeFromName(options.icp.residual);
+  const RobustKernel& kernel = options.icp.error_model.kernel;
   const KdTreeAssociation association(
       source_points, target_points,
       {options.icp.gates, NormalsNeededBy(residual), options.reciprocal, 1});
-  CloudCovariance stated = CovarianceOfClouds(association, result->target_from_source, residual,
-                                              options.icp.error_model.kernel,
-                                              {MedianSigma(source), kErrorSpacings * spacing_m});
+  const auto covariance_at = [&](const Rigid3d& pose) {
+    return CovarianceOfClouds(association, pose, residual, kernel,
+                              {MedianSigma(source), kErrorSpacings * spacing_m});
+  };
+  CloudCovariance stated = covariance_at(result->target_from_source);
+  for (int step = 0; step < kMaxSteps && stated.StepSigmas() > kLeastSigmas; ++step) {
+    const Rigid3d pose = LeftIncrement<double>(stated.step_to_minimum, result->target_from_source);
+    CloudCovariance next = covariance_at(pose);
+    if (!next.covariance || next.StepSigmas() >= stated.StepSigmas()) break;
+    stated = std::move(next);
+    result->target_from_source = pose;
+    ++result->step_count;
+    UpdateStatistics(Linearize(association, pose, residual, kernel), source_points.size(), result);
+  }
   result->covariance = stated.covariance;
   result->degenerate_directions = std::move(stated.degenerate_directions);
   if (!result->covariance) return;
