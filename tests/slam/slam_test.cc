@@ -48,7 +48,7 @@ void ExpectAllTracked(const SlamRun& run) {
 // remaining error.
 TEST(Slam, RejectsFramesOfAnotherSize) {
   const SimulatedSequence& room = IdealRoom();
-  Slam slam({room.camera, {}}, SlamOptions());
+  Slam slam({room.camera, {}}, SlamOptions(), Rigid3d());
   RgbdFrame frame = room.frames[0];
   frame.color = Image<Rgb8>(7, 5);
   ExpectInputError([&] { slam.Process(frame); }, Names(7, 5, room.camera.width));
@@ -56,7 +56,7 @@ TEST(Slam, RejectsFramesOfAnotherSize) {
   frame.depth_m = Image<float>(9, 3);
   ExpectInputError([&] { slam.Process(frame); }, Names(9, 3, room.camera.width));
   EXPECT_EQ(slam.Process(room.frames[0]).state, FrameState::kFirst);
-  ExpectInputError([&] { slam.UseLoopFinder({}); }, Names("loops"));
+  ExpectInputError([&] { slam.UseLoopFinder({}); }, Names("loops.enabled"));
 }
 
 TEST(Slam, TracksIdealSensorWithinHalfPixel) {
