@@ -54,6 +54,19 @@ std::vector<Candidate> FindCandidates(const std::vector<double>& first_s,
   return candidates;
 }
 
+// Sorts both indices. Matches that cross exchange their partners. This does not increase the larger
+// of their differences, so all differences stay within the limit.
+std::vector<StampMatch> InOrder(std::vector<StampMatch> matches) {
+  std::sort(matches.begin(), matches.end(),
+            [](const StampMatch& a, const StampMatch& b) { return a.first < b.first; });
+  std::vector<int> second;
+  second.reserve(matches.size());
+  for (const StampMatch& match : matches) second.push_back(match.second);
+  std::sort(second.begin(), second.end());
+  for (std::size_t i = 0; i < matches.size(); ++i) matches[i].second = second[i];
+  return matches;
+}
+
 }  // namespace
 
 std::vector<StampMatch> MatchStamps(const std::vector<double>& first_s,
@@ -70,9 +83,7 @@ std::vector<StampMatch> MatchStamps(const std::vector<double>& first_s,
     first_taken[match.first] = second_taken[match.second] = true;
     matches.push_back(match);
   }
-  std::sort(matches.begin(), matches.end(),
-            [](const StampMatch& a, const StampMatch& b) { return a.first < b.first; });
-  return matches;
+  return InOrder(std::move(matches));
 }
 
 }  // namespace surfit

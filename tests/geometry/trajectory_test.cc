@@ -84,8 +84,13 @@ TEST(MatchStamps, MatchesEqualStampsOnce) {
   EXPECT_EQ(std::make_pair(matches[1].first, matches[1].second), std::make_pair(2, 1));
 }
 
+// The closest pair is 1.010 and 1.009, so 1.000 and 1.019 remain. These two matches would cross.
+TEST(MatchStamps, NeverCross) {
+  EXPECT_EQ(Pairs({1.000, 1.010}, {1.009, 1.019}), (P{{0, 0}, {1, 1}}));
+}
+
 // Algorithm of associate.py: matches the closest remaining pair within the limit until no pair is
-// left.
+// left. The matches of a crossing exchange their partners.
 std::vector<std::pair<int, int>> BruteForce(const std::vector<double>& a,
                                             const std::vector<double>& b) {
   std::vector<bool> used_a(a.size()), used_b(b.size());
@@ -106,6 +111,10 @@ std::vector<std::pair<int, int>> BruteForce(const std::vector<double>& a,
     pairs.push_back(pair);
   }
   std::sort(pairs.begin(), pairs.end());
+  std::vector<int> second;
+  for (const auto& pair : pairs) second.push_back(pair.second);
+  std::sort(second.begin(), second.end());
+  for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].second = second[i];
   return pairs;
 }
 

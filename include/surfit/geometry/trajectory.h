@@ -33,9 +33,9 @@ struct StampMatch {
 // Matches two ascending lists of timestamps, in s, as associate.py of the TUM RGB-D benchmark does.
 // The closest pair is matched first; each timestamp is used at most once. Differences up to and
 // including max_difference_s match, like in evo. The order of the lists is not checked. Equal
-// differences are matched in the order of `first`. The result is ascending in `first`. It is also
-// ascending in `second` if the timestamps of one list are at least max_difference_s apart. Empty
-// for an empty list.
+// differences are matched in the order of `first`. Matches that cross exchange their partners, in
+// contrast to associate.py. The result is therefore ascending in `first` and in `second`. Empty for
+// an empty list.
 std::vector<StampMatch> MatchStamps(const std::vector<double>& first_s,
                                     const std::vector<double>& second_s, double max_difference_s);
 
