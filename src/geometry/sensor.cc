@@ -45,6 +45,8 @@ void CalibrationPrior::Validate(const std::string& what) const {
 
 void DepthSensor::Validate() const {
   camera.Validate("camera");
+  ThrowIf(!(camera.fy > 0), "sensor: fy is ", camera.fy,
+          ", must be positive: mirror the images (see SequenceInfo::mirrored)");
   noise.Validate("sensor");
   ThrowIf(!(readout_s >= 0 && readout_s <= 1), "sensor: readout_s is ", readout_s,
           ", must be from 0 to 1 (s)");

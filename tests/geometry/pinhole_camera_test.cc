@@ -47,6 +47,14 @@ TEST(PinholeCamera, ValidateRejectsInvalidFieldsByName) {
   EXPECT_THROW(camera.Validate("x"), InputError);
 }
 
+// Depth edges need positive bounds along both image axes. Sources mirror such images.
+TEST(DepthSensor, RejectsNegativeFy) {
+  DepthSensor sensor = {TestCamera(), {}};
+  EXPECT_NO_THROW(sensor.Validate());
+  sensor.camera.fy = -480;
+  testing::ExpectInputError([&] { sensor.Validate(); }, testing::Names("sensor", "fy", -480));
+}
+
 TEST(RgbdCamera, ValidateChecksColorCameraOnlyIfUnregistered) {
   RgbdCamera camera;
   camera.depth = TestCamera();

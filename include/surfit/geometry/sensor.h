@@ -81,7 +81,7 @@ struct DepthSensor {
   double readout_s = 0;  // RgbdCamera::readout_s
   CalibrationPrior prior = {};
 
-  // Throws InputError with the field, its value and the constraint. A negative fy is valid here.
+  // Throws InputError with the field, its value and the constraint. fy must be positive.
   void Validate() const;
 };
 
