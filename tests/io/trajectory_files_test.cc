@@ -6,12 +6,22 @@
 #include <random>
 #include <sstream>
 
+#include "io/files/text.h"
 #include "surfit/core/error.h"
 #include "testing/matchers.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
 namespace {
+
+TEST(RigidFromNumbers, RejectsNanInEveryPlace) {
+  for (int i = 0; i < 7; ++i) {
+    double numbers[7] = {1, 2, 3, 0, 0, 0, 1};
+    EXPECT_NO_THROW(RigidFromNumbers(numbers));
+    numbers[i] = std::nan("");
+    ExpectInputError([&] { RigidFromNumbers(numbers); }, Names("nan"));
+  }
+}
 
 Trajectory RandomTrajectory(int count) {
   std::mt19937_64 rng(3);

@@ -62,9 +62,10 @@ double ParseNumber(const std::string& text, const std::string& place) {
 
 static void RequireNear(const Eigen::Vector3d& position) {
   constexpr double kFarthest_m = 1e9;
-  const double farthest_m = position.cwiseAbs().maxCoeff();
-  if (farthest_m <= kFarthest_m) return;
-  throw InputError("a coordinate is ", farthest_m, " m, must be at most ", kFarthest_m, " m");
+  for (const double coordinate : position) {
+    ThrowIf(!(std::abs(coordinate) <= kFarthest_m), "a coordinate is ", coordinate,
+            " m, must be at most ", kFarthest_m, " m");
+  }
 }
 
 Rigid3d RigidFromNumbers(const double* numbers) {

@@ -38,8 +38,8 @@ double FiniteNumber(std::string_view word);
 double ParseNumber(const std::string& text, const std::string& place);
 
 // Rigid transform from tx ty tz qx qy qz qw, translation in m. Normalises the quaternion. Throws
-// InputError if its norm differs from 1 by more than 1 %, or a coordinate exceeds 1e9 m (squared
-// errors would lose all precision). The coordinates must not be NaN, which is not always detected.
+// InputError if its norm differs from 1 by more than 1 %, or a coordinate is NaN or exceeds 1e9 m
+// (squared errors would lose all precision).
 Rigid3d RigidFromNumbers(const double* numbers);
 
 // Rigid transform from a 4 x 4 matrix, translation in m. Throws InputError with the place unless
