@@ -1,5 +1,7 @@
 #include "output/output_files.h"
 
+#include <cmath>
+
 #include "core/files.h"
 #include "core/shared_options.h"
 #include "surfit/core/atomic_file.h"
@@ -30,6 +32,10 @@ namespace {
 // Quotes texts with commas, quotes or line breaks (RFC 4180).
 std::string CsvCell(const Json& value) {
   if (value.is_null()) return "";
+  if (value.is_number_float() && !std::isfinite(value.get<double>())) {
+    const double number = value;
+    return std::isnan(number) ? "" : number > 0 ? "inf" : "-inf";
+  }
   if (!value.is_string()) return value.dump();
   const std::string text = value;
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;

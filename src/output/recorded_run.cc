@@ -1,6 +1,7 @@
 #include "output/recorded_run.h"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 #include "output/output_files.h"
@@ -10,11 +11,15 @@ namespace surfit {
 namespace {
 
 void ReadPoses(const std::string& path, RecordedRun* run) {
+  constexpr double kTolerance = 0.01;
   const Json json = ReadJson(path);
   try {
     for (const Json& row : json.at("poses")) {
       const auto number = [&](int i) { return row.at(i).get<double>(); };
       const Eigen::Quaterniond rotation(number(8), number(5), number(6), number(7));
+      ThrowIf(!(std::abs(rotation.norm() - 1) <= kTolerance), path, ": pose of frame ",
+              row.at(0).get<int>(), ": the norm of the quaternion is ", rotation.norm(),
+              ", must be 1");
       const Rigid3d pose(rotation.normalized(), {number(2), number(3), number(4)});
       run->trajectory.push_back({number(1), pose});
       run->world_from_camera[row.at(0).get<int>()] = pose;

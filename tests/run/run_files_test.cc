@@ -1,8 +1,12 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "io/images/image_files.h"
+#include "output/output_files.h"
+#include "output/recorded_run.h"
 #include "run/posed_views.h"
 #include "run/results/kept_views.h"
 #include "run/results/result_files.h"
@@ -21,6 +25,28 @@ SurfelMap OneSurfel() {
   surfel.confidence = 4;
   map.Append(surfel);
   return map;
+}
+
+TEST(WriteCsv, LeavesCellsOfNanEmpty) {
+  const TempFolder folder;
+  const double inf = std::numeric_limits<double>::infinity();
+  WriteCsv(Json::array({{{"a", std::nan("")}, {"b", 1.5}, {"c", nullptr}},
+                        {{"a", inf}, {"b", -inf}, {"c", "x,y"}}}),
+           folder / "table.csv");
+  EXPECT_EQ(ReadBytes(folder / "table.csv"), "a,b,c\n,1.5,\ninf,-inf,\"x,y\"\n");
+}
+
+TEST(ReadRecordedRun, RejectsQuaternionsThatAreNoRotation) {
+  const TempFolder folder;
+  folder.Write("summary.json", "{}");
+  const auto write = [&](const char* quaternion) {
+    folder.Write("poses.json", Concat("{\"poses\": [[7, 0.5, 1, 2, 3, ", quaternion,
+                                      "]], \"calibration\": null}"));
+  };
+  write("0, 0, 0, 1");
+  EXPECT_EQ(ReadRecordedRun(folder.path()).trajectory.size(), 1u);
+  write("0, 0, 0, 0");
+  ExpectInputError([&] { ReadRecordedRun(folder.path()); }, Names("poses.json", 7, 0));
 }
 
 TEST(Digest, OfNoDataIsTheOffsetBasisOfFnv1a) {

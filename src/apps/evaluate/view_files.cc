@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iomanip>
@@ -76,7 +77,10 @@ void WriteCsv(const ViewEvaluation& evaluation, std::ostream& file) {
   file << '\n' << std::fixed << std::setprecision(6);
   for (const EvaluatedView& view : evaluation.views) {
     file << view.frame;
-    for (const auto& [name, value] : Figures(view.error)) file << ',' << value;
+    for (const auto& [name, value] : Figures(view.error)) {
+      file << ',';
+      if (!std::isnan(value)) file << value;
+    }
     file << '\n';
   }
 }
