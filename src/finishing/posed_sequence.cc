@@ -14,17 +14,27 @@ namespace {
 class RangesOfSequence final : public FrameSource {
  public:
   RangesOfSequence(const SequenceOptions& sequence, const std::vector<FrameRange>& ranges)
-      : sequence_(sequence), ranges_(ranges) {
-    Open();
-    info_ = source_->info();
-    info_.frame_count = 0;
-    for (const FrameRange& range : ranges) {
-      info_.frame_count += (range.last - range.first) / sequence.stride + 1;
+      : sequence_(sequence) {
+    int frames = 0;
+    for (FrameRange range : ranges) {
+      const int past = range.first - sequence.first, stride = sequence.stride;
+      range.first = sequence.first + (past + stride - 1) / stride * stride;
+      if (range.first > range.last) continue;
+      ranges_.push_back(range);
+      frames += (range.last - range.first) / stride + 1;
     }
+    if (ranges_.empty()) {
+      info_ = OpenSequence(sequence)->info();
+    } else {
+      Open();
+      info_ = source_->info();
+    }
+    info_.frame_count = frames;
   }
 
   const SequenceInfo& info() const override { return info_; }
   std::optional<ReadResult> Next() override {
+    if (!source_) return std::nullopt;
     std::optional<ReadResult> read = source_->Next();
     while (!read && ++at_ < ranges_.size()) {
       Open();
@@ -34,17 +44,15 @@ class RangesOfSequence final : public FrameSource {
   }
 
  private:
-  // Opens the current range at its first frame that is selected by the stride of the sequence.
   void Open() {
     SequenceOptions part = sequence_;
-    const int past = ranges_[at_].first - sequence_.first;
-    part.first = sequence_.first + (past + part.stride - 1) / part.stride * part.stride;
-    part.last = std::max(part.first, ranges_[at_].last);
+    part.first = ranges_[at_].first;
+    part.last = ranges_[at_].last;
     source_ = OpenSequence(part);
   }
 
   SequenceOptions sequence_;
-  std::vector<FrameRange> ranges_;
+  std::vector<FrameRange> ranges_;  // they begin at a frame of the stride
   std::size_t at_ = 0;
   std::unique_ptr<FrameSource> source_;
   SequenceInfo info_;
@@ -94,6 +102,7 @@ std::string CalibrationWarning(const DepthSensor& given, const DepthCalibration&
   const CalibrationPrior& prior = given.prior;
   double squared_distance = 0;
   const auto add = [&](double difference, double sigma) {
+    if (sigma == 0) return;
     squared_distance += difference * difference / (sigma * sigma);
   };
   add(b.fx / a.fx - 1, prior.focal_relative_sigma);

@@ -35,8 +35,8 @@ struct EstimatedSensor {
 
 // Returns a warning if the estimated calibration contradicts the prior of the input sensor, else
 // "". The input camera may then belong to another sensor or image size. Uses a chi-square test with
-// 10 degrees of freedom and 1 % false alarms. Requires positive standard deviations in the prior: a
-// value of 0 always gives the warning. Both calibrations are for prepared frames.
+// 10 degrees of freedom and 1 % false alarms. A parameter with a standard deviation of 0 in the
+// prior is unknown and not compared. Both calibrations are for prepared frames.
 std::string CalibrationWarning(const DepthSensor& given, const DepthCalibration& found);
 
 // Sequence with the final results of a run. The references must outlive the object.
@@ -57,8 +57,8 @@ struct FrameRange {
 };
 
 // Opens a sequence and reads a few frames ahead. `ranges` selects frames of the options, and must
-// be ascending and disjoint. A range without a frame of the stride gives the next frame of the
-// stride. Empty `ranges`: all frames of the options. Throws InputError like OpenSequence().
+// be ascending and disjoint. A range without a frame of the stride gives no frame. Empty `ranges`:
+// all frames of the options. Throws InputError like OpenSequence().
 std::unique_ptr<FrameSource> ReopenSequence(const SequenceOptions& sequence,
                                             const std::vector<FrameRange>& ranges = {});
 

@@ -75,6 +75,38 @@ TEST_F(FinalMap, FusesAllFramesWithAPoseExceptHeldOutFrames) {
   EXPECT_NEAR(z, 1.005, 0.002);  // mean of the two poses
 }
 
+// Frames 0, 2, 4, ..., 18 have the stride. Range 5 to 5 has none, and both last ranges have one.
+TEST(ReopenSequence, GivesEachFrameOfTheRangesOnce) {
+  const TempFolder folder;
+  WriteTumSequence(folder, 20);
+  SequenceOptions options = Options(folder);
+  options.stride = 2;
+  const auto frames_of = [&](const std::vector<FrameRange>& ranges) {
+    const auto source = ReopenSequence(options, ranges);
+    std::vector<int> frames;
+    while (const auto read = source->Next()) frames.push_back(read->index);
+    EXPECT_EQ(source->info().frame_count, static_cast<int>(frames.size()));
+    return frames;
+  };
+  EXPECT_THAT(frames_of({{1, 3}, {5, 5}, {6, 7}, {8, 8}}), ElementsAre(2, 6, 8));
+  EXPECT_THAT(frames_of({{19, 19}}), IsEmpty());  // the next frame of the stride is missing
+  EXPECT_THAT(frames_of({{5, 5}, {17, 19}}), ElementsAre(18));
+}
+
+TEST(CalibrationWarning, IgnoresUnknownParameters) {
+  DepthSensor given = {{640, 480, 500, 500, 320, 240}, {}};
+  const DepthCalibration same = {given.camera, {}, 0};
+  DepthCalibration wide = same;
+  wide.camera.fx = wide.camera.fy = 750;
+  EXPECT_THAT(CalibrationWarning(given, wide), Names("contradicts"));
+  given.prior.focal_relative_sigma = 0;
+  EXPECT_EQ(CalibrationWarning(given, wide), "");
+  given.prior = {};
+  given.prior.aspect_relative_sigma = given.prior.center_px = given.prior.inverse_depth_sigma = 0;
+  EXPECT_EQ(CalibrationWarning(given, same), "");
+  EXPECT_THAT(CalibrationWarning(given, wide), Names("contradicts"));
+}
+
 TEST_F(FinalMap, UsesTheEstimatedCalibration) {
   const auto centre_and_depth = [](const SurfelMap& map) {
     Eigen::Vector3f mean = Eigen::Vector3f::Zero();
