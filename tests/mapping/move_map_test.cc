@@ -150,6 +150,29 @@ TEST(MoveMap, AppliesNewCalibration) {
   }
 }
 
+// Merging has moved the surfel behind the camera of its first frame.
+TEST(MoveMap, TurnsSurfelsBehindTheCameraWithTheirFrame) {
+  const DepthCalibration from = {{160, 120, 131, 131, 79.5, 59.5, {}}, {}};
+  DepthCalibration to = from;
+  to.camera.fx = 140;
+  const Rigid3d correction = Turn(0.5, {0.1, 0, 0.2});
+  Surfel surfel = SurfelOfFrame(0);
+  surfel.position_in_world = {0.1f, 0.2f, -0.3f};
+  surfel.normal_in_world = Eigen::Vector3f(1, 2, -2) / 3;
+  SurfelMap map;
+  map.Append(surfel);
+  MoveMap({0, {correction}}, {from, to, {Rigid3d()}}, &map);
+  const Surfel moved = map[map.Ids().at(0)];
+  EXPECT_LT((moved.position_in_world -
+             (correction * surfel.position_in_world.cast<double>()).cast<float>())
+                .norm(),
+            1e-6);
+  EXPECT_LT((moved.normal_in_world -
+             (correction.rotation * surfel.normal_in_world.cast<double>()).cast<float>())
+                .norm(),
+            2 * kNormalRounding);
+}
+
 TEST(MoveMapThreads, AreBitwiseIdentical) {
   SurfelMap expected = RandomMap(5000);
   {

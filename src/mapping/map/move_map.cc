@@ -54,13 +54,14 @@ class RecalibratedMoves {
     constexpr double kMinDepthM = 0.01;
     const Frame& f = frames_[frame];
     const Eigen::Vector3d old_point = f.old_from_world * position->cast<double>();
+    const Eigen::Vector3d old_normal = f.old_from_world.rotation * normal->cast<double>();
     // Merging can move a surfel out of the view of its first frame. Such a surfel moves rigidly
     // with the frame.
     if (old_point.z() < kMinDepthM) {
       *position = (f.world_from_new * old_point).cast<float>();
+      *normal = (f.world_from_new.rotation * old_normal).cast<float>();
       return;
     }
-    const Eigen::Vector3d old_normal = f.old_from_world.rotation * normal->cast<double>();
     *position = (f.world_from_new * Moved(old_point)).cast<float>();
     *normal = (f.world_from_new.rotation * MovedNormal(old_point, old_normal)).cast<float>();
   }
