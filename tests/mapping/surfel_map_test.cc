@@ -111,6 +111,32 @@ TEST(RemoveMarked, RemovesMarkedSurfelsOnly) {
   }
 }
 
+TEST(ReassignCells, RemovesMarkedSurfelsThatChangeTheirCell) {
+  std::mt19937_64 rng(9);
+  SurfelMap map;
+  std::vector<std::int32_t> ids;
+  for (int i = 0; i < 100; ++i) {
+    Surfel surfel = RandomSurfel(&rng);
+    surfel.position_in_world *= 0.01f;
+    surfel.first_seen = i;
+    ids.push_back(map.Append(surfel));
+  }
+  for (int i = 0; i < 100; i += 2) {  // every second surfel moves to another cell
+    map.block(ids[i] / SurfelBlock::kCapacity)
+        .SetPosition(ids[i] % SurfelBlock::kCapacity, {5, 0, 0});
+  }
+  for (int i = 0; i < 100; i += 4) map.Mark(ids[i]);
+  for (int i = 1; i < 100; i += 4) map.Mark(ids[i]);
+  EXPECT_EQ(map.ReassignCells(), 25u);
+  EXPECT_EQ(map.size(), 50u);
+  for (const std::int32_t id : map.Ids()) {
+    const Surfel surfel = map[id];
+    EXPECT_GE(surfel.first_seen % 4, 2);
+    EXPECT_EQ(surfel.position_in_world.x() == 5, surfel.first_seen % 4 == 2);
+  }
+  EXPECT_EQ(map.RemoveMarked(), 0u);
+}
+
 TEST(RemoveMarked, KeepsFractionsOfColors) {
   std::mt19937_64 rng(7);
   SurfelMap map;

@@ -56,9 +56,9 @@ class SurfelMap {
   // Removes all marked surfels, and returns their number. Ids in the affected cells change.
   std::size_t RemoveMarked();
 
-  // Moves surfels to the cells of their positions. Call after changing positions. Also removes
-  // marked surfels, but keeps those that change their cell: call RemoveMarked() first. Returns the
-  // number of moved surfels. Ids in the affected cells change.
+  // Moves surfels to the cells of their positions. Call after changing positions. Also removes all
+  // marked surfels. Returns the number of remaining surfels that changed their cell. Ids in the
+  // affected cells change.
   std::size_t ReassignCells();
 
   // Direct access to cells and blocks. References to cells are valid until the next Append() or

@@ -149,6 +149,7 @@ std::vector<std::int32_t> SurfelMap::Strays() const {
   ParallelFor(0, cell_count(), 1, [&](int i, int) {
     for (const std::int32_t b : cells_[i].blocks) {
       for (int k = 0; k < block(b).count; ++k) {
+        if ((block(b).to_remove >> k & 1) != 0) continue;
         const Eigen::Vector3f position(block(b).x[k], block(b).y[k], block(b).z[k]);
         if (CellKey(position) != cells_[i].key)
           of_cell[i].push_back(b * SurfelBlock::kCapacity + k);
