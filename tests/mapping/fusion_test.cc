@@ -84,6 +84,29 @@ TEST(Fusion, UsesGreyWithoutColorAndKeepsColors) {
   EXPECT_EQ(kept.Color(5), (Rgb8{100, 150, 200}));
 }
 
+// Black pixels of views have no brightness. Colour is 0.1 s after depth, and the camera moves by
+// 0.2 m to the right, so colour does not show the left 8 columns.
+TEST(Fusion, UsesBlackOutsideTheColorImage) {
+  FrameWithSurface f = WallFrame(TestCamera(), {}, 2, 0);
+  f.frame.color_stamp_s = f.frame.stamp_s + 0.1;
+  FrameMotion motion;
+  motion.camera.velocity_m_per_s.x() = 2;
+  SurfelMap map;
+  Fusion fusion({});
+  fusion.Fuse(f.frame, f.surface, {}, motion, &map);
+  int outside = 0;
+  for (const std::int32_t id : map.Ids()) {
+    const double u = TestCamera().Project(map[id].position_in_world.cast<double>()).x();
+    const bool is_outside = u < 7.4;
+    if (u > 8.6 || is_outside) {
+      EXPECT_EQ(map.Color(id), is_outside ? Rgb8() : (Rgb8{100, 150, 200})) << u;
+      EXPECT_EQ(map[id].color_weight == 0, is_outside);
+    }
+    outside += is_outside;
+  }
+  EXPECT_EQ(outside, 8 * 48);
+}
+
 Rigid3d HandHeldPose(int i) {
   return {QuaternionExp<double>({0.02 * std::sin(0.7 * i), 0.015 * i, 0.01 * i}),
           Eigen::Vector3d(0.015 * i, 0.01 * std::sin(i), -0.012 * i)};

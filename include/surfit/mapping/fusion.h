@@ -75,9 +75,9 @@ class Fusion {
   // finest level of `frame`. The measured depth of `frame` is merged, because the map averages its
   // noise. `surface` gives normals and the noise model. Points at depth edges use the normal of a
   // neighbour on the same plane, and do not move surfels. Colours are sampled at the surfel
-  // centres, with the camera motion between depth and colour. New surfels without a colour are grey
-  // with color_weight 0. Ids become invalid. The result does not depend on the number of threads.
-  // Aborts if the depth image and the camera of `surface` differ in size.
+  // centres, with the camera motion between depth and colour. New surfels without a colour are
+  // black (no brightness) with color_weight 0, or grey without a colour image. Ids become invalid.
+  // The result is the same for any number of threads. Aborts if depth and `surface` differ in size.
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                     const Rigid3d& world_from_camera, const FrameMotion& motion, SurfelMap* map);
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
