@@ -13,12 +13,16 @@ std::vector<std::string> CheckSession(const std::string& folder) {
       for (const std::string& line : database.Texts("PRAGMA integrity_check")) {
         if (line != "ok") tell(Concat(database.path(), ": ", line));
       }
+    } catch (const LockedError&) {
+      throw;
     } catch (const InputError& error) {
       tell(error.what());
     }
   }
   try {
     LoadSession(folder, tell);
+  } catch (const LockedError&) {
+    throw;
   } catch (const InputError& error) {
     if (damages.empty()) throw;
     tell(error.what());

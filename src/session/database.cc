@@ -104,8 +104,9 @@ void Database::Require(int result) {
   if (result == SQLITE_OK || result == SQLITE_ROW || result == SQLITE_DONE) return;
   const int code = result & 0xff;
   if (code == SQLITE_NOMEM) throw std::bad_alloc();
-  ThrowIf(code == SQLITE_BUSY || code == SQLITE_LOCKED, path_,
-          " is locked by another program: end this program first");
+  if (code == SQLITE_BUSY || code == SQLITE_LOCKED) {
+    throw LockedError(path_, " is locked by another program: end this program first");
+  }
   if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) {
     throw InputError(path_, " is damaged or not a session: ", sqlite3_errmsg(database_));
   }

@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "surfit/core/error.h"
+
 struct sqlite3;
 struct sqlite3_stmt;
 
@@ -23,10 +25,16 @@ using Row = std::vector<std::variant<std::int64_t, double, std::string, Blob>>;
 // CRC-32 of bytes. `before`: CRC of the preceding bytes. Does not throw.
 std::uint32_t Crc(const void* bytes, std::size_t size, std::uint32_t before = 0);
 
+// Lock of a session by another program. Says nothing about the content of the session.
+class LockedError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 // SQLite database whose rows have checksums. Each table has the columns of Row and then `checksum`.
 // Functions throw InputError with the path if the file is damaged or no database, or if the disk is
-// full. They also throw if another program locks the file for more than 3 s. Lack of memory throws
-// std::bad_alloc.
+// full. They throw LockedError if another program locks the file for more than 3 s. Lack of memory
+// throws std::bad_alloc.
 //
 // Use it from one thread at a time. Table names and SQL must be trusted text.
 class Database {

@@ -72,6 +72,8 @@ class Loader {
           tell_(error.what());
         }
       });
+    } catch (const LockedError&) {
+      throw;
     } catch (const InputError& error) {
       tell_(error.what());
     }

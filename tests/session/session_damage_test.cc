@@ -5,6 +5,7 @@
 #include <random>
 
 #include "mapping/same_map.h"
+#include "session/database.h"
 #include "session/some_session.h"
 #include "surfit/core/error.h"
 #include "testing/matchers.h"
@@ -97,6 +98,14 @@ TEST_F(SessionDamage, OfEveryTileIsReportedByName) {
     WriteBytes(tile, bytes);
   }
   EXPECT_THAT(CheckSession(session), IsEmpty());
+}
+
+TEST_F(SessionDamage, LockIsNoDamage) {
+  const std::string session = Copy();
+  Database other(session + "/session.db", Database::Mode::kWrite);
+  other.Run("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE");
+  ExpectInputError([&] { CheckSession(session); }, Names("session.db", "locked"));
+  other.Run("COMMIT");
 }
 
 // Changes a byte of each page. The change is detected, or it is in unused space of the page.
