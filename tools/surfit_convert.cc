@@ -92,7 +92,7 @@ void MakeCameraYaml(const Options& options) {
 void ConvertCloud(const Options& options) {
   const bool pcd = EndsWith(OutputOf(options), ".pcd");
   RequireEnding(OutputOf(options), pcd || EndsWith(OutputOf(options), ".ply"), ".pcd or .ply");
-  const PointCloud cloud = ReadPointCloud(options.cloud);
+  const PointCloud cloud = ReadPointCloudAboutOrigin(options.cloud);
   if (pcd) {
     WritePcd(cloud, OutputOf(options));
   } else {

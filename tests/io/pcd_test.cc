@@ -205,6 +205,21 @@ TEST(WritePcd, RoundTripsClouds) {
   EXPECT_THAT(read.colors, IsEmpty());
 }
 
+// Coordinates of a survey, and a difference below the precision of a float at 4500 km.
+TEST(WritePcd, AddsTheOrigin) {
+  const TempFolder folder;
+  PointCloud cloud = {{{1, -2.5f, 0.125f}, {4, 5, 6.015625f}}, {}, {{1, 2, 3}, {4, 5, 6}}};
+  cloud.origin = {500000, 4500000, 120};
+  WritePcd(cloud, folder / "a.pcd");
+  const PointCloud read = ReadPointCloudAboutOrigin(folder / "a.pcd");
+  ASSERT_EQ(read.points.size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.origin + read.points[i].cast<double>(),
+              cloud.origin + cloud.points[i].cast<double>());
+  }
+  EXPECT_EQ(read.colors, cloud.colors);
+}
+
 TEST(WritePcdDeathTest, AbortsOnAttributesOfAnotherSize) {
   const TempFolder folder;
   PointCloud cloud = {{{1, 2, 3}, {4, 5, 6}}, {}, {}};

@@ -197,9 +197,11 @@ Rgb8 UnpackColor(double value, PlyType type) {
           static_cast<std::uint8_t>(bits)};
 }
 
+bool IsFar(const PointCloud& cloud) { return !cloud.origin.isZero(0); }
+
 std::string FormatHeader(const PointCloud& cloud) {
   std::string names = "x y z";
-  int count = 3;
+  int count = 0;  // of columns after x y z
   if (!cloud.normals.empty()) {
     names += " normal_x normal_y normal_z";
     count += 3;
@@ -214,9 +216,10 @@ std::string FormatHeader(const PointCloud& cloud) {
     return line;
   };
   return Concat("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS ", names, "\nSIZE",
-                repeated(" 4"), "\nTYPE", repeated(" F"), "\nCOUNT", repeated(" 1"), "\nWIDTH ",
-                cloud.points.size(), "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS ",
-                cloud.points.size(), "\nDATA binary\n");
+                IsFar(cloud) ? " 8 8 8" : " 4 4 4", repeated(" 4"), "\nTYPE F F F", repeated(" F"),
+                "\nCOUNT 1 1 1", repeated(" 1"), "\nWIDTH ", cloud.points.size(),
+                "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS ", cloud.points.size(),
+                "\nDATA binary\n");
 }
 
 }  // namespace
@@ -263,7 +266,12 @@ void WritePcd(const PointCloud& cloud, const std::string& path) {
     PlyRow row;
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
       row.Clear();
-      for (const float value : cloud.points[i]) row.Put(value);
+      if (IsFar(cloud)) {
+        const Eigen::Vector3d point = cloud.origin + cloud.points[i].cast<double>();
+        for (const double value : point) row.Put(value);
+      } else {
+        for (const float value : cloud.points[i]) row.Put(value);
+      }
       if (!cloud.normals.empty()) {
         for (const float value : cloud.normals[i]) row.Put(value);
       }
