@@ -101,6 +101,16 @@ TEST(MeshFiles, GlbAgreesWithItsHeader) {
             static_cast<std::uint32_t>(std::lround(0.2158605 * 65535)));
 }
 
+TEST(MeshFiles, RejectsEmptyGlb) {
+  const TempFolder folder;
+  TriangleMesh mesh;
+  ExpectInputError([&] { WriteMesh(mesh, folder / "mesh.glb"); }, Names("mesh.glb", "0 vertices"));
+  mesh = Square();
+  mesh.triangles.clear();
+  ExpectInputError([&] { WriteMesh(mesh, folder / "mesh.glb"); }, Names("mesh.glb", "0 triangles"));
+  EXPECT_NO_THROW(WriteMesh(TriangleMesh(), folder / "mesh.ply"));
+}
+
 // Square with a texture of two halves. Corners 0 and 2 have two texture coordinates each.
 MeshTexture TwoHalves() {
   MeshTexture texture;

@@ -82,8 +82,8 @@ MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
 // Writes the mesh with its texture, by the extension of the path:
 //   .obj  with a .mtl and a .jpg of the same name in the same folder
 //   .glb  with the texture in the file
-// Replaces existing files. Throws InputError for other extensions, and if a file cannot be written.
-// A .glb requires at least one texture coordinate, which is not checked.
+// Replaces existing files. Throws InputError for other extensions, if a file cannot be written, and
+// for a .glb without triangles.
 void WriteMesh(const TriangleMesh& mesh, const MeshTexture& texture, const std::string& path);
 
 // Throws InputError unless the extension of the path is .obj or .glb.

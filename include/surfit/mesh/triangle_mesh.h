@@ -31,8 +31,8 @@ void KeepTriangles(const std::vector<std::uint8_t>& kept, TriangleMesh* mesh);
 //   .obj  Wavefront text: positions with 5 decimals, then vertex colours in [0, 1]
 //   .glb  glTF 2.0 in one file, y up: x right, y down and z forward become x, -y and -z; colours
 //         become linear
-// Throws InputError for other extensions, and if the file cannot be written. A .glb requires at
-// least one vertex, which is not checked.
+// Throws InputError for other extensions, if the file cannot be written, and for a .glb without
+// triangles.
 void WriteMesh(const TriangleMesh& mesh, const std::string& path);
 
 // Throws InputError unless the extension of the path is .ply, .obj or .glb.

@@ -66,9 +66,17 @@ std::string EncodeTexture(const MeshTexture& texture) {
   return EncodeJpeg(texture.image, kQuality);
 }
 
+// glTF has no empty accessors.
+static void RequireTriangles(const TriangleMesh& mesh, const std::string& path) {
+  ThrowIf(mesh.vertices.empty() || mesh.triangles.empty(), path, ": the mesh has ",
+          mesh.vertices.size(), " vertices and ", mesh.triangles.size(),
+          " triangles, a .glb file must have one of each or more");
+}
+
 void WriteMesh(const TriangleMesh& mesh, const std::string& path) {
   RequireMeshEnding(path);
   const std::string ending = EndingOf(path);
+  if (ending == ".glb") RequireTriangles(mesh, path);
   WriteFileAtomically(path, [&](std::ostream& out) {
     if (ending == ".ply") WritePlyMesh(mesh, out);
     if (ending == ".obj") WriteObjMesh(mesh, nullptr, "", out);
@@ -79,6 +87,7 @@ void WriteMesh(const TriangleMesh& mesh, const std::string& path) {
 void WriteMesh(const TriangleMesh& mesh, const MeshTexture& texture, const std::string& path) {
   RequireTextureEnding(path);
   if (EndingOf(path) == ".glb") {
+    RequireTriangles(mesh, path);
     WriteFileAtomically(path, [&](std::ostream& out) { WriteGlbMesh(mesh, &texture, out); });
     return;
   }
