@@ -69,6 +69,7 @@ TEST_F(OpenNiCamera, ReturnsFramesAndFieldOfView) {
   options.last = 18;
   const auto source = Open(options);
   EXPECT_EQ(source->info().frame_count, -1);
+  EXPECT_TRUE(source->info().has_clock);
   EXPECT_NEAR(source->info().pinhole.fx, 16 / std::tan(0.55), 1e-5);  // the angle is a float
   EXPECT_NEAR(source->info().pinhole.fy, 12 / std::tan(0.35), 1e-5);
   EXPECT_EQ(source->info().pinhole.cx, 15.5);

@@ -27,8 +27,8 @@ struct SequenceInfo {
   // Sensor model of the frames.
   DepthSensor sensor() const { return {pinhole, camera.noise, camera.readout_s, camera.prior}; }
   int frame_count = 0;  // number of frames of Next(); -1: unknown, as for OpenLive()
-  // True if timestamps are clock times. False for frame numbers, for sens (its poses have the times
-  // of frames) and for openni2. If false, RgbdCamera::latency_s is 0, except for openni2.
+  // True if timestamps are clock times. False for frame numbers and for sens (its poses have the
+  // times of frames). If false, RgbdCamera::latency_s is 0.
   bool has_clock = false;
   // Ratio of depth and colour images without a partner of similar time. 0 if the recording stores
   // pairs.

@@ -230,6 +230,7 @@ RawSequence OpenOpenNiCamera(const SequenceOptions& options, int capacity,
   SequenceInfo info;
   info.format = "openni2";
   info.frame_count = -1;
+  info.has_clock = true;
   const bool scale_is_given = ResolveCamera(
       options,
       [&]() -> SourceCamera {
