@@ -17,7 +17,8 @@ void PreprocessOptions::Visit(OptionVisitor& v) {
         "maximum pixel offset of the depths that a normal is computed from", Between(1, 7),
         InUnit("px"), AsFlag("normal_radius"));
   v.Add(max_slant_rad, "max_slant_rad",
-        "surfaces at a larger angle to the viewing ray are depth edges", Positive(), Below(1.57));
+        "larger angles between surface normal and viewing ray are depth edges", Positive(),
+        Below(1.57));
   v.Add(pyramid_levels, "pyramid_levels",
         "maximum number of pyramid levels for registration; small images have fewer", Between(1, 8),
         AsFlag());
