@@ -54,9 +54,12 @@ class PoseProblem final : private ceres::EvaluationCallback {
     ceres::Solve(options, &problem_, &summary);
     report->solve_ms = solving.Milliseconds();
     Describe(summary, report);
-    const bool last_is_better = summary.termination_type == ceres::CONVERGENCE &&
-                                options.function_tolerance > LmTolerances<S>::kFunction;
-    return AsIncrement(last_is_better ? last_ : pose_);
+    // Ceres converges before it accepts the last point, which usually has the least cost. If the
+    // tolerance is large, the difference matters.
+    const bool may_be_better = summary.termination_type == ceres::CONVERGENCE &&
+                               options.function_tolerance > LmTolerances<S>::kFunction;
+    if (may_be_better) TakeLastIfBetter();
+    return AsIncrement(pose_);
   }
 
  private:
@@ -76,6 +79,18 @@ class PoseProblem final : private ceres::EvaluationCallback {
         report->costs.push_back(iteration.cost);
       }
     }
+  }
+
+  void TakeLastIfBetter() {
+    const PoseBlock accepted = pose_, last = last_;
+    if (accepted == last) return;
+    double accepted_cost = 0, last_cost = 0;
+    const bool is_known = problem_.Evaluate({}, &accepted_cost, nullptr, nullptr, nullptr);
+    pose_ = last;
+    const bool is_better = is_known &&
+                           problem_.Evaluate({}, &last_cost, nullptr, nullptr, nullptr) &&
+                           last_cost < accepted_cost;
+    if (!is_better) pose_ = accepted;
   }
 
   void PrepareForEvaluation(bool, bool) override { last_ = pose_; }
