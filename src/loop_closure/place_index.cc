@@ -1,14 +1,14 @@
 #include "surfit/loop_closure/place_index.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <random>
 #include <utility>
 
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
 namespace surfit {
@@ -55,17 +55,40 @@ void PlaceIndex::Insert(const Entry& entry) {
 }
 
 void PlaceIndex::Add(int keyframe, const PlaceView& view) {
-  CHECK(std::find(keyframes_.begin(), keyframes_.end(), keyframe) == keyframes_.end());
-  keyframes_.push_back(keyframe);
+  ThrowIf(keyframes_.count(keyframe) > 0, "keyframe ", keyframe, " is in the index already");
+  const std::size_t begin = entries_.size();
   for (const PlaceFeature& feature : view.features) Insert({feature.descriptor, keyframe});
+  keyframes_[keyframe] = {begin, entries_.size()};
 }
 
 void PlaceIndex::Remove(int keyframe) {
-  keyframes_.erase(std::remove(keyframes_.begin(), keyframes_.end(), keyframe), keyframes_.end());
+  const auto removed = keyframes_.find(keyframe);
+  if (removed == keyframes_.end()) return;
+  const EntryRange range = removed->second;
+  keyframes_.erase(removed);
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    for (int table = 0; table < options_.tables; ++table) {
+      std::vector<std::uint32_t>& bucket = buckets_[HashOf(entries_[i].descriptor, table)];
+      bucket.erase(std::lower_bound(bucket.begin(), bucket.end(), i));
+    }
+  }
+  unused_ += range.end - range.begin;
+  if (unused_ > entries_.size() / 2) Compact();
+}
+
+// Removes unused entries. Indices of entries change.
+void PlaceIndex::Compact() {
   const std::vector<Entry> all = std::exchange(entries_, {});
   for (std::vector<std::uint32_t>& bucket : buckets_) bucket.clear();
-  for (const Entry& entry : all) {
-    if (entry.keyframe != keyframe) Insert(entry);
+  unused_ = 0;
+  std::vector<std::pair<EntryRange, int>> kept;
+  for (const auto& [keyframe, range] : keyframes_) kept.emplace_back(range, keyframe);
+  std::sort(kept.begin(), kept.end(),
+            [](const auto& a, const auto& b) { return a.first.begin < b.first.begin; });
+  for (const auto& [range, keyframe] : kept) {
+    const std::size_t begin = entries_.size();
+    for (std::size_t i = range.begin; i < range.end; ++i) Insert(all[i]);
+    keyframes_[keyframe] = {begin, entries_.size()};
   }
 }
 
@@ -105,7 +128,7 @@ std::vector<PlaceCandidate> PlaceIndex::Query(
 }
 
 std::size_t PlaceIndex::Bytes() const {
-  return entries_.size() * (sizeof(Entry) + options_.tables * sizeof(std::uint32_t));
+  return (entries_.size() - unused_) * (sizeof(Entry) + options_.tables * sizeof(std::uint32_t));
 }
 
 namespace {
@@ -125,19 +148,32 @@ std::vector<int> WithViews(const std::vector<Keyframe>& keyframes) {
   return positions;
 }
 
-// Returns the older keyframe of the most similar pair, or the only keyframe.
-int MostRedundant(const std::vector<Keyframe>& keyframes, const std::vector<int>& positions) {
-  int least = positions.front();
-  double least_difference = -1;
+// Returns the older keyframe of the most similar pair, or the only keyframe. If pairs are
+// equal, the pair with the older keyframes wins. Keyframes are sorted along one axis, so that only
+// pairs are compared whose distance along this axis is smaller than the least difference.
+int MostRedundant(const std::vector<Keyframe>& keyframes, std::vector<int> positions) {
+  // The inverse of a pose is rounded, so its distance can be slightly smaller.
+  constexpr double kMargin = 1e-9;
+  const auto along = [&](int position) {
+    return keyframes[position].world_from_camera.translation.x();
+  };
+  std::pair<int, int> least = {positions.front(), positions.front()};
+  double least_difference = std::numeric_limits<double>::infinity();
+  std::stable_sort(positions.begin(), positions.end(),
+                   [&](int a, int b) { return along(a) < along(b); });
   for (std::size_t i = 0; i < positions.size(); ++i) {
     for (std::size_t j = i + 1; j < positions.size(); ++j) {
-      const double difference = Difference(keyframes[positions[i]], keyframes[positions[j]]);
-      if (least_difference >= 0 && difference >= least_difference) continue;
+      const double apart = along(positions[j]) - along(positions[i]);
+      if (apart > least_difference + kMargin * (1 + std::abs(along(positions[j])))) break;
+      const auto pair = std::minmax(positions[i], positions[j]);
+      const double difference = Difference(keyframes[pair.first], keyframes[pair.second]);
+      if (std::pair(difference, std::pair<int, int>(pair)) >= std::pair(least_difference, least))
+        continue;
       least_difference = difference;
-      least = positions[i];
+      least = pair;
     }
   }
-  return least;
+  return least.first;
 }
 
 }  // namespace

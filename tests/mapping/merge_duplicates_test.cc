@@ -47,6 +47,33 @@ TEST(MergeDuplicates, MergesTwoWalls) {
   }
 }
 
+// Walls far from each other, and a surfel that was merged far out of its cell: its cell is large.
+TEST(MergeDuplicates, FindsDuplicatesInCellsOfAnySize) {
+  SurfelMap map;
+  for (const float shift_m : {-900.f, -3.f, 0.3f, 12.f, 900.f}) {
+    AddWall(2, shift_m, 0, 3, &map);
+    AddWall(2.02f, shift_m, 500, 1, &map);
+  }
+  Surfel stray;
+  stray.normal_in_world = {0, 0, -1};
+  stray.radius_m = kRadius;
+  stray.confidence = 1;
+  stray.position_in_world = {40, 40, 40};
+  const std::int32_t id = map.Append(stray);
+  SurfelObservation far;
+  far.position_in_world = {50, 50, 50};
+  far.normal_in_world = {0, 0, -1};
+  far.radius_m = kRadius;
+  far.weight = far.shape_weight = 1e6f;
+  map.Merge(id, far, 10);
+  Surfel again = stray;
+  again.position_in_world = map[id].position_in_world;
+  again.first_seen = again.last_seen = 500;
+  map.Append(again);
+  EXPECT_EQ(MergeDuplicates({}, {kApart}, &map), 5 * kWall + 1);
+  ExpectConsistent(map);
+}
+
 TEST(MergeDuplicates, MergesThreeWalls) {
   SurfelMap map;
   AddWall(2, 0, 0, 1, &map);

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
+#include <set>
 
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
@@ -109,6 +111,50 @@ TEST(PlaceIndex, DoesNotFindRemovedKeyframes) {
   EXPECT_EQ(index.Query(RandomView(3), 5, Any).size(), 1);
 }
 
+// Removes and adds keyframes at random. Indices in the tables change when unused entries are
+// removed.
+TEST(PlaceIndex, AgreesWithANewIndexAfterChanges) {
+  std::mt19937_64 rng(5);
+  PlaceIndexOptions options;
+  options.min_similarity = 0;
+  PlaceIndex changed(options);
+  std::set<int> keyframes;
+  // Keyframes share half of their features with the next one.
+  const auto view = [](int keyframe) {
+    PlaceView both = RandomView(keyframe, 20);
+    const PlaceView shared = RandomView(keyframe + 1, 20);
+    both.features.insert(both.features.end(), shared.features.begin(), shared.features.end());
+    return both;
+  };
+  for (int i = 0; i < 300; ++i) {
+    const int keyframe = static_cast<int>(rng() % 30);
+    if (keyframes.count(keyframe) > 0) {
+      changed.Remove(keyframe);
+      keyframes.erase(keyframe);
+    } else {
+      changed.Add(keyframe, view(keyframe));
+      keyframes.insert(keyframe);
+    }
+    if (i % 10 != 0) continue;
+    PlaceIndex fresh(options);
+    for (const int k : keyframes) fresh.Add(k, view(k));
+    EXPECT_EQ(changed.Bytes(), fresh.Bytes());
+    EXPECT_EQ(changed.keyframe_count(), fresh.keyframe_count());
+    const auto found = changed.Query(view(keyframe), 30, Any);
+    const auto expected = fresh.Query(view(keyframe), 30, Any);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      EXPECT_EQ(found[k].keyframe, expected[k].keyframe);
+      EXPECT_EQ(found[k].similarity, expected[k].similarity);
+    }
+  }
+}
+
+TEST(PlaceIndex, RejectsAKeyframeTwice) {
+  PlaceIndex index = IndexOfTen();
+  ExpectInputError([&] { index.Add(3, RandomView(3)); }, Names("keyframe 3"));
+}
+
 TEST(PlaceIndex, HasNoCandidatesWithoutFeatures) {
   EXPECT_TRUE(IndexOfTen().Query(PlaceView(), 5, Any).empty());
   EXPECT_TRUE(PlaceIndex().Query(RandomView(1), 5, Any).empty());
@@ -187,6 +233,40 @@ TEST(LimitKeyframes, CountsRotationAsDistance) {
   PlaceIndex index = IndexOf(keyframes);
   const std::size_t bytes = 3 * keyframes[0].view.Bytes();
   EXPECT_THAT(LimitKeyframes(bytes, &keyframes, &index), ElementsAre(2));
+}
+
+// Removal one by one, with all pairs compared. Some poses are equal.
+TEST(LimitKeyframes, AgreesWithBruteForce) {
+  std::mt19937_64 rng(6);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::vector<Keyframe> keyframes = KeyframesAt(std::vector<double>(120, 0));
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    Rigid3d& pose = keyframes[k].world_from_camera;
+    pose.translation = {3 * uniform(rng), uniform(rng), uniform(rng)};
+    pose.rotation = QuaternionExp<double>({0, uniform(rng), 0});
+    if (k % 5 == 4) pose = keyframes[k - 3].world_from_camera;
+  }
+  std::vector<int> expected;
+  std::vector<Keyframe> left = keyframes;
+  while (expected.size() < 60) {
+    int older = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      for (std::size_t j = i + 1; j < left.size(); ++j) {
+        if (left[i].view.empty() || left[j].view.empty()) continue;
+        const Rigid3d motion = left[i].world_from_camera.Inverse() * left[j].world_from_camera;
+        const double apart = motion.translation.norm() + 2 * RotationAngle(motion.rotation);
+        if (apart >= least) continue;
+        least = apart;
+        older = static_cast<int>(i);
+      }
+    }
+    left[older].view = PlaceView();
+    expected.push_back(older);
+  }
+  PlaceIndex index = IndexOf(keyframes);
+  const std::size_t bytes = 60 * keyframes[0].view.Bytes();
+  EXPECT_EQ(LimitKeyframes(bytes, &keyframes, &index), expected);
 }
 
 TEST(LimitKeyframes, RemovesAllViewsAtZeroLimit) {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <unordered_map>
 #include <vector>
 
 #include "surfit/loop_closure/keyframe.h"
@@ -38,9 +39,10 @@ class PlaceIndex {
   // Throws InputError for invalid options.
   explicit PlaceIndex(const PlaceIndexOptions& options = {});
 
-  // Adds a keyframe by its features. Aborts if the number is in the index.
+  // Adds a keyframe by its features. Throws InputError if the number is in the index.
   void Add(int keyframe, const PlaceView& view);
-  // Removes a keyframe and rebuilds all tables. No effect if the keyframe is not in the index.
+  // Removes a keyframe. The time depends on its number of features and on the size of their
+  // buckets. No effect if the keyframe is not in the index.
   void Remove(int keyframe);
 
   // Returns at most `max_count` keyframes that satisfy `is_wanted` and min_similarity, by
@@ -56,14 +58,19 @@ class PlaceIndex {
     BinaryDescriptor descriptor;
     int keyframe;
   };
+  struct EntryRange {
+    std::size_t begin = 0, end = 0;  // indices of `entries_`
+  };
   std::uint32_t HashOf(const BinaryDescriptor& descriptor, int table) const;
   void Insert(const Entry& entry);
+  void Compact();
 
   PlaceIndexOptions options_;
   std::vector<std::vector<int>> chosen_bits_;        // per table
   std::vector<std::vector<std::uint32_t>> buckets_;  // of all tables: indices of `entries_`
   std::vector<Entry> entries_;
-  std::vector<int> keyframes_;  // in insertion order
+  std::size_t unused_ = 0;                         // number of entries of removed keyframes
+  std::unordered_map<int, EntryRange> keyframes_;  // by number
 };
 
 // Limits the memory of keyframe views. While it exceeds `max_bytes`, removes the view of the older

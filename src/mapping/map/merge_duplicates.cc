@@ -1,8 +1,11 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
+#include <unordered_map>
 #include <vector>
 
 #include "core/trace.h"
@@ -116,6 +119,84 @@ Patch PatchAt(const SurfelBlock& block, int k) {
 
 Eigen::Vector3f PositionOf(const Patch& patch) { return {patch.x, patch.y, patch.z}; }
 
+// Finds the cells of a map near a box, without a loop over all cells.
+class CellIndex {
+ public:
+  explicit CellIndex(const SurfelMap& map) : cell_count_(map.cell_count()) {
+    for (std::int32_t i = 0; i < map.cell_count(); ++i) {
+      const SurfelBounds& bounds = map.cell(i).bounds;
+      if (bounds.empty()) continue;
+      const Cubes cubes(bounds.low, bounds.high);
+      if (cubes.count() > kMostCubes) {
+        large_.push_back(i);
+      } else {
+        cubes.ForEach([&](std::uint64_t key) { cells_[key].push_back(i); });
+      }
+    }
+  }
+
+  // Ascending indices of cells that contain all cells whose bounds intersect the box.
+  std::vector<std::int32_t> CellsNear(const Eigen::Vector3f& low,
+                                      const Eigen::Vector3f& high) const {
+    const Cubes cubes(low.data(), high.data());
+    std::vector<std::int32_t> near = large_;
+    if (cubes.count() > cell_count_) {
+      near.resize(cell_count_);
+      std::iota(near.begin(), near.end(), 0);
+      return near;
+    }
+    cubes.ForEach([&](std::uint64_t key) {
+      const auto at = cells_.find(key);
+      if (at != cells_.end()) near.insert(near.end(), at->second.begin(), at->second.end());
+    });
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    return near;
+  }
+
+ private:
+  static constexpr std::int64_t kMostCubes = 64;  // of a cell; a cell usually overlaps 8
+
+  // Cubes of the size of cells that overlap a box.
+  class Cubes {
+   public:
+    Cubes(const float* low, const float* high) {
+      for (int axis = 0; axis < 3; ++axis) {
+        first_[axis] = IndexOf(low[axis]);
+        last_[axis] = IndexOf(high[axis]);
+      }
+    }
+    std::int64_t count() const {
+      std::int64_t count = 1;
+      for (int axis = 0; axis < 3; ++axis) count *= last_[axis] - first_[axis] + 1;
+      return count;
+    }
+    template <typename F>
+    void ForEach(const F& f) const {
+      for (std::int64_t x = first_[0]; x <= last_[0]; ++x) {
+        for (std::int64_t y = first_[1]; y <= last_[1]; ++y) {
+          for (std::int64_t z = first_[2]; z <= last_[2]; ++z)
+            f(static_cast<std::uint64_t>((x << kBits | y) << kBits | z));
+        }
+      }
+    }
+
+   private:
+    static constexpr int kBits = 20;
+    // Positions beyond the range belong to the outermost cube.
+    static std::int64_t IndexOf(float coordinate) {
+      constexpr float kHalf = 1 << (kBits - 1);
+      const float index = std::floor(coordinate / SurfelMap::kCellSize);
+      return static_cast<std::int64_t>(std::max(-kHalf, std::min(index, kHalf - 1)) + kHalf);
+    }
+    std::array<std::int64_t, 3> first_, last_;
+  };
+
+  std::int32_t cell_count_;
+  std::unordered_map<std::uint64_t, std::vector<std::int32_t>> cells_;
+  std::vector<std::int32_t> large_;
+};
+
 struct NewerSurfel {
   std::int32_t id;
   std::int32_t first_seen;
@@ -137,7 +218,8 @@ class DuplicateFinder {
         reach_m_(options.merge_distance_m + options.max_spacing_m),
         cube_m_(kSpacingsPerCube * options.max_spacing_m),
         duplicates_(doubles),
-        map_(map) {}
+        map_(map),
+        cells_(map) {}
 
   // Entry i is the id of an older duplicate of surfel i, or kNobody. An older duplicate can have an
   // even older duplicate.
@@ -194,7 +276,7 @@ class DuplicateFinder {
 
   std::vector<GridSurfel> OlderWithin(const NewerOfCell& newer) const {
     std::vector<GridSurfel> older;
-    for (std::int32_t cell = 0; cell < map_.cell_count(); ++cell) {
+    for (const std::int32_t cell : cells_.CellsNear(newer.low, newer.high)) {
       if (!MayHaveOlder(map_.cell(cell).bounds, newer)) continue;
       for (const std::int32_t b : map_.cell(cell).blocks) {
         if (MayHaveOlder(map_.block(b).bounds, newer)) AddOlder(b, newer, &older);
@@ -263,6 +345,7 @@ class DuplicateFinder {
   const float reach_m_, cube_m_;
   const DuplicateOptions duplicates_;
   const SurfelMap& map_;
+  const CellIndex cells_;
 };
 
 SurfelObservation AsObservation(const Surfel& seen, float max_radius_m) {
