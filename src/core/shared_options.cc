@@ -90,7 +90,8 @@ const std::vector<Option>& SharedOptions() {
       {"run", "output folder of surfit_slam"},
       {"seed", "seed of the random numbers"},
       {"sequence",
-       "sequence to read: a folder, a .klg, .sens, .bag, .db3, .mcap or .oni file, the URI of a "
+       "sequence to read: a folder, a .klg, .sens, .bag, .db3, .mcap, .oni or .mkv file, the URI "
+       "of a "
        "camera, or any for the first camera"},
       {"session", "session folder, in which surfit_slam saves the state of its runs"},
       {"source", "source cloud, which is transformed to the target: PLY or PCD, in m"},

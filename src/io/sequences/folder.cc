@@ -137,8 +137,8 @@ std::string FollowTextLink(const std::string& folder, const std::string& name) {
 
 const std::vector<std::string>& SequenceFormats() {
   static const auto* const formats = new std::vector<std::string>{
-      "tum",  "icl_nuim", "seven_scenes", "redwood", "replica", "nerfstudio", "klg",
-      "sens", "bag",      "db3",          "mcap",    "oni",     "watch",      "openni2"};
+      "tum", "icl_nuim", "seven_scenes", "redwood", "replica", "nerfstudio", "klg",    "sens",
+      "bag", "db3",      "mcap",         "oni",     "mkv",     "watch",      "openni2"};
   return *formats;
 }
 
@@ -147,7 +147,7 @@ bool IsBag(const std::string& format) {
 }
 
 bool MayBeFile(const std::string& format) {
-  return format == "klg" || format == "sens" || format == "oni" || IsBag(format);
+  return format == "klg" || format == "sens" || format == "oni" || format == "mkv" || IsBag(format);
 }
 
 bool MayBeFolder(const std::string& format) {
@@ -156,10 +156,11 @@ bool MayBeFolder(const std::string& format) {
 
 std::string DetectFormat(const std::string& path) {
   if (!IsFile(path)) return DetectFolderFormat(path);
-  for (const char* format : {"klg", "sens", "bag", "db3", "mcap", "oni"}) {
+  for (const char* format : {"klg", "sens", "bag", "db3", "mcap", "oni", "mkv"}) {
     if (EndsWith(path, std::string(".") + format)) return format;
   }
-  throw InputError(path, " is neither a folder nor a .klg, .sens, .bag, .db3, .mcap or .oni file");
+  throw InputError(path,
+                   " is neither a folder nor a .klg, .sens, .bag, .db3, .mcap, .oni or .mkv file");
 }
 
 }  // namespace surfit

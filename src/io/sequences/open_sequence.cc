@@ -154,6 +154,7 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
   OpenedRecording opened;
   if (IsBag(info.format)) opened = OpenBag(options, info.format, /*is_folder=*/!is_file);
   if (info.format == "oni") opened = OpenOni(options);
+  if (info.format == "mkv") opened = OpenAzureKinect(options);
   const bool scale_is_given = ResolveCamera(options, opened.read_camera, &info);
 
   if (!opened.frames)

@@ -197,6 +197,13 @@ RgbdCamera ReadSensCamera(const std::string& path);
 // warning.
 OpenedRecording OpenBag(const SequenceOptions& options, const std::string& format, bool is_folder);
 
+// Opens a recording of an Azure Kinect (.mkv of k4arecorder): the tracks DEPTH (16-bit grey, mm)
+// and COLOR (MJPG or BGRA), paired by their timestamps within kMaxBetweenImages_s. With the
+// attachment calibration.json, images are undistorted, and the camera is the camera of the
+// undistorted images. Without it, the options must set the cameras. A truncated file gives its
+// complete frames and a warning. Throws InputError naming the file.
+OpenedRecording OpenAzureKinect(const SequenceOptions& options);
+
 // Opens an OpenNI2 recording, and plays it once. Recording::Read() is fast for ascending frames
 // only. The intrinsics are computed from the field of view. Throws InputError naming the file, also
 // in a build without OpenNI2.
