@@ -100,7 +100,7 @@ int ThreadCount() {
 }
 
 void ParallelFor(int begin, int end, int grain, const std::function<void(int, int)>& body) {
-  CHECK_GT(grain, 0);
+  ThrowIf(grain < 1, "grain is ", grain, ", must be at least 1");
   if (end <= begin) return;
   const int blocks = (end - begin + grain - 1) / grain;
   const auto run_block = [&](int block) {
@@ -124,7 +124,7 @@ void ParallelFor(int begin, int end, int grain, const std::function<void(int, in
 }
 
 void RunInBackground(std::function<void()> task) {
-  CHECK_GT(ThreadCount(), 1) << "background tasks need a limit of at least 2 threads";
+  ThrowIf(ThreadCount() < 2, "background tasks need a limit of at least 2 threads");
   static tbb::task_arena* const arena = new tbb::task_arena(2, 1);
   static SanitizerFence fork;
   fork.Release();

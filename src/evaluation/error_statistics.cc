@@ -1,9 +1,9 @@
 #include "surfit/evaluation/error_statistics.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "surfit/core/error.h"
 
 namespace surfit {
 namespace {
@@ -24,7 +24,7 @@ double Quantile(std::vector<double> values, double share) {
 }
 
 ErrorStatistics Summarize(std::vector<double> errors) {
-  CHECK(!errors.empty());
+  ThrowIf(errors.empty(), "there are no errors to summarise");
   std::sort(errors.begin(), errors.end());
   double sum = 0, sum_of_squares = 0;
   for (const double error : errors) {

@@ -1,7 +1,5 @@
 #include "surfit/evaluation/map_error.h"
 
-#include <glog/logging.h>
-
 #include <cmath>
 
 #include "evaluation/triangle_tree.h"
@@ -84,7 +82,9 @@ MapError ComputeMapError(const std::vector<Eigen::Vector3f>& map,
                          const std::vector<Eigen::Vector3f>& reference_normals,
                          const MapErrorOptions& options) {
   Validate(options);
-  CHECK(reference_normals.empty() || reference_normals.size() == reference.size());
+  ThrowIf(!reference_normals.empty() && reference_normals.size() != reference.size(),
+          "the reference has ", reference.size(), " points and ", reference_normals.size(),
+          " normals, must have one per point or none");
   const Cloud finite_map = Prepare(map, {}, "map");
   const Cloud finite_reference = Prepare(reference, reference_normals, "reference");
   MapError error;

@@ -1,11 +1,10 @@
 #include "surfit/evaluation/trajectory_evaluation.h"
 
-#include <glog/logging.h>
-
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
 namespace surfit {
@@ -70,7 +69,8 @@ Rigid3d RelativeError(const MatchedPose& i, const MatchedPose& j) {
 // s_3 d_3 > 0.
 Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
                       const std::vector<Eigen::Vector3d>& target) {
-  CHECK_EQ(source.size(), target.size());
+  ThrowIf(source.size() != target.size(), "there are ", source.size(), " source and ",
+          target.size(), " target points, must be equal");
   Alignment alignment;
   if (source.size() < 3) return alignment;
   const Eigen::Vector3d source_mean = Mean(source), target_mean = Mean(target);
@@ -80,7 +80,8 @@ Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
-  CHECK_EQ(svd.info(), Eigen::Success) << "the SVD failed: a point is not finite";
+  ThrowIf(svd.info() != Eigen::Success,
+          "a position is not finite, so the alignment has no solution");
   const Eigen::Matrix3d &u = svd.matrixU(), &v = svd.matrixV();
   const Eigen::Vector3d& d = svd.singularValues();
   const Eigen::Vector3d s(1, 1, u.determinant() * v.determinant() < 0 ? -1 : 1);

@@ -1,9 +1,8 @@
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/frame_pyramid.h"
 
@@ -69,8 +68,11 @@ void AddIntensity(const Image<Rgb8>& color, FramePyramid* pyramid) {
   const Image<float>* finer = nullptr;
   for (FrameLevel& level : pyramid->levels) {
     level.intensity = finer == nullptr ? Grey(color) : HalfResolution(*finer);
-    CHECK_EQ(level.intensity.width(), level.camera.width);
-    CHECK_EQ(level.intensity.height(), level.camera.height);
+    ThrowIf(level.intensity.width() != level.camera.width ||
+                level.intensity.height() != level.camera.height,
+            "the colour image has ", color.width(), " x ", color.height(), " pixels, must have ",
+            pyramid->levels.front().camera.width, " x ", pyramid->levels.front().camera.height,
+            " like depth");
     finer = &level.intensity;
   }
 }

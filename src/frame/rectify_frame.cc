@@ -1,7 +1,5 @@
 #include "surfit/frame/rectify_frame.h"
 
-#include <glog/logging.h>
-
 #include <cmath>
 #include <utility>
 
@@ -21,8 +19,10 @@ void RequireUsable(const PinholeCamera& camera, const std::string& what) {
 }
 
 template <typename T>
-bool HasSize(const Image<T>& image, const PinholeCamera& camera) {
-  return image.width() == camera.width && image.height() == camera.height;
+void RequireSize(const Image<T>& image, const PinholeCamera& camera, const char* what) {
+  ThrowIf(image.width() != camera.width || image.height() != camera.height, "the ", what,
+          " image has ", image.width(), " x ", image.height(), " pixels, must have ", camera.width,
+          " x ", camera.height, " like its camera");
 }
 
 constexpr std::uint16_t kMissing = 65535;
@@ -122,11 +122,11 @@ const PinholeCamera& FrameRectifier::pinhole() const { return tables_->pinhole; 
 
 RgbdFrame FrameRectifier::Rectify(const RawDepth& depth, Image<Rgb8> color) const {
   const Tables& t = *tables_;
-  CHECK(std::visit([&](const auto& image) { return HasSize(image, t.camera.depth); }, depth));
+  std::visit([&](const auto& image) { RequireSize(image, t.camera.depth, "depth"); }, depth);
   RgbdFrame frame;
   frame.depth_m = DepthAt(t.depth_pixels, depth, t.camera, t.max_depth_m);
   if (!color.empty()) {
-    CHECK(HasSize(color, t.camera.color_is_registered ? t.camera.depth : t.camera.color));
+    RequireSize(color, t.camera.color_is_registered ? t.camera.depth : t.camera.color, "colour");
     frame.color = t.color_registration.Apply(std::move(color), frame.depth_m);
   }
   return frame;

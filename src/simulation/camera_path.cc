@@ -1,7 +1,5 @@
 #include "surfit/simulation/camera_path.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -115,7 +113,9 @@ Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
                     const PathOptions& options) {
   Validate(options);
   ThrowIf(frames < 1, "frames is ", frames, ", must be at least 1");
-  CHECK(!scene.camera_space.isEmpty() && scene.targets.size() > 1);
+  ThrowIf(scene.camera_space.isEmpty(), "the scene has no space for the camera");
+  ThrowIf(scene.targets.size() < 2, "the scene has ", scene.targets.size(),
+          " targets, must have at least 2");
   const int walks = Attempts(scene, 6, 1);
   constexpr double kGoodEnough = 0.05;
   Trajectory best;
@@ -131,7 +131,7 @@ Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
 }
 
 SmoothPath::SmoothPath(Trajectory poses) : poses_(std::move(poses)) {
-  CHECK(!poses_.empty());
+  ThrowIf(poses_.empty(), "the path has no poses");
   const std::size_t count = poses_.size();
   for (const StampedPose& pose : poses_) {
     const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
@@ -148,7 +148,10 @@ SmoothPath::SmoothPath(Trajectory poses) : poses_(std::move(poses)) {
   std::vector<double> above(count, 0);
   const auto step = [&](std::size_t i) { return poses_[i + 1].stamp_s - poses_[i].stamp_s; };
   const auto slope = [&](std::size_t i) -> Knot { return (values_[i + 1] - values_[i]) / step(i); };
-  for (std::size_t i = 0; i + 1 < count; ++i) CHECK_GT(step(i), 0);
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    ThrowIf(!(step(i) > 0), "the path has the time ", poses_[i + 1].stamp_s, " s after ",
+            poses_[i].stamp_s, " s, must increase");
+  }
   std::vector<Knot>& m = second_derivatives_;
   for (std::size_t i = 1; i + 1 < count; ++i) {
     const double h0 = step(i - 1), h1 = step(i), pivot = 2 * (h0 + h1) - h0 * above[i - 1];

@@ -1,8 +1,7 @@
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/simulation/render.h"
 
@@ -123,7 +122,8 @@ LightImage MovingCamera::Light(int i) const {
 }
 
 Rendering MovingCamera::Frame(int i) const {
-  CHECK(i >= 0 && i < static_cast<int>(path_.poses().size()));
+  const int count = static_cast<int>(path_.poses().size());
+  ThrowIf(i < 0 || i >= count, "the frame is ", i, ", must be from 0 to ", count - 1);
   if (options_.ArePlain() && camera_.readout_s == 0 && camera_.color_latency_s == 0) {
     return Render(scene_, camera_.depth, path_.poses()[i].world_from_camera);
   }

@@ -1,9 +1,8 @@
-#include <glog/logging.h>
-
 #include <Eigen/Geometry>
 #include <cmath>
 
 #include "simulation/random.h"
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/simulation/render.h"
@@ -55,7 +54,9 @@ double Quantised(double depth_m, double disparity_noise, const KinectOptions& op
 Image<float> KinectDepth(const Image<float>& depth_m, const PinholeCamera& camera,
                          std::uint64_t seed, const KinectOptions& options) {
   Validate(options);
-  CHECK(depth_m.width() == camera.width && depth_m.height() == camera.height);
+  ThrowIf(depth_m.width() != camera.width || depth_m.height() != camera.height,
+          "the depth image has ", depth_m.width(), " x ", depth_m.height(), " pixels, must have ",
+          camera.width, " x ", camera.height, " like its camera");
   const double min_cosine = std::cos(options.max_incidence_deg * M_PI / 180);
   Image<float> measured(depth_m.width(), depth_m.height(), 0.f);
   ParallelFor(0, depth_m.height(), 16, [&](int begin, int end) {

@@ -1,7 +1,5 @@
 #include "surfit/slam/slam.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -127,6 +125,18 @@ void Slam::MakeBackend(LoopFinder finder) {
   tracker_->UseRelocalizer(relocalizer_.get());
 }
 
+static void RequireImagesOf(const PinholeCamera& camera, const RgbdFrame& frame) {
+  ThrowIf(frame.depth_m.width() != camera.width || frame.depth_m.height() != camera.height,
+          "frame ", frame.index, ": the depth image has ", frame.depth_m.width(), " x ",
+          frame.depth_m.height(), " pixels, must have ", camera.width, " x ", camera.height,
+          " like the sensor");
+  ThrowIf(!frame.color.empty() &&
+              (frame.color.width() != camera.width || frame.color.height() != camera.height),
+          "frame ", frame.index, ": the colour image has ", frame.color.width(), " x ",
+          frame.color.height(), " pixels, must have ", camera.width, " x ", camera.height,
+          " like depth");
+}
+
 // Stages of a frame and their classes:
 //   correct    apply finished loop closures and calibrations   Backend, Mapper
 //   prepare    depth image to surfaces                         FramePreprocessor
@@ -136,6 +146,7 @@ void Slam::MakeBackend(LoopFinder finder) {
 //   fuse       update the surfels                              Mapper, Fusion
 //   report     outcome and times                               FrameReport
 FrameReport Slam::Process(const RgbdFrame& frame) {
+  RequireImagesOf(sensor_.camera, frame);
   if (!frame.color.empty() && !tracker_->AcceptsColor(frame)) {
     RgbdFrame depth_alone = frame;
     depth_alone.color = {};
@@ -155,6 +166,7 @@ FrameReport Slam::Process(const RgbdFrame& frame) {
 }
 
 FrameReport Slam::ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera) {
+  RequireImagesOf(sensor_.camera, frame);
   StageTimes times;
   Correct(frame, &times);
   tracker_->IsDuplicate(frame);
@@ -168,9 +180,6 @@ FrameReport Slam::ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_ca
 }
 
 void Slam::Correct(const RgbdFrame& frame, StageTimes* times) {
-  CHECK_EQ(frame.depth_m.width(), sensor_.camera.width);
-  CHECK_EQ(frame.depth_m.height(), sensor_.camera.height);
-  CHECK(frame.color.empty() || frame.color.size() == frame.depth_m.size());
   ++frame_count_;
   if (!backend_) return;
   const StageTimer timer("correct", frame.index, &times->correct_ms);
@@ -285,7 +294,8 @@ void Slam::OnLostFrame(std::function<void(const LostFrame&)> call) {
 }
 
 void Slam::UseLoopFinder(LoopFinder finder) {
-  CHECK(options_.loops.enabled && backend_->poses().frames().empty());
+  ThrowIf(!options_.loops.enabled, "loops.enabled is false, must be true for a loop finder");
+  ThrowIf(!backend_->poses().frames().empty(), "a loop finder must be set before the first frame");
   MakeBackend(std::move(finder));
 }
 

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "surfit/evaluation/error_statistics.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
@@ -29,6 +32,15 @@ double SumOfSquares(const Rigid3d& target_from_source, const Points& source, con
     sum += (target[i] - target_from_source * source[i]).squaredNorm();
   }
   return sum;
+}
+
+TEST(AlignPoints, RejectsListsOfOtherSizesAndPointsThatAreNotFinite) {
+  std::mt19937_64 rng(2);
+  Points source = RandomPoints(4, &rng);
+  ExpectInputError([&] { AlignPoints(source, RandomPoints(3, &rng)); }, Names(4, 3));
+  source[1].x() = std::nan("");
+  ExpectInputError([&] { AlignPoints(source, RandomPoints(4, &rng)); }, Names("finite"));
+  ExpectInputError([] { Summarize({}); }, Names("errors"));
 }
 
 TEST(AlignPoints, RecoversRigidMotionExactly) {

@@ -199,14 +199,23 @@ TEST(KittiTrajectory, WritesTheUpperThreeRowsOfEachMatrix) {
   EXPECT_FALSE(file >> rest);
 }
 
-TEST(KittiTrajectoryDeathTest, AbortsOnNumbersThatAreNotFinite) {
+TEST(TrajectoryFiles, RejectPosesThatAreNotFinite) {
   const TempFolder folder;
   const double nan = std::nan("");
   const Rigid3d placeless(Eigen::Quaterniond::Identity(), {0, nan, 0});
-  EXPECT_DEATH(WriteKittiTrajectory({{1, placeless}}, folder / "a.txt"), "allFinite");
+  const auto expect_refused = [&](const StampedPose& pose) {
+    ExpectInputError([&] { WriteKittiTrajectory({pose}, folder / "a.txt"); }, Names("finite"));
+    ExpectInputError([&] { WriteTumTrajectory({pose}, folder / "a.txt"); }, Names("finite"));
+  };
+  expect_refused({1, placeless});
   Rigid3d turned;
   turned.rotation.coeffs().setConstant(nan);
-  EXPECT_DEATH(WriteKittiTrajectory({{1, turned}}, folder / "a.txt"), "allFinite");
+  expect_refused({1, turned});
+  ExpectInputError(
+      [&] {
+        WriteTumTrajectory({{nan, Rigid3d()}}, folder / "a.txt");
+      },
+      Names("finite"));
 }
 
 TEST(KittiTrajectory, RejectsUnwritableFile) {

@@ -7,6 +7,7 @@
 #include "mapping/random_surfel.h"
 #include "mapping/same_map.h"
 #include "surfit/core/parallel.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
@@ -171,6 +172,17 @@ TEST(MoveMap, TurnsSurfelsBehindTheCameraWithTheirFrame) {
              (correction.rotation * surfel.normal_in_world.cast<double>()).cast<float>())
                 .norm(),
             2 * kNormalRounding);
+}
+
+TEST(MoveMap, RejectsCorrectionsOfAnotherNumber) {
+  ExpectInputError([] { FrameCorrections(0, {}); }, Names("corrections"));
+  SurfelMap map = RandomMap(10);
+  const DepthCalibration calibration = {{160, 120, 131, 131, 79.5, 59.5, {}}, {}};
+  ExpectInputError(
+      [&] {
+        MoveMap({0, {Rigid3d()}}, {calibration, calibration, {}}, &map);
+      },
+      Names(1, 0));
 }
 
 TEST(MoveMapThreads, AreBitwiseIdentical) {

@@ -6,6 +6,7 @@
 
 #include "mapping/random_surfel.h"
 #include "mapping/same_map.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
@@ -135,6 +136,14 @@ TEST(ReassignCells, RemovesMarkedSurfelsThatChangeTheirCell) {
     EXPECT_EQ(surfel.position_in_world.x() == 5, surfel.first_seen % 4 == 2);
   }
   EXPECT_EQ(map.RemoveMarked(), 0u);
+}
+
+TEST(SurfelMap, RejectsMarksOfUnusedIds) {
+  SurfelMap map;
+  std::mt19937_64 rng(10);
+  map.Append(RandomSurfel(&rng));
+  for (const std::int32_t id : {-1, 1, SurfelBlock::kCapacity})
+    ExpectInputError([&] { map.Mark(id); }, Names(id));
 }
 
 TEST(RemoveMarked, KeepsFractionsOfColors) {

@@ -111,6 +111,11 @@ TEST(MeshFiles, RejectsEmptyGlb) {
   EXPECT_NO_THROW(WriteMesh(TriangleMesh(), folder / "mesh.ply"));
 }
 
+TEST(KeepTriangles, RejectsMarksOfAnotherNumber) {
+  TriangleMesh mesh = Square();
+  ExpectInputError([&] { KeepTriangles({1}, &mesh); }, Names(1, 2));
+}
+
 // Square with a texture of two halves. Corners 0 and 2 have two texture coordinates each.
 MeshTexture TwoHalves() {
   MeshTexture texture;

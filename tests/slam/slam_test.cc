@@ -46,6 +46,19 @@ void ExpectAllTracked(const SlamRun& run) {
 
 // With exact depth, the error is far below half a pixel. Edges and curved surfaces cause the
 // remaining error.
+TEST(Slam, RejectsFramesOfAnotherSize) {
+  const SimulatedSequence& room = IdealRoom();
+  Slam slam({room.camera, {}}, SlamOptions(), Rigid3d());
+  RgbdFrame frame = room.frames[0];
+  frame.color = Image<Rgb8>(7, 5);
+  ExpectInputError([&] { slam.Process(frame); }, Names(7, 5, room.camera.width));
+  frame.color = {};
+  frame.depth_m = Image<float>(9, 3);
+  ExpectInputError([&] { slam.Process(frame); }, Names(9, 3, room.camera.width));
+  EXPECT_EQ(slam.Process(room.frames[0]).state, FrameState::kFirst);
+  ExpectInputError([&] { slam.UseLoopFinder({}); }, Names("loops.enabled"));
+}
+
 TEST(Slam, TracksIdealSensorWithinHalfPixel) {
   ExpectAllTracked(IdealRun());
   const PoseErrors errors = ErrorsOf(IdealRun(), IdealRoom().world_from_camera);

@@ -33,7 +33,7 @@ inline constexpr int kRowsPerBlock = 16;
 // Returns when all blocks are done; at once for an empty range. Rethrows the first exception of a
 // block; other blocks may not run then. Calls may be nested, and several threads may call at the
 // same time. A waiting thread may run blocks of other loops: do not hold a lock during the call.
-// Aborts if grain <= 0.
+// Throws if grain <= 0.
 void ParallelFor(int begin, int end, int grain, const std::function<void(int, int)>& body);
 
 // Sum of body(block_begin, block_end) over the blocks of ParallelFor(); `zero` for an empty range.
@@ -52,7 +52,7 @@ T ParallelSum(int begin, int end, int grain, T zero, const Body& body) {
 }
 
 // Runs the task on another thread within the limit. Returns immediately. Tasks run one at a time,
-// each with its loops on one thread. Aborts without a second thread (ThreadCount() == 1). The task
+// each with its loops on one thread. Throws without a second thread (ThreadCount() == 1). The task
 // must not throw. There is no function to wait for a task: the caller must keep its data alive and
 // signal its end.
 void RunInBackground(std::function<void()> task);

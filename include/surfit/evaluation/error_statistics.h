@@ -19,7 +19,7 @@ struct ErrorStatistics {
   double max = 0;
 };
 
-// Computes statistics of finite, nonnegative errors, which are not checked. Aborts if there are
+// Computes statistics of finite, nonnegative errors, which are not checked. Throws if there are
 // none.
 ErrorStatistics Summarize(std::vector<double> errors);
 

@@ -41,7 +41,7 @@ struct MapError {
 // Computes the errors of a map. Both clouds are in the same frame, in metres: the map is not
 // aligned. `reference_normals`: one finite unit vector per reference point, or empty. Runs on all
 // worker threads; the result does not depend on their number. Throws InputError for invalid
-// options, and for a cloud without finite points or with more than 2^30 points. Aborts if the
+// options, and for a cloud without finite points or with more than 2^30 points. Throws if the
 // number of normals is wrong.
 MapError ComputeMapError(const std::vector<Eigen::Vector3f>& map,
                          const std::vector<Eigen::Vector3f>& reference,

@@ -32,7 +32,7 @@ struct Alignment {
 
 // Computes the rigid transform without scale that minimises sum |target_i - (R source_i + t)|^2
 // (Horn 1987; Umeyama, PAMI 1991, eq. 39-43 with c = 1). Points are in metres. R is a proper
-// rotation, even if a reflection fits better. Aborts if the sizes differ, or if one of at least 3
+// rotation, even if a reflection fits better. Throws if the sizes differ, or if one of at least 3
 // points is not finite.
 Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
                       const std::vector<Eigen::Vector3d>& target);
@@ -76,7 +76,7 @@ struct AbsoluteTrajectoryError {
 };
 
 // Computes the ATE. Returns std::nullopt for fewer than 3 poses. On a straight path, the
-// rotation of the alignment is not unique, but the error is. Aborts if a position is not finite.
+// rotation of the alignment is not unique, but the error is. Throws if a position is not finite.
 std::optional<AbsoluteTrajectoryError> ComputeAbsoluteTrajectoryError(
     const std::vector<MatchedPose>& poses);
 
@@ -141,7 +141,7 @@ struct TrajectoryEvaluation {
 
 // Computes coverage, ATE and RPE. Both trajectories must be ordered by time. `frame_stamps_s`:
 // capture times of all frames of the recording, including lost frames. ATE and RPE are std::nullopt
-// as in their functions. Aborts if an estimated position is not finite. Throws InputError for
+// as in their functions. Throws if an estimated position is not finite. Throws InputError for
 // invalid options.
 TrajectoryEvaluation EvaluateTrajectory(const Trajectory& ground_truth, const Trajectory& estimate,
                                         const std::vector<double>& frame_stamps_s,
@@ -184,7 +184,7 @@ struct MountFit {
 
 // Fits the lever arm m. Minimises sum |q_i - R (s p_i + R_i m) - t|^2 over R, t, m and, with
 // `fit_scale`, the scale s. The estimate has positions p_i and rotations R_i. The ground truth has
-// positions q_i. Its rotations are not used. Returns std::nullopt for fewer than 3 poses. Aborts if
+// positions q_i. Its rotations are not used. Returns std::nullopt for fewer than 3 poses. Throws if
 // a position is not finite.
 std::optional<MountFit> FitMount(const std::vector<MatchedPose>& poses, bool fit_scale);
 

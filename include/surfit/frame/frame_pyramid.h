@@ -78,7 +78,7 @@ Image<float> GradientCells(const Image<Rgb8>& color, int cell);
 Image<float> HalfResolution(const Image<float>& fine);
 
 // Sets the intensities of all levels from a colour image of the finest level. (0, 0, 0) is a
-// missing colour and becomes NaN. Does nothing for an empty image. Aborts if a size is wrong.
+// missing colour and becomes NaN. Does nothing for an empty image. Throws if a size is wrong.
 void AddIntensity(const Image<Rgb8>& color, FramePyramid* pyramid);
 
 }  // namespace surfit

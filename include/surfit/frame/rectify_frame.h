@@ -43,7 +43,7 @@ class FrameRectifier {
 
   // Returns a frame with index and times of 0. `depth` has the size of the depth camera. `color`
   // has the size of the colour camera, or of the depth camera if colour is registered; it may be
-  // empty. Aborts on other sizes. Depth is the nearest pixel, because interpolation invents values
+  // empty. Throws on other sizes. Depth is the nearest pixel, because interpolation invents values
   // at edges. Colour is bilinear, and has no occlusion test: background near depth edges can get
   // the colour of the foreground.
   RgbdFrame Rectify(const RawDepth& depth, Image<Rgb8> color) const;

@@ -52,18 +52,18 @@ PointCloud ReadPointCloudAboutOrigin(const std::string& path);
 std::vector<Eigen::Vector3i> ReadTriangles(const std::string& path);
 
 // Removes the points with a coordinate that is not finite. Returns the number of removed points.
-// Aborts if an attribute has another size than `points`.
+// Throws if an attribute has another size than `points`.
 std::size_t RemoveNonFinite(PointCloud* cloud);
 
 // Writes binary little-endian PLY atomically. Coordinates include `origin`, and are double if it is
-// not 0. Throws InputError that names the file if it cannot be written. Aborts if an attribute has
+// not 0. Throws InputError that names the file if it cannot be written. Throws if an attribute has
 // another size than `points`.
 void WritePly(const PointCloud& cloud, const std::string& path);
 
 // Writes binary PCD 0.7 atomically: x y z, and normal_x normal_y normal_z and rgb (the bits
 // 0x00rrggbb as a float, as in PCL) if the cloud has them. Coordinates include `origin`, and are
 // double if it is not 0. Radii and confidences are not written. Throws InputError that names the
-// file if it cannot be written. Aborts if an attribute has another size than `points`.
+// file if it cannot be written. Throws if an attribute has another size than `points`.
 void WritePcd(const PointCloud& cloud, const std::string& path);
 
 // Writes the map atomically as binary little-endian PLY, one vertex per surfel, in metres in the

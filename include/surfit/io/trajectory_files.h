@@ -23,7 +23,7 @@ Trajectory ReadTumTrajectory(const std::string& path);
 std::vector<double> ReadTumStamps(const std::string& path);
 
 // Writes a trajectory atomically, with single spaces, 6 decimals for timestamps and 9 for poses.
-// Throws InputError that names the file if it cannot be written. Aborts on numbers that are not
+// Throws InputError that names the file if it cannot be written. Throws on numbers that are not
 // finite.
 void WriteTumTrajectory(const Trajectory& trajectory, const std::string& path);
 
@@ -33,7 +33,7 @@ class TumTrajectoryWriter {
   // Creates or replaces the file. Throws InputError that names the file if it cannot be written.
   explicit TumTrajectoryWriter(const std::string& path);
   // Appends one line. A regular file consists of complete lines at any time, even if the disk is
-  // full. Throws InputError that names the file if it cannot be written. Aborts on numbers that are
+  // full. Throws InputError that names the file if it cannot be written. Throws on numbers that are
   // not finite.
   void Append(const StampedPose& pose);
 
@@ -43,7 +43,7 @@ class TumTrajectoryWriter {
 
 // Writes the poses atomically in the format of the KITTI odometry benchmark, in metres with 9
 // decimals. Each line has the upper 3 x 4 of a camera-to-world matrix, row by row. The format has
-// no timestamps. Throws InputError that names the file if it cannot be written. Aborts on numbers
+// no timestamps. Throws InputError that names the file if it cannot be written. Throws on numbers
 // that are not finite.
 void WriteKittiTrajectory(const Trajectory& trajectory, const std::string& path);
 

@@ -42,7 +42,7 @@ class ModelRenderer {
 
   // Renders the surfels last observed in frame `active_since` or later, with the camera of
   // `sensor`. An empty map gives a view without surfaces. The view has no intensities and keeps no
-  // reference. The view is bitwise identical for any number of threads. Aborts if the image has
+  // reference. The view is bitwise identical for any number of threads. Throws if the image has
   // more than 32767 columns or rows, or a band of rows 2^24 discs.
   ModelView Render(const SurfelMap& map, const DepthSensor& sensor, const Rigid3d& world_from_view,
                    int active_since = std::numeric_limits<int>::min());

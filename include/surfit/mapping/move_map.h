@@ -13,7 +13,7 @@ namespace surfit {
 class FrameCorrections {
  public:
   // new_from_old_world[i] moves surfels that were first seen in frame first_frame + i from the old
-  // to the new world frame. Earlier and later frames use the nearest entry. Aborts if the vector is
+  // to the new world frame. Earlier and later frames use the nearest entry. Throws if the vector is
   // empty.
   FrameCorrections(int first_frame, std::vector<Rigid3d> new_from_old_world);
 
@@ -48,7 +48,7 @@ MoveReport MoveMap(const FrameCorrections& corrections, SurfelMap* map);
 // Also applies a new calibration. In the frame that saw it first, each surfel keeps its pixel and
 // its measured depth. Surfels less than 1 cm in front of this camera move rigidly and keep their
 // normals. `moved` counts all surfels. `corrections` map the world frame of the old poses to that
-// of the new poses. Aborts if recalibration.world_from_camera and `corrections` differ in size.
+// of the new poses. Throws if recalibration.world_from_camera and `corrections` differ in size.
 MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& recalibration,
                    SurfelMap* map);
 

@@ -51,7 +51,7 @@ class SurfelMap {
   // Like SurfelBlock::Merge(). Also updates the bounds, but not last_seen.
   void Merge(std::int32_t id, const SurfelObservation& observation, float max_confidence);
 
-  // Marks a surfel for RemoveMarked(). Aborts if the id is not in use.
+  // Marks a surfel for RemoveMarked(). Throws if the id is not in use.
   void Mark(std::int32_t id);
   // Removes all marked surfels, and returns their number. Ids in the affected cells change.
   std::size_t RemoveMarked();

@@ -75,7 +75,7 @@ struct TextureSummary {
 // Calls `frames` twice, and keeps one frame in memory at a time. Without frames, the texture has
 // the vertex colours. `summary` must not be null. The result does not depend on the number of
 // threads. Throws InputError for invalid options, and if the texture is too small for its regions.
-// Aborts unless the mesh has one normal and one colour per vertex.
+// Throws unless the mesh has one normal and one colour per vertex.
 MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
                         const TextureOptions& options, TextureSummary* summary);
 

@@ -21,7 +21,7 @@ struct TriangleMesh {
   std::vector<Triangle> triangles;  // counterclockwise from the observed side
 };
 
-// Keeps the triangles with kept[i] != 0 and their vertices, in order. Aborts unless `kept` has one
+// Keeps the triangles with kept[i] != 0 and their vertices, in order. Throws unless `kept` has one
 // element per triangle.
 void KeepTriangles(const std::vector<std::uint8_t>& kept, TriangleMesh* mesh);
 

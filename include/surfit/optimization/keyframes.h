@@ -59,7 +59,7 @@ std::vector<std::size_t> ChooseKeyframes(const Trajectory& trajectory, double mi
 // `world_from_keyframe`: their new poses. A frame moves rigidly with the keyframe before and with
 // the keyframe after the frame. The two results are interpolated by time, which must increase:
 // translation linearly, rotation by slerp. Frames before the first or after the last keyframe move
-// with this keyframe. Aborts if there are no keyframes, or if the sizes differ. Indices are not
+// with this keyframe. Throws if there are no keyframes, or if the sizes differ. Indices are not
 // checked.
 Trajectory CorrectTrajectory(const Trajectory& trajectory,
                              const std::vector<std::size_t>& keyframes,

@@ -112,7 +112,7 @@ class Association {
 class ProjectiveAssociation final : public Association {
  public:
   // Stores references: both levels must outlive this object. Requires row_stride >= 1, which is not
-  // checked. Aborts if the vertex map of the target differs in size from its camera.
+  // checked. Throws if the vertex map of the target differs in size from its camera.
   ProjectiveAssociation(const FrameLevel& source, const FrameLevel& target,
                         const AssociationGates& gates, const ErrorModel& error_model,
                         NeededNormals needed_normals = NeededNormals::kTarget, int row_stride = 1);
@@ -149,7 +149,7 @@ struct PointSet {
 // Valid points of a frame, in the camera frame, with the standard deviations of the error model.
 PointSet PointSetOf(const FrameLevel& level, const ErrorModel& error_model);
 
-// Point set with a KD-tree, copied from its argument. Copies share the data. Aborts if the vectors
+// Point set with a KD-tree, copied from its argument. Copies share the data. Throws if the vectors
 // of the point set have different sizes.
 class SearchablePoints {
  public:
@@ -174,7 +174,7 @@ struct KdTreeAssociationOptions {
 };
 
 // Nearest-neighbour data association (Besl and McKay 1992). Moves a source point p by the pose, p'
-// = R p + t, and finds the nearest target point q. The first point of the set wins a tie. Aborts if
+// = R p + t, and finds the nearest target point q. The first point of the set wins a tie. Throws if
 // source_stride < 1. A correspondence must have the needed normals and pass the gates. The normal
 // gate needs both normals. Searches start at the match of the previous pose, which changes the
 // speed but not the result. Keeps both point sets alive.

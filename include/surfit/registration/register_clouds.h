@@ -38,7 +38,7 @@ struct RegisterCloudsOptions {
 // `target_from_source_initial` maps the frame of `source` to the frame of `target`, m.
 // point_to_plane needs target normals. A normal gate, symmetric_point_to_plane and plane_to_plane
 // need the normals of both clouds. An empty cloud gives kTooFewInliers. Throws InputError for
-// invalid options. Aborts if the vectors of a PointSet have different sizes. Keeps no reference.
+// invalid options. Throws if the vectors of a PointSet have different sizes. Keeps no reference.
 // The result is the same for any number of threads.
 //
 // `covariance` includes the noise of points and normals, and correlated errors of neighbouring

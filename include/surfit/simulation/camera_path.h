@@ -34,7 +34,7 @@ struct PathOptions {
 // buildings, there is no minimum of 28 %.
 //
 // The same seed gives the same path. Throws InputError for invalid options and if `frames` < 1.
-// Aborts if the scene has no camera space or fewer than two targets.
+// Throws if the scene has no camera space or fewer than two targets.
 Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
                     const PathOptions& options = {});
 
@@ -43,7 +43,7 @@ Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
 // pose.
 class SmoothPath {
  public:
-  // Aborts for an empty trajectory, and unless its times increase. A single pose is a constant
+  // Throws for an empty trajectory, and unless its times increase. A single pose is a constant
   // pose.
   explicit SmoothPath(Trajectory poses);
 

@@ -87,7 +87,7 @@ struct KinectOptions {
 //   z_cm = 35130 / round(35130 / z_cm(u + N(0, 1/2), v + N(0, 1/2)) + N(0, 1/6)).
 // Disparity is interpolated linearly. The angle of incidence is from central differences of depth,
 // so pixels at depth edges are missing, too. 0: missing, in both images. The same seed gives the
-// same noise for any number of threads. Throws InputError for invalid options. Aborts if `depth_m`
+// same noise for any number of threads. Throws InputError for invalid options. Throws if `depth_m`
 // does not have the size of the camera.
 Image<float> KinectDepth(const Image<float>& depth_m, const PinholeCamera& camera,
                          std::uint64_t seed, const KinectOptions& options = {});
@@ -249,13 +249,13 @@ class MovingCamera {
  public:
   // Keeps a reference to the scene, which must outlive this object. `camera` has the true
   // parameters. Only its depth camera, readout_s, color_latency_s and frames_per_second have an
-  // effect. Throws InputError for an invalid camera or invalid options. Aborts for an empty path,
+  // effect. Throws InputError for an invalid camera or invalid options. Throws for an empty path,
   // and unless its times increase.
   MovingCamera(const Scene& scene, const RgbdCamera& camera, const Trajectory& path,
                const ColorOptions& options = {});
 
   // Renders frame i without noise, in parallel. Depth, normals and surfaces use one pose per row.
-  // Aborts if i is out of range, which the functions below do not check.
+  // Throws if i is out of range, which the functions below do not check.
   Rendering Frame(int i) const;
 
   // world_from_camera for row v: at its depth readout, and at the middle of its colour exposure.

@@ -107,13 +107,13 @@ class Slam {
   ~Slam();
 
   // Tracks and fuses the next frame. Frames must have increasing indices and times (stamp_s), which
-  // is not checked. The frame may be lost: see FrameReport::state. Aborts if the depth image does
+  // is not checked. The frame may be lost: see FrameReport::state. Throws if the depth image does
   // not have the size of the sensor, or if the colour image has another number of pixels. Throws
   // the exception of a failed loop closure or calibration.
   FrameReport Process(const RgbdFrame& frame);
 
   // Fuses the next frame at a given pose, without tracking. Ends calibration, because a calibration
-  // would also change given poses. Aborts and throws like Process().
+  // would also change given poses. Throws and throws like Process().
   FrameReport ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera);
 
   // Sets a callback for the report of each frame, called as soon as the pose is known. At this
@@ -128,7 +128,7 @@ class Slam {
   // exceptions of the callback.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
-  // Replaces FindLoops() for loop closure. Aborts if loops are disabled or a frame has a pose, also
+  // Replaces FindLoops() for loop closure. Throws if loops are disabled or a frame has a pose, also
   // in a continued state.
   void UseLoopFinder(LoopFinder finder);
 

@@ -257,10 +257,14 @@ PointCloud ParsePcd(std::string_view file, const std::string& path,
 }
 
 void WritePcd(const PointCloud& cloud, const std::string& path) {
-  CHECK(cloud.normals.empty() || cloud.normals.size() == cloud.points.size());
-  CHECK(cloud.colors.empty() || cloud.colors.size() == cloud.points.size());
-  CHECK(cloud.radii_m.empty() || cloud.radii_m.size() == cloud.points.size());
-  CHECK(cloud.confidences.empty() || cloud.confidences.size() == cloud.points.size());
+  const auto require = [&](const char* name, std::size_t size) {
+    ThrowIf(size != 0 && size != cloud.points.size(), path, ": the cloud has ", cloud.points.size(),
+            " points and ", size, " ", name, ", must have one per point or none");
+  };
+  require("normals", cloud.normals.size());
+  require("colors", cloud.colors.size());
+  require("radii_m", cloud.radii_m.size());
+  require("confidences", cloud.confidences.size());
   WriteFileAtomically(path, [&](std::ostream& out) {
     out << FormatHeader(cloud);
     PlyRow row;

@@ -1,7 +1,5 @@
 #include "surfit/io/point_cloud.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -38,12 +36,12 @@ void ForEachOptional(Cloud& cloud, const F& f) {
   f(cloud.confidences);
 }
 
-bool IsWhole(const PointCloud& cloud) {
-  bool is_whole = true;
+void RequireWhole(const PointCloud& cloud) {
   ForEachOptional(cloud, [&](const auto& values) {
-    is_whole &= values.empty() || values.size() == cloud.points.size();
+    ThrowIf(!values.empty() && values.size() != cloud.points.size(), "the cloud has ",
+            cloud.points.size(), " points and ", values.size(),
+            " values of an attribute, must have one per point or none");
   });
-  return is_whole;
 }
 
 bool IsPly(std::string_view file) {
@@ -138,7 +136,7 @@ std::vector<Eigen::Vector3i> ReadTriangles(const std::string& path) {
 }
 
 std::size_t RemoveNonFinite(PointCloud* cloud) {
-  CHECK(IsWhole(*cloud));
+  RequireWhole(*cloud);
   const std::size_t count = cloud->points.size();
   const auto keep_finite = [&](auto& values) {
     if (values.empty()) return;
@@ -154,7 +152,7 @@ std::size_t RemoveNonFinite(PointCloud* cloud) {
 }
 
 void WritePly(const PointCloud& cloud, const std::string& path) {
-  CHECK(IsWhole(cloud));
+  RequireWhole(cloud);
   std::vector<PlyProperty> properties;
   const auto add = [&](const PlyNames& names, PlyType type) {
     for (const char* name : names) properties.push_back({name, type});

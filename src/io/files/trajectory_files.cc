@@ -1,7 +1,5 @@
 #include "surfit/io/trajectory_files.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -67,10 +65,17 @@ void AppendFixed(double value, int decimals, std::string* line) {
   line->append(text.data(), result.ptr);
 }
 
+void RequireFinite(const StampedPose& pose) {
+  const Rigid3d& rigid = pose.world_from_camera;
+  ThrowIf(!std::isfinite(pose.stamp_s) || !rigid.translation.allFinite() ||
+              !rigid.rotation.coeffs().allFinite(),
+          "the pose at ", pose.stamp_s, " s is not finite");
+}
+
 std::string LineOf(const StampedPose& pose) {
   const Eigen::Vector3d& t = pose.world_from_camera.translation;
   const Eigen::Vector4d& q = pose.world_from_camera.rotation.coeffs();  // x y z w, as in the file
-  CHECK(std::isfinite(pose.stamp_s) && t.allFinite() && q.allFinite());
+  RequireFinite(pose);
   std::string line;
   AppendFixed(pose.stamp_s, 6, &line);
   for (const double value : {t.x(), t.y(), t.z(), q[0], q[1], q[2], q[3]}) {
@@ -119,7 +124,7 @@ void WriteKittiTrajectory(const Trajectory& trajectory, const std::string& path)
     for (const StampedPose& pose : trajectory) {
       const Eigen::Matrix3d rotation = pose.world_from_camera.rotation.toRotationMatrix();
       const Eigen::Vector3d& translation = pose.world_from_camera.translation;
-      CHECK(rotation.allFinite() && translation.allFinite());
+      RequireFinite(pose);
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) out << rotation(i, j) << ' ';
         out << translation[i] << (i < 2 ? ' ' : '\n');

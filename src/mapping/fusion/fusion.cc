@@ -1,7 +1,5 @@
 #include "surfit/mapping/fusion.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <deque>
 
@@ -14,6 +12,7 @@
 #include "mapping/rendering/bands.h"
 #include "mapping/rendering/frame_colors.h"
 #include "mapping/rendering/posed_camera.h"
+#include "surfit/core/error.h"
 #include "surfit/core/lanes.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
@@ -110,8 +109,11 @@ void Fusion::ContinueAfter(const std::vector<int>& fused_frames) {
 FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                           const Rigid3d& world_from_camera, const FrameMotion& motion,
                           SurfelMap* map) {
-  CHECK_EQ(frame.depth_m.width(), surface.camera.width);
-  CHECK_EQ(frame.depth_m.height(), surface.camera.height);
+  ThrowIf(frame.depth_m.width() != surface.camera.width ||
+              frame.depth_m.height() != surface.camera.height,
+          "frame ", frame.index, ": the depth image has ", frame.depth_m.width(), " x ",
+          frame.depth_m.height(), " pixels, must have ", surface.camera.width, " x ",
+          surface.camera.height, " like its surface");
   const PosedCamera camera(surface.camera, world_from_camera);
   Workspace& work = *workspace_;
   work.Begin(frame, surface);

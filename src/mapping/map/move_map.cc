@@ -1,11 +1,10 @@
 #include "surfit/mapping/move_map.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "mapping/map/block_lanes.h"
+#include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -42,7 +41,9 @@ class RecalibratedMoves {
  public:
   RecalibratedMoves(const FrameCorrections& corrections, const Recalibration& recalibration)
       : recalibration_(recalibration) {
-    CHECK_EQ(corrections.size(), recalibration.world_from_camera.size());
+    ThrowIf(corrections.size() != recalibration.world_from_camera.size(), "there are ",
+            corrections.size(), " corrections and ", recalibration.world_from_camera.size(),
+            " poses of the recalibration, must be equal");
     for (std::size_t i = 0; i < corrections.size(); ++i) {
       const Rigid3d& world_from_old = recalibration.world_from_camera[i];
       frames_.push_back({world_from_old.Inverse(), corrections[i] * world_from_old});
@@ -132,7 +133,7 @@ MoveReport MoveAll(const FrameCorrections& corrections, const Moves& moves, Surf
 
 FrameCorrections::FrameCorrections(int first_frame, std::vector<Rigid3d> new_from_old_world)
     : first_frame_(first_frame), new_from_old_world_(std::move(new_from_old_world)) {
-  CHECK(!new_from_old_world_.empty());
+  ThrowIf(new_from_old_world_.empty(), "there are no corrections, must be at least 1");
 }
 
 std::size_t FrameCorrections::IndexOf(int frame) const {

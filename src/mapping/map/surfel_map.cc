@@ -1,10 +1,9 @@
 #include "surfit/mapping/surfel_map.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -116,7 +115,7 @@ void SurfelMap::Merge(std::int32_t id, const SurfelObservation& observation, flo
 }
 
 void SurfelMap::Mark(std::int32_t id) {
-  CHECK(Has(id));
+  ThrowIf(id < 0 || id >= id_end() || !Has(id), "the map has no surfel with the id ", id);
   SurfelBlock& marked = block(BlockOf(id));
   marked.to_remove |= std::uint64_t{1} << PlaceOf(id);
   cells_[marked.cell].is_marked = true;

@@ -1,11 +1,10 @@
 #include "surfit/mapping/model_renderer.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 
 #include "mapping/rendering/band_canvas.h"
 #include "mapping/rendering/bands.h"
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 
@@ -35,7 +34,9 @@ ModelRenderer::~ModelRenderer() = default;
 ModelView ModelRenderer::Render(const SurfelMap& map, const DepthSensor& sensor,
                                 const Rigid3d& world_from_view, int active_since) {
   const PinholeCamera& camera = sensor.camera;
-  CHECK_LE(std::max(camera.width, camera.height), std::numeric_limits<std::int16_t>::max());
+  constexpr int kMostPixels = std::numeric_limits<std::int16_t>::max();
+  ThrowIf(std::max(camera.width, camera.height) > kMostPixels, "the view has ", camera.width, " x ",
+          camera.height, " pixels, must have at most ", kMostPixels, " per row and column");
   const PosedCamera posed(camera, world_from_view);
   const ViewFrustum frustum(posed, static_cast<float>(options_.max_half_window_px));
   const std::vector<std::int32_t> cells = VisibleCells(map, frustum);

@@ -1,8 +1,8 @@
 #include "surfit/mesh/triangle_mesh.h"
 
-#include <glog/logging.h>
-
 #include <limits>
+
+#include "surfit/core/error.h"
 
 namespace surfit {
 namespace {
@@ -22,7 +22,8 @@ void Move(const std::vector<std::uint32_t>& place, std::size_t count, std::vecto
 }  // namespace
 
 void KeepTriangles(const std::vector<std::uint8_t>& kept, TriangleMesh* mesh) {
-  CHECK_EQ(kept.size(), mesh->triangles.size());
+  ThrowIf(kept.size() != mesh->triangles.size(), "there are ", kept.size(), " marks for ",
+          mesh->triangles.size(), " triangles, must be equal");
   std::vector<std::uint32_t> place(mesh->vertices.size(), kGone);
   std::size_t triangles = 0;
   for (std::size_t i = 0; i < kept.size(); ++i) {

@@ -1,7 +1,5 @@
 #include "surfit/mesh/texture_mesh.h"
 
-#include <glog/logging.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -180,8 +178,9 @@ MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
                         const TextureOptions& options, TextureSummary* summary) {
   Validate(options);
   ThrowIf(options.max_texture_px == 0, "max_texture_px is 0, must be positive to make a texture");
-  CHECK_EQ(mesh.colors.size(), mesh.vertices.size());
-  CHECK_EQ(mesh.normals.size(), mesh.vertices.size());
+  ThrowIf(mesh.colors.size() != mesh.vertices.size() || mesh.normals.size() != mesh.vertices.size(),
+          "the mesh has ", mesh.vertices.size(), " vertices, ", mesh.colors.size(), " colours and ",
+          mesh.normals.size(), " normals, must have one of each per vertex");
   const TriangleNeighbors neighbors(mesh.triangles);
   const ColorViews color_views(mesh);
   const TextureSources seen = LookAtFrames(mesh, neighbors, frames, options, color_views);

@@ -1,13 +1,12 @@
 #include "surfit/optimization/keyframes.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "frame/rolling_shutter.h"
+#include "surfit/core/error.h"
 #include "surfit/frame/frame_pyramid.h"
 
 namespace surfit {
@@ -92,7 +91,9 @@ std::vector<std::size_t> ChooseKeyframes(const Trajectory& trajectory, double mi
 Trajectory CorrectTrajectory(const Trajectory& trajectory,
                              const std::vector<std::size_t>& keyframes,
                              const std::vector<Rigid3d>& world_from_keyframe) {
-  CHECK(!keyframes.empty() && keyframes.size() == world_from_keyframe.size());
+  ThrowIf(keyframes.empty() || keyframes.size() != world_from_keyframe.size(), "there are ",
+          keyframes.size(), " keyframes and ", world_from_keyframe.size(),
+          " refined poses, must be equal and at least 1");
   const auto moved = [&](std::size_t k, const Rigid3d& pose) {
     const Rigid3d& before = trajectory[keyframes[k]].world_from_camera;
     return world_from_keyframe[k] * (before.Inverse() * pose);

@@ -1,11 +1,10 @@
 #include "surfit/registration/association.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <cstring>
 
 #include "registration/icp/row_finder.h"
+#include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -88,8 +87,11 @@ ProjectiveAssociation::ProjectiveAssociation(const FrameLevel& source, const Fra
       needed_normals_(needed_normals),
       row_stride_(row_stride),
       source_count_(CountValid(source, row_stride)) {
-  CHECK_EQ(target.vertex.width(), target.camera.width);
-  CHECK_EQ(target.vertex.height(), target.camera.height);
+  ThrowIf(target.vertex.width() != target.camera.width ||
+              target.vertex.height() != target.camera.height,
+          "the target has ", target.vertex.width(), " x ", target.vertex.height(),
+          " points, must have ", target.camera.width, " x ", target.camera.height,
+          " like its camera");
 }
 
 int ProjectiveAssociation::block_count() const {

@@ -1,5 +1,3 @@
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "geometry/kd_tree.h"
+#include "surfit/core/error.h"
 #include "surfit/registration/association.h"
 
 namespace surfit {
@@ -33,8 +32,9 @@ struct SearchablePoints::Data {
 };
 
 SearchablePoints::SearchablePoints(const PointSet& points) {
-  CHECK_EQ(points.normals.size(), points.size());
-  CHECK_EQ(points.sigma_m.size(), points.size());
+  ThrowIf(points.normals.size() != points.size() || points.sigma_m.size() != points.size(),
+          "the point set has ", points.size(), " points, ", points.normals.size(), " normals and ",
+          points.sigma_m.size(), " standard deviations, must have one of each per point");
   data_ = std::make_shared<const Data>(points);
 }
 
@@ -113,7 +113,8 @@ class KdTreeAssociation::Finder final : public PairFinder {
 KdTreeAssociation::KdTreeAssociation(SearchablePoints source, SearchablePoints target,
                                      const KdTreeAssociationOptions& options)
     : source_(std::move(source)), target_(std::move(target)), options_(options) {
-  CHECK_GE(options.source_stride, 1);
+  ThrowIf(options.source_stride < 1, "source_stride is ", options.source_stride,
+          ", must be at least 1");
   const int count = (source_.size() + options.source_stride - 1) / options.source_stride;
   last_matches_ = std::make_unique<LastMatches>(count);
 }
