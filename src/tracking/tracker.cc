@@ -159,16 +159,21 @@ Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Predicti
   if (on_lost_) {
     on_lost_({frame.images.index, frame.view.pyramid, reference.view.pyramid, frame.images.color,
               reference.view.color,
-              reference.world_from_view.Inverse() * prediction.world_from_camera, tracked.icp});
+              reference.world_from_view.Inverse() * prediction.world_from_camera, tracked.icp,
+              IcpOptionsInUse()});
   }
   return InNewSubmap(frame, tracked).value_or(tracked);
 }
 
-Tracked Tracker::Register(const PreprocessedFrame& frame, const ReferenceView& reference,
-                          const Rigid3d& world_from_predicted) const {
+IcpOptions Tracker::IcpOptionsInUse() const {
   IcpOptions icp_options = options_.icp;
   if (state_.last.is_weakly_constrained) icp_options.min_source_rows = 0;
-  return registration_.Register(frame, reference, world_from_predicted, icp_options,
+  return icp_options;
+}
+
+Tracked Tracker::Register(const PreprocessedFrame& frame, const ReferenceView& reference,
+                          const Rigid3d& world_from_predicted) const {
+  return registration_.Register(frame, reference, world_from_predicted, IcpOptionsInUse(),
                                 motion_model_.PriorCovariance(state_, SecondsTo(frame)));
 }
 

@@ -104,6 +104,8 @@ class Tracker {
   Tracked ByDepthAlone(const PreprocessedFrame& frame, const Prediction& prediction,
                        Tracked tracked);
   Tracked RegisterOrSearch(const PreprocessedFrame& frame, const Prediction& prediction);
+  // Options of the first registration of the next frame.
+  IcpOptions IcpOptionsInUse() const;
   Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_predicted) const;
   Tracked AgainstNewest(const PreprocessedFrame& frame, Tracked tracked) const;

@@ -68,7 +68,8 @@ class TrackingDumps : public ::testing::Test {
     AddIntensity(source_color, &source_);
     AddIntensity(target_color, &target_);
     result_ = Register(source_, target_, initial_, options.icp);
-    WriteTrackingDump({17, source_, target_, source_color, target_color, initial_, result_},
+    const IcpOptions used = used_.value_or(options.icp);
+    WriteTrackingDump({17, source_, target_, source_color, target_color, initial_, result_, used},
                       options, path());
   }
   std::string path() const { return folder_ / "frame-000017"; }
@@ -78,6 +79,7 @@ class TrackingDumps : public ::testing::Test {
   FramePyramid source_, target_;
   Rigid3d initial_ = {QuaternionExp<double>({0.01, 0, 0.1 / 3}), {0.01, 1.0 / 3000, 0}};
   IcpResult result_;
+  std::optional<IcpOptions> used_;  // std::nullopt: those of the run
 };
 
 TEST_F(TrackingDumps, ReproduceTheRegistrationBitwise) {
@@ -122,6 +124,12 @@ TEST_F(TrackingDumps, KeepEveryOption) {
   EXPECT_EQ(read.min_relative_rmse_change, icp.min_relative_rmse_change);
   EXPECT_EQ(read.max_free_space_violation_ratio, icp.max_free_space_violation_ratio);
   EXPECT_NE(read.max_free_space_violation_ratio, defaults.max_free_space_violation_ratio);
+}
+
+TEST_F(TrackingDumps, KeepTheIcpOptionsOfTheLostFrame) {
+  used_.emplace().min_source_rows = 7;
+  Write(SlamOptions());
+  EXPECT_EQ(ReadTrackingDump(path()).icp.min_source_rows, 7);
 }
 
 TEST_F(TrackingDumps, RejectMalformedFiles) {

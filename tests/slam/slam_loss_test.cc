@@ -1,4 +1,4 @@
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <map>
 #include <string>
@@ -34,6 +34,22 @@ TEST(Slam, LostFrameIsNotFusedAndTrackingContinues) {
       EXPECT_THAT(report.world_from_camera,
                   RigidNear(room.world_from_camera[i], kPixelAt2m, kPixelRad));
     }
+  }
+}
+
+// Registration of the frame after a weakly constrained frame uses all rows of the images.
+TEST(LostFrame, HasTheIcpOptionsInUse) {
+  const SimulatedSequence& room = IdealRoom();
+  for (const bool is_weak : {false, true}) {
+    SlamOptions options;
+    if (is_weak) options.min_turn_eigenvalue = 1e9;
+    Slam slam({room.camera, {}}, options, room.world_from_camera[0]);
+    std::vector<int> rows;
+    slam.OnLostFrame(
+        [&](const LostFrame& lost) { rows.push_back(lost.icp_options.min_source_rows); });
+    for (int i = 0; i < 3; ++i) slam.Process(room.frames[i]);
+    slam.Process(Blank(3));
+    EXPECT_THAT(rows, ElementsAre(is_weak ? 0 : options.icp.min_source_rows));
   }
 }
 

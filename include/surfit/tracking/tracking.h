@@ -89,6 +89,7 @@ struct LostFrame {
   const Image<Rgb8>& target_color;  // of a map view: empty without photometric residuals
   Rigid3d target_from_source_initial;
   const IcpResult& icp;
+  const IcpOptions& icp_options;  // of the first registration of the frame
 };
 
 }  // namespace surfit

@@ -93,7 +93,7 @@ void WriteTrackingDump(const LostFrame& lost, const SlamOptions& options,
   json["target_sensor"] = ToJson(target.sensor());
   json["target_from_source_initial"] = PoseToJson(lost.target_from_source_initial);
   json["preprocess"] = OptionsToJson(options.preprocess);
-  json["icp"] = OptionsToJson(options.icp);
+  json["icp"] = OptionsToJson(lost.icp_options);
   WriteJson(json, folder + "/frame.json");
 }
 

@@ -19,8 +19,8 @@ struct TrackingDump {
 //   source.ply, target.ply  all pixels of the finest level, row by row; (0, 0, 0): invalid pixel
 //   frame.json              cameras, initial pose, options, termination
 // Coarser levels are computed from the finest level, so the input of a repeated registration is
-// bitwise identical. The ICP options are those of `options`, without changes by the tracker. Throws
-// InputError naming the file that cannot be written.
+// bitwise identical. The ICP options are LostFrame::icp_options. Throws InputError naming the file
+// that cannot be written.
 void WriteTrackingDump(const LostFrame& lost, const SlamOptions& options,
                        const std::string& folder);
 
