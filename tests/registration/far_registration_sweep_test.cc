@@ -160,6 +160,9 @@ void Print(const std::string& name, const Outcome& outcome) {
 // cm and 1 degree from the result of dense ICP. Uses every 5th pair, and every 10th pair of kitchen
 // and rooms. The options were tuned on other rooms (seeds 11 to 20).
 TEST(FarPairsSweep, AreRegisteredOrRejected) {
+  SURFIT_REQUIRE_SHARED_DATA("icl_office");
+  SURFIT_REQUIRE_SHARED_DATA("icl_office_kinect");
+  SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
   std::printf("%-22s  pairs above 30 %%  right  wrong  refused\n", "90 frames apart");
   Outcome all;
   const auto add = [&](const std::string& name, const Outcome& outcome) {
@@ -170,11 +173,7 @@ TEST(FarPairsSweep, AreRegisteredOrRejected) {
   for (const auto& [name, stride, bound] :
        {std::tuple{"icl_office", 5, Bound()}, std::tuple{"icl_office_kinect", 5, Bound()},
         std::tuple{"seven_scenes_kitchen", 10, Bound{0.03, 1, true}}}) {
-    if (HasSharedData(name)) {
-      add(name, RegisterRecorded(name, stride, bound));
-    } else {
-      std::printf("%s is not there: see SURFIT_DATA_DIR\n", name);
-    }
+    add(name, RegisterRecorded(name, stride, bound));
   }
   Outcome rooms;
   for (const std::uint64_t seed : {21, 22, 23, 24, 25, 26, 27, 28}) {
