@@ -31,6 +31,11 @@ bool HasIclNuimNumbers(const std::string& folder) {
          IsFolder(folder + "/rgb");
 }
 
+bool IsStrayScanner(const std::string& folder) {
+  return IsFile(folder + "/odometry.csv") && IsFolder(folder + "/depth") &&
+         (IsFile(folder + "/rgb.mp4") || IsFile(folder + "/camera_matrix.csv"));
+}
+
 std::string DetectFolderFormat(const std::string& folder) {
   if (HasNameEnding(folder, ".depth.png")) return "seven_scenes";
   if (HasNameEnding(folder, ".gt.freiburg") || HasIclNuimNumbers(folder)) return "icl_nuim";
@@ -39,6 +44,7 @@ std::string DetectFolderFormat(const std::string& folder) {
   }
   if (IsFile(folder + "/traj.txt") && IsFolder(folder + "/results")) return "replica";
   if (IsFile(folder + "/transforms.json")) return "nerfstudio";
+  if (IsStrayScanner(folder)) return "stray_scanner";
   if (IsFolder(folder + "/depth")) return "redwood";
   if (IsFile(folder + "/metadata.yaml")) {
     for (const char* format : {"db3", "mcap"}) {
@@ -49,7 +55,8 @@ std::string DetectFolderFormat(const std::string& folder) {
       folder, " has no sequence of a known format: looked for depth.txt or associations.txt (",
       "tum), *.gt.freiburg or rgb/ with depth/0.png or depth/1.png (icl_nuim), frame-*.depth.png ",
       "(seven_scenes), depth/ (redwood), results/ with traj.txt (replica), transforms.json ",
-      "(nerfstudio), metadata.yaml with *.db3 or *.mcap");
+      "(nerfstudio), odometry.csv with rgb.mp4 (stray_scanner), ",
+      "metadata.yaml with *.db3 or *.mcap");
 }
 
 // Number of ".." in the normalised path. Maximum of int for an absolute path.
@@ -137,8 +144,9 @@ std::string FollowTextLink(const std::string& folder, const std::string& name) {
 
 const std::vector<std::string>& SequenceFormats() {
   static const auto* const formats = new std::vector<std::string>{
-      "tum",  "icl_nuim", "seven_scenes", "redwood", "replica", "nerfstudio", "klg",
-      "sens", "bag",      "db3",          "mcap",    "oni",     "watch",      "openni2"};
+      "tum",        "icl_nuim",      "seven_scenes", "redwood", "replica",
+      "nerfstudio", "stray_scanner", "klg",          "sens",    "bag",
+      "db3",        "mcap",          "oni",          "watch",   "openni2"};
   return *formats;
 }
 

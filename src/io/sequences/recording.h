@@ -67,11 +67,13 @@ using CameraReader = std::function<SourceCamera()>;
 // Recording with the properties for SequenceInfo.
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
-  Trajectory ground_truth;            // in the convention of the files
-  bool has_clock = false;             // SequenceInfo::has_clock; false for .sens
-  std::vector<std::string> warnings;  // SequenceInfo::warnings
-  int unpaired_images = 0;            // number of images that belong to no frame
-  CameraReader read_camera = {};      // valid as long as `frames`
+  Trajectory ground_truth;               // in the convention of the files
+  bool has_clock = false;                // SequenceInfo::has_clock; false for .sens
+  std::vector<std::string> warnings;     // SequenceInfo::warnings
+  int unpaired_images = 0;               // number of images that belong to no frame
+  CameraReader read_camera = {};         // valid as long as `frames`
+  Trajectory device_poses = {};          // ReadDevicePoses()
+  std::string device_pose_warning = {};  // number of invalid poses; empty: none
 };
 
 struct FrameFiles {
