@@ -5,11 +5,14 @@
 
 namespace surfit {
 
-bool IsPhone(const std::string& format) { return format == "stray_scanner"; }
+bool IsPhone(const std::string& format) {
+  return format == "stray_scanner" || format == "arkit_scenes";
+}
 
-OpenedRecording OpenPhone(const SequenceOptions& options, const std::string& /*format*/) {
+OpenedRecording OpenPhone(const SequenceOptions& options, const std::string& format) {
   const std::string& path = options.path;
   const bool confidence = options.confidence;
+  if (format == "arkit_scenes") return OpenPhoneFiles(ListArkitScenes(path, confidence));
   return OpenPhoneFiles(ListStrayScanner(path, confidence));
 }
 

@@ -68,6 +68,7 @@ bool IsPhone(const std::string& format);
 OpenedRecording OpenPhone(const SequenceOptions& options, const std::string& format);
 
 PhoneFiles ListStrayScanner(const std::string& folder, bool confidence);
+PhoneFiles ListArkitScenes(const std::string& folder, bool confidence);
 // Sets the confidence images of `folder` by the names of the depth images, see
 // AddNamedConfidence(). Adds a warning for frames without one. Does nothing without the folder.
 void AddPhoneConfidence(const std::string& folder, PhoneFiles* files);

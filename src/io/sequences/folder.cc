@@ -45,6 +45,7 @@ std::string DetectFolderFormat(const std::string& folder) {
   if (IsFile(folder + "/traj.txt") && IsFolder(folder + "/results")) return "replica";
   if (IsFile(folder + "/transforms.json")) return "nerfstudio";
   if (IsStrayScanner(folder)) return "stray_scanner";
+  if (IsFolder(folder + "/lowres_depth")) return "arkit_scenes";
   if (IsFolder(folder + "/depth")) return "redwood";
   if (IsFile(folder + "/metadata.yaml")) {
     for (const char* format : {"db3", "mcap"}) {
@@ -55,7 +56,7 @@ std::string DetectFolderFormat(const std::string& folder) {
       folder, " has no sequence of a known format: looked for depth.txt or associations.txt (",
       "tum), *.gt.freiburg or rgb/ with depth/0.png or depth/1.png (icl_nuim), frame-*.depth.png ",
       "(seven_scenes), depth/ (redwood), results/ with traj.txt (replica), transforms.json ",
-      "(nerfstudio), odometry.csv with rgb.mp4 (stray_scanner), ",
+      "(nerfstudio), odometry.csv with rgb.mp4 (stray_scanner), ", "lowres_depth/ (arkit_scenes), ",
       "metadata.yaml with *.db3 or *.mcap");
 }
 
@@ -144,9 +145,9 @@ std::string FollowTextLink(const std::string& folder, const std::string& name) {
 
 const std::vector<std::string>& SequenceFormats() {
   static const auto* const formats = new std::vector<std::string>{
-      "tum",        "icl_nuim",      "seven_scenes", "redwood", "replica",
-      "nerfstudio", "stray_scanner", "klg",          "sens",    "bag",
-      "db3",        "mcap",          "oni",          "watch",   "openni2"};
+      "tum",           "icl_nuim",     "seven_scenes", "redwood", "replica", "nerfstudio",
+      "stray_scanner", "arkit_scenes", "klg",          "sens",    "bag",     "db3",
+      "mcap",          "oni",          "watch",        "openni2"};
   return *formats;
 }
 
