@@ -6,13 +6,14 @@
 namespace surfit {
 
 bool IsPhone(const std::string& format) {
-  return format == "stray_scanner" || format == "arkit_scenes";
+  return format == "stray_scanner" || format == "arkit_scenes" || format == "polycam";
 }
 
 OpenedRecording OpenPhone(const SequenceOptions& options, const std::string& format) {
   const std::string& path = options.path;
   const bool confidence = options.confidence;
   if (format == "arkit_scenes") return OpenPhoneFiles(ListArkitScenes(path, confidence));
+  if (format == "polycam") return OpenPhoneFiles(ListPolycam(path, confidence));
   return OpenPhoneFiles(ListStrayScanner(path, confidence));
 }
 

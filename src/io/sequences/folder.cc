@@ -31,6 +31,16 @@ bool HasIclNuimNumbers(const std::string& folder) {
          IsFolder(folder + "/rgb");
 }
 
+// Folder of Polycam, or its folder keyframes/.
+bool IsPolycam(const std::string& folder) {
+  for (const std::string& root : {folder + "/keyframes", folder}) {
+    if (IsFolder(root + "/depth") && (HasNameEnding(root + "/cameras", ".json") ||
+                                      HasNameEnding(root + "/corrected_cameras", ".json")))
+      return true;
+  }
+  return false;
+}
+
 bool IsStrayScanner(const std::string& folder) {
   return IsFile(folder + "/odometry.csv") && IsFolder(folder + "/depth") &&
          (IsFile(folder + "/rgb.mp4") || IsFile(folder + "/camera_matrix.csv"));
@@ -46,6 +56,7 @@ std::string DetectFolderFormat(const std::string& folder) {
   if (IsFile(folder + "/transforms.json")) return "nerfstudio";
   if (IsStrayScanner(folder)) return "stray_scanner";
   if (IsFolder(folder + "/lowres_depth")) return "arkit_scenes";
+  if (IsPolycam(folder)) return "polycam";
   if (IsFolder(folder + "/depth")) return "redwood";
   if (IsFile(folder + "/metadata.yaml")) {
     for (const char* format : {"db3", "mcap"}) {
@@ -57,7 +68,7 @@ std::string DetectFolderFormat(const std::string& folder) {
       "tum), *.gt.freiburg or rgb/ with depth/0.png or depth/1.png (icl_nuim), frame-*.depth.png ",
       "(seven_scenes), depth/ (redwood), results/ with traj.txt (replica), transforms.json ",
       "(nerfstudio), odometry.csv with rgb.mp4 (stray_scanner), ", "lowres_depth/ (arkit_scenes), ",
-      "metadata.yaml with *.db3 or *.mcap");
+      "keyframes/cameras/*.json (polycam), ", "metadata.yaml with *.db3 or *.mcap");
 }
 
 // Number of ".." in the normalised path. Maximum of int for an absolute path.
@@ -146,8 +157,8 @@ std::string FollowTextLink(const std::string& folder, const std::string& name) {
 const std::vector<std::string>& SequenceFormats() {
   static const auto* const formats = new std::vector<std::string>{
       "tum",           "icl_nuim",     "seven_scenes", "redwood", "replica", "nerfstudio",
-      "stray_scanner", "arkit_scenes", "klg",          "sens",    "bag",     "db3",
-      "mcap",          "oni",          "watch",        "openni2"};
+      "stray_scanner", "arkit_scenes", "polycam",      "klg",     "sens",    "bag",
+      "db3",           "mcap",         "oni",          "watch",   "openni2"};
   return *formats;
 }
 
