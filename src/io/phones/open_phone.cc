@@ -6,7 +6,8 @@
 namespace surfit {
 
 bool IsPhone(const std::string& format) {
-  return format == "stray_scanner" || format == "arkit_scenes" || format == "polycam";
+  return format == "stray_scanner" || format == "arkit_scenes" || format == "polycam" ||
+         format == "record3d";
 }
 
 OpenedRecording OpenPhone(const SequenceOptions& options, const std::string& format) {
@@ -14,6 +15,7 @@ OpenedRecording OpenPhone(const SequenceOptions& options, const std::string& for
   const bool confidence = options.confidence;
   if (format == "arkit_scenes") return OpenPhoneFiles(ListArkitScenes(path, confidence));
   if (format == "polycam") return OpenPhoneFiles(ListPolycam(path, confidence));
+  if (format == "record3d") return OpenPhoneFiles(ListRecord3d(path, confidence));
   return OpenPhoneFiles(ListStrayScanner(path, confidence));
 }
 

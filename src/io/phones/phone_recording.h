@@ -70,6 +70,7 @@ OpenedRecording OpenPhone(const SequenceOptions& options, const std::string& for
 PhoneFiles ListStrayScanner(const std::string& folder, bool confidence);
 PhoneFiles ListArkitScenes(const std::string& folder, bool confidence);
 PhoneFiles ListPolycam(const std::string& folder, bool confidence);
+PhoneFiles ListRecord3d(const std::string& folder, bool confidence);
 // Sets the confidence images of `folder` by the names of the depth images, see
 // AddNamedConfidence(). Adds a warning for frames without one. Does nothing without the folder.
 void AddPhoneConfidence(const std::string& folder, PhoneFiles* files);
