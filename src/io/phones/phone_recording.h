@@ -61,7 +61,7 @@ struct PhoneFiles {
 // differ.
 OpenedRecording OpenPhoneFiles(PhoneFiles files);
 
-// True for formats of phones.
+// True for stray_scanner, arkit_scenes, polycam, record3d and nerfstudio.
 bool IsPhone(const std::string& format);
 
 // Opens a folder of this format. Throws InputError that names the file, the field and the rule.
@@ -71,6 +71,13 @@ PhoneFiles ListStrayScanner(const std::string& folder, bool confidence);
 PhoneFiles ListArkitScenes(const std::string& folder, bool confidence);
 PhoneFiles ListPolycam(const std::string& folder, bool confidence);
 PhoneFiles ListRecord3d(const std::string& folder, bool confidence);
+// Frames of transforms.json that have a depth image, in the order of the numbers in their names.
+// Timestamps are (number - first number) / frames_per_second. If no frame names a depth image, the
+// folder is listed as a Redwood folder. `has_camera`: another camera is used, so the lens of the
+// recording may be invalid.
+PhoneFiles ListNerfstudio(const std::string& folder, double frames_per_second, bool has_camera,
+                          bool confidence);
+
 // Sets the confidence images of `folder` by the names of the depth images, see
 // AddNamedConfidence(). Adds a warning for frames without one. Does nothing without the folder.
 void AddPhoneConfidence(const std::string& folder, PhoneFiles* files);

@@ -24,7 +24,6 @@ SequenceFiles ListSequence(const std::string& format, const std::string& folder,
                            double frames_per_second) {
   if (format == "seven_scenes") return ListSevenScenesSequence(folder, frames_per_second);
   if (format == "redwood") return ListRedwoodSequence(folder, frames_per_second);
-  if (format == "nerfstudio") return ListNerfstudioSequence(folder, frames_per_second);
   if (format == "replica") return ListReplicaSequence(folder, frames_per_second);
   if (format == "icl_nuim") return ListIclNuimSequence(folder);
   return ListTumSequence(folder);

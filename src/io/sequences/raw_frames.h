@@ -73,8 +73,8 @@ RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
                         const std::atomic<bool>& stop);
 
 // Reads the poses that the recording device has estimated: stray_scanner, arkit_scenes, polycam,
-// record3d. Camera axes are x right, y down, z forward. The poses are no ground truth, so
-// OpenSequence() does not return them. Logs the number of invalid poses, which are left out.
+// record3d, nerfstudio. Camera axes are x right, y down, z forward. The poses are no ground truth,
+// so OpenSequence() does not return them. Logs the number of invalid poses, which are left out.
 // Throws InputError that names the folder for other formats, and without a valid pose.
 Trajectory ReadDevicePoses(const SequenceOptions& options);
 

@@ -134,11 +134,6 @@ SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_p
 // number are from different times.
 SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second);
 
-// Lists the frames of transforms.json of nerfstudio that have a depth image, in the order of the
-// numbers in their names. Timestamps are (number - first number) / frames_per_second. If no frame
-// names a depth image, the folder is listed as a Redwood folder. Throws InputError with the path.
-SequenceFiles ListNerfstudioSequence(const std::string& folder, double frames_per_second);
-
 // Camera of transforms.json. If depth images have another size with the same aspect ratio as colour
 // images, the depth camera has their size, and colour is not registered. Throws InputError with the
 // path.
