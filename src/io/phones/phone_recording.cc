@@ -17,7 +17,7 @@
 namespace surfit {
 namespace {
 
-double MedianOf(const std::vector<PhoneFrame>& frames, double PinholeCamera::*field) {
+double MedianField(const std::vector<PhoneFrame>& frames, double PinholeCamera::*field) {
   std::vector<double> values;
   values.reserve(frames.size());
   for (const PhoneFrame& frame : frames) values.push_back(frame.color_camera.*field);
@@ -30,7 +30,7 @@ PinholeCamera MedianCamera(const std::vector<PhoneFrame>& frames) {
   PinholeCamera camera = frames.front().color_camera;
   for (double PinholeCamera::*field :
        {&PinholeCamera::fx, &PinholeCamera::fy, &PinholeCamera::cx, &PinholeCamera::cy})
-    camera.*field = MedianOf(frames, field);
+    camera.*field = MedianField(frames, field);
   return camera;
 }
 

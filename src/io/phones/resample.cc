@@ -17,12 +17,12 @@ struct AxisMap {
   double operator()(double at) const { return scale * at + offset; }
 };
 
-AxisMap ColumnsOf(const PinholeCamera& own, const PinholeCamera& common) {
+AxisMap ColumnMapOf(const PinholeCamera& own, const PinholeCamera& common) {
   const double scale = own.fx / common.fx;
   return {scale, own.cx - scale * common.cx};
 }
 
-AxisMap RowsOf(const PinholeCamera& own, const PinholeCamera& common) {
+AxisMap RowMapOf(const PinholeCamera& own, const PinholeCamera& common) {
   const double scale = own.fy / common.fy;
   return {scale, own.cy - scale * common.cy};
 }
@@ -86,7 +86,7 @@ std::uint8_t Blend(int a, int b, int c, int d, const Between& column, const Betw
 }  // namespace
 
 double LargestShift(const PinholeCamera& a, const PinholeCamera& b) {
-  const AxisMap columns = ColumnsOf(a, b), rows = RowsOf(a, b);
+  const AxisMap columns = ColumnMapOf(a, b), rows = RowMapOf(a, b);
   const auto at = [](const AxisMap& map, int last) {
     return std::max(std::abs(map(0)), std::abs(map(last) - last));
   };
@@ -94,7 +94,7 @@ double LargestShift(const PinholeCamera& a, const PinholeCamera& b) {
 }
 
 void ResampleDepth(const PinholeCamera& own, const PinholeCamera& common, RawDepth* depth) {
-  const AxisMap columns = ColumnsOf(own, common), rows = RowsOf(own, common);
+  const AxisMap columns = ColumnMapOf(own, common), rows = RowMapOf(own, common);
   std::visit(
       [&](auto& image) {
         auto resampled = image;
@@ -108,8 +108,8 @@ void ResampleDepth(const PinholeCamera& own, const PinholeCamera& common, RawDep
 }
 
 void ResampleColor(const PinholeCamera& own, const PinholeCamera& common, Image<Rgb8>* color) {
-  const auto columns = PositionsOf(ColumnsOf(own, common), color->width());
-  const auto rows = PositionsOf(RowsOf(own, common), color->height());
+  const auto columns = PositionsOf(ColumnMapOf(own, common), color->width());
+  const auto rows = PositionsOf(RowMapOf(own, common), color->height());
   Image<Rgb8> resampled(color->width(), color->height());
   for (int v = 0; v < color->height(); ++v) {
     const Between& row = rows[v];
