@@ -26,8 +26,8 @@ set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "dense RGB-D SLAM - shared libraries
 ${about}
 This package has the libraries that the programs, the Python module and
 other programs link.")
-# Loaded at run time for cameras, not linked.
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_SUGGESTS "libopenni2-0")
+# Loaded at run time for cameras and videos, not linked.
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SUGGESTS "libopenni2-0, libopencv-videoio406")
 # The trigger runs ldconfig. Without the two names of missing scripts, CPack would also generate
 # scripts that call ldconfig.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/cmake/debian/triggers"

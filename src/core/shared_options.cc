@@ -72,8 +72,9 @@ const std::vector<Option>& SharedOptions() {
        "ground truth of a marker or of another camera",
        AsFlag()},
       {"groundtruth",
-       "ground truth trajectory: TUM format, or .gt.freiburg of ICL-NUIM; empty: the trajectory of "
-       "the sequence"},
+       "ground truth trajectory: TUM format, or .gt.freiburg of ICL-NUIM; device: the poses by the "
+       "phone that recorded the sequence, not of surfit_evaluate; empty: the trajectory of the "
+       "sequence"},
       {"inverse_depth_sigma", "noise of the depth sensor: standard deviation of inverse depth",
        AtLeast(0), Below(1), InUnit("1/m")},
       {"latency_s",

@@ -46,7 +46,10 @@ Rigid3d InitialPose(const std::string& initial_pose, const SequenceInfo& info,
 }
 
 Trajectory ReadEstimate(const std::string& path, const SequenceInfo& info) {
-  Trajectory trajectory = ReadTumTrajectory(path);
+  return InConvention(ReadTumTrajectory(path), info);
+}
+
+Trajectory InConvention(Trajectory trajectory, const SequenceInfo& info) {
   if (info.mirrored) {
     for (StampedPose& pose : trajectory) pose.world_from_camera = Mirrored(pose.world_from_camera);
   }

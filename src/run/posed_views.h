@@ -28,6 +28,9 @@ Rigid3d InitialPose(const std::string& initial_pose, const SequenceInfo& info,
 // mirrored. Throws InputError with the path.
 Trajectory ReadEstimate(const std::string& path, const SequenceInfo& info);
 
+// Mirrors the trajectory if the sequence is mirrored.
+Trajectory InConvention(Trajectory trajectory, const SequenceInfo& info);
+
 // Frame with its ground-truth pose.
 struct PosedView {
   ColoredView view;

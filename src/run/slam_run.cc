@@ -18,6 +18,7 @@
 #include "finishing/posed_sequence.h"
 #include "io/files/output_folder.h"
 #include "io/files/places_file.h"
+#include "io/sequences/raw_frames.h"
 #include "output/output_files.h"
 #include "run/given_poses.h"
 #include "run/map_period.h"
@@ -57,7 +58,15 @@ std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
 // Replaces the ground truth by the file of the options. Throws InputError if the options need
 // ground truth and there is none.
 SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options) {
-  if (!options.groundtruth.empty()) info.ground_truth = ReadEstimate(options.groundtruth, info);
+  if (options.groundtruth == "device") {
+    info.ground_truth = InConvention(ReadDevicePoses(options.sequence), info);
+    info.warnings.push_back(
+        "groundtruth is 'device': errors are differences from the poses of the phone, which have "
+        "errors of their own");
+    LOG(WARNING) << info.warnings.back();
+  } else if (!options.groundtruth.empty()) {
+    info.ground_truth = ReadEstimate(options.groundtruth, info);
+  }
   ThrowIf(options.fit_mount && info.ground_truth.empty(), "fit_mount is true, but ",
           options.sequence.path, " has no ground truth");
   ThrowIf(options.poses == "groundtruth" && info.ground_truth.empty(),

@@ -18,8 +18,9 @@ class OptionVisitor;
 // Options of an RGB-D sequence: its location, its camera and the selection of frames.
 struct SequenceOptions {
   std::string path;  // folder or file of the sequence; for openni2 a device URI or "any"
-  // Format of a recording: auto, tum, icl_nuim, seven_scenes, redwood, replica, nerfstudio, klg,
-  // sens, bag, db3, mcap, oni. Format of a live source, for OpenLive(): watch, openni2.
+  // Format of a recording: auto, tum, icl_nuim, seven_scenes, redwood, replica, nerfstudio,
+  // stray_scanner, arkit_scenes, polycam, record3d, klg, sens, bag, db3, mcap, oni. Format of a
+  // live source, for OpenLive(): watch, openni2.
   std::string format = "auto";
 
   // Name of a preset (CameraPreset()), or path of a camera file *.yaml. If empty, the search order
@@ -27,8 +28,10 @@ struct SequenceOptions {
   //   1. camera.yaml in the folder, or F.yaml for a file F such as a.klg
   //   2. the recording. tum: the name freiburg1, 2 or 3 in the head of rgb.txt or depth.txt.
   //     redwood, watch: camera_intrinsic.json, intrinsic.json or transforms.json. replica:
-  //     cam_params.json. nerfstudio: transforms.json. seven_scenes: _info.txt. sens: the file
-  //     header. bag, db3, mcap: CameraInfo and tf. oni, openni2: the field of view.
+  //     cam_params.json. nerfstudio: transforms.json. seven_scenes: _info.txt. stray_scanner:
+  //     odometry.csv or camera_matrix.csv. arkit_scenes: *.pincam. polycam: cameras/*.json.
+  //     record3d: metadata.json. sens: the file header. bag, db3, mcap: CameraInfo and tf. oni,
+  //     openni2: the field of view.
   //   3. the default camera of the format
   std::string camera;
 
@@ -87,11 +90,14 @@ std::string NameOfCamera(const SequenceOptions& options);
 
 // Opens a recording: a folder of images or a file. The time of a frame (RgbdFrame::stamp_s) refers
 // to its depth image:
-// - TUM folders, .klg, .sens, .oni, ROS bags (header.stamp), and names with times: the timestamp in
-//   s minus the latency of the camera
+// - TUM folders, .klg, .sens, .oni, ROS bags (header.stamp), phones, and names with times: the
+//   timestamp in s minus the latency of the camera
 // - ICL-NUIM: the frame number, as in *.gt.freiburg
 // - other images with a number N: N / frames_per_second, relative to the first N for redwood and
 //   nerfstudio
+//
+// Formats of phones and nerfstudio have intrinsics for each frame. If these change, images are
+// resampled to the median intrinsics. Poses by the phone are no ground truth, and are not returned.
 //
 // Frames are mirrored if fy < 0, see SequenceInfo. A frame that cannot be read later is a
 // ReadResult with an error. Throws InputError that names the folder, file or option. The format

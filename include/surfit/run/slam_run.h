@@ -22,8 +22,8 @@ struct SlamRunOptions {
   SequenceOptions sequence;
   SlamOptions slam;
   std::string output;  // output folder; created if missing
-  // Ground-truth trajectory in TUM format, in the convention of the files. Empty: that of the
-  // sequence, if it has one.
+  // Ground-truth trajectory in TUM format, in the convention of the files. "device": the poses that
+  // the phone has estimated, for a comparison. Empty: that of the sequence, if it has one.
   std::string groundtruth;
   bool fit_mount = false;  // estimates SlamRunSummary::mount; requires ground truth
   // Pose world_from_camera of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw (m,

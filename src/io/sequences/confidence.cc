@@ -153,6 +153,10 @@ void AddConfidence(const std::string& folder, bool has_clock, std::vector<FrameF
     AddNamedConfidence(
         images, has_clock, [](const std::string& error) { throw InputError(error); }, frames);
   }
+  SetConfidenceRange(frames, warnings);
+}
+
+void SetConfidenceRange(std::vector<FrameFiles>* frames, std::vector<std::string>* warnings) {
   const int range = RangeOfFirst(*frames);
   std::size_t missing = 0;
   std::string first;

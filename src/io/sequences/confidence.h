@@ -37,6 +37,10 @@ void AddConfidence(const std::string& folder, bool has_clock, std::vector<FrameF
 void AddNamedConfidence(const std::string& confidence_folder, bool has_clock,
                         const DuplicateCallback& twice, std::vector<FrameFiles>* frames);
 
+// Sets the range of all frames from up to eight of the first images. Adds a warning if frames have
+// no confidence image.
+void SetConfidenceRange(std::vector<FrameFiles>* frames, std::vector<std::string>* warnings);
+
 // Returns the largest value that the confidence images can have: 2 if no value of this image is
 // above 2, or else 255.
 int ConfidenceRange(const Image<std::uint8_t>& confidence);

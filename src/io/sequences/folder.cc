@@ -31,6 +31,38 @@ bool HasIclNuimNumbers(const std::string& folder) {
          IsFolder(folder + "/rgb");
 }
 
+// Folder of Polycam, or its folder keyframes/.
+bool IsPolycam(const std::string& folder) {
+  for (const std::string& root : {folder + "/keyframes", folder}) {
+    if (IsFolder(root + "/depth") && (HasNameEnding(root + "/cameras", ".json") ||
+                                      HasNameEnding(root + "/corrected_cameras", ".json")))
+      return true;
+  }
+  return false;
+}
+
+// Export "EXR + JPG sequence" of Record3D: the folder, or its folder EXR_RGBD/.
+bool IsRecord3d(const std::string& folder) {
+  for (const std::string& root : {folder + "/EXR_RGBD", folder}) {
+    if (IsFile(root + "/metadata.json") && IsFolder(root + "/rgb") &&
+        HasNameEnding(root + "/depth", ".exr"))
+      return true;
+  }
+  return false;
+}
+
+// Record3D's own files have depth that is compressed by LZFSE, which no library of Debian reads.
+[[noreturn]] void RejectLzfse(const std::string& path) {
+  throw InputError(path,
+                   " has depth compressed by LZFSE, which is not supported: export the video ",
+                   "as EXR + JPG sequence in Record3D");
+}
+
+bool IsStrayScanner(const std::string& folder) {
+  return IsFile(folder + "/odometry.csv") && IsFolder(folder + "/depth") &&
+         (IsFile(folder + "/rgb.mp4") || IsFile(folder + "/camera_matrix.csv"));
+}
+
 std::string DetectFolderFormat(const std::string& folder) {
   if (HasNameEnding(folder, ".depth.png")) return "seven_scenes";
   if (HasNameEnding(folder, ".gt.freiburg") || HasIclNuimNumbers(folder)) return "icl_nuim";
@@ -39,6 +71,11 @@ std::string DetectFolderFormat(const std::string& folder) {
   }
   if (IsFile(folder + "/traj.txt") && IsFolder(folder + "/results")) return "replica";
   if (IsFile(folder + "/transforms.json")) return "nerfstudio";
+  if (IsStrayScanner(folder)) return "stray_scanner";
+  if (IsFolder(folder + "/lowres_depth")) return "arkit_scenes";
+  if (IsPolycam(folder)) return "polycam";
+  if (IsRecord3d(folder)) return "record3d";
+  if (HasNameEnding(folder + "/rgbd", ".depth")) RejectLzfse(folder + "/rgbd");
   if (IsFolder(folder + "/depth")) return "redwood";
   if (IsFile(folder + "/metadata.yaml")) {
     for (const char* format : {"db3", "mcap"}) {
@@ -49,7 +86,9 @@ std::string DetectFolderFormat(const std::string& folder) {
       folder, " has no sequence of a known format: looked for depth.txt or associations.txt (",
       "tum), *.gt.freiburg or rgb/ with depth/0.png or depth/1.png (icl_nuim), frame-*.depth.png ",
       "(seven_scenes), depth/ (redwood), results/ with traj.txt (replica), transforms.json ",
-      "(nerfstudio), metadata.yaml with *.db3 or *.mcap");
+      "(nerfstudio), odometry.csv with rgb.mp4 (stray_scanner), ", "lowres_depth/ (arkit_scenes), ",
+      "keyframes/cameras/*.json (polycam), ", "metadata.json with depth/*.exr (record3d), ",
+      "metadata.yaml with *.db3 or *.mcap");
 }
 
 // Number of ".." in the normalised path. Maximum of int for an absolute path.
@@ -137,8 +176,10 @@ std::string FollowTextLink(const std::string& folder, const std::string& name) {
 
 const std::vector<std::string>& SequenceFormats() {
   static const auto* const formats = new std::vector<std::string>{
-      "tum", "icl_nuim", "seven_scenes", "redwood", "replica", "nerfstudio", "klg",    "sens",
-      "bag", "db3",      "mcap",         "oni",     "mkv",     "watch",      "openni2"};
+      "tum",           "icl_nuim",     "seven_scenes", "redwood",  "replica", "nerfstudio",
+      "stray_scanner", "arkit_scenes", "polycam",      "record3d", "klg",     "sens",
+      "bag",           "db3",          "mcap",         "oni",      "mkv",     "watch",
+      "openni2"};
   return *formats;
 }
 
@@ -159,6 +200,7 @@ std::string DetectFormat(const std::string& path) {
   for (const char* format : {"klg", "sens", "bag", "db3", "mcap", "oni", "mkv"}) {
     if (EndsWith(path, std::string(".") + format)) return format;
   }
+  if (EndsWith(path, ".r3d")) RejectLzfse(path);
   throw InputError(path,
                    " is neither a folder nor a .klg, .sens, .bag, .db3, .mcap, .oni or .mkv file");
 }

@@ -38,7 +38,8 @@ std::optional<double> StampInName(const std::string& name);
 std::string FollowTextLink(const std::string& folder, const std::string& name);
 
 // Names of the sequence formats:
-//   folders: tum, icl_nuim, seven_scenes, redwood, replica, nerfstudio
+//   folders: tum, icl_nuim, seven_scenes, redwood, replica, nerfstudio, stray_scanner,
+//     arkit_scenes, polycam, record3d
 //   files: klg, sens, bag, oni
 //   files or folders: db3, mcap
 //   live: watch (folder of new images), openni2 (camera)

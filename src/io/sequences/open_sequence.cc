@@ -1,9 +1,12 @@
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "io/phones/phone_recording.h"
 #include "io/sequences/confidence.h"
 #include "io/sequences/folder.h"
 #include "io/sequences/folder_recording.h"
@@ -21,7 +24,6 @@ SequenceFiles ListSequence(const std::string& format, const std::string& folder,
                            double frames_per_second) {
   if (format == "seven_scenes") return ListSevenScenesSequence(folder, frames_per_second);
   if (format == "redwood") return ListRedwoodSequence(folder, frames_per_second);
-  if (format == "nerfstudio") return ListNerfstudioSequence(folder, frames_per_second);
   if (format == "replica") return ListReplicaSequence(folder, frames_per_second);
   if (format == "icl_nuim") return ListIclNuimSequence(folder);
   return ListTumSequence(folder);
@@ -155,6 +157,7 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
   if (IsBag(info.format)) opened = OpenBag(options, info.format, /*is_folder=*/!is_file);
   if (info.format == "oni") opened = OpenOni(options);
   if (info.format == "mkv") opened = OpenAzureKinect(options);
+  if (IsPhone(info.format)) opened = OpenPhone(options, info.format);
   const bool scale_is_given = ResolveCamera(options, opened.read_camera, &info);
 
   if (!opened.frames)
@@ -176,6 +179,16 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
       std::move(info),
       std::make_unique<RecordedFrames>(std::move(opened.frames), std::move(indices)), options,
       scale_is_given);
+}
+
+Trajectory ReadDevicePoses(const SequenceOptions& options) {
+  const std::string format = options.format == "auto" ? DetectFormat(options.path) : options.format;
+  ThrowIf(!IsPhone(format), options.path, ": format ", format, " has no poses of a device");
+  const OpenedRecording opened = OpenPhone(options, format);
+  ThrowIf(opened.device_poses.empty(), options.path, " has no valid poses of the device");
+  if (!opened.device_pose_warning.empty())
+    LOG(WARNING) << options.path << ": " << opened.device_pose_warning;
+  return opened.device_poses;
 }
 
 std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {

@@ -10,6 +10,7 @@
 #include "surfit/frame/frame_source.h"
 #include "surfit/frame/rectify_frame.h"
 #include "surfit/geometry/inverse_depth_field.h"
+#include "surfit/geometry/trajectory.h"
 #include "surfit/io/sequence.h"
 
 namespace surfit {
@@ -70,6 +71,12 @@ RgbdFrame RectifyFrame(const RgbdCamera& camera, const FrameRectifier& rectifier
 RawSequence OpenRawSequence(const SequenceOptions& options);
 RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
                         const std::atomic<bool>& stop);
+
+// Reads the poses that the recording device has estimated: stray_scanner, arkit_scenes, polycam,
+// record3d, nerfstudio. Camera axes are x right, y down, z forward. The poses are no ground truth,
+// so OpenSequence() does not return them. Logs the number of invalid poses, which are left out.
+// Throws InputError that names the folder for other formats, and without a valid pose.
+Trajectory ReadDevicePoses(const SequenceOptions& options);
 
 // Implements WatchFolder(). Requires valid options.
 RawSequence OpenWatchedFolder(const SequenceOptions& options, const std::atomic<bool>& stop);

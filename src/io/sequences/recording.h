@@ -67,11 +67,13 @@ using CameraReader = std::function<SourceCamera()>;
 // Recording with the properties for SequenceInfo.
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
-  Trajectory ground_truth;            // in the convention of the files
-  bool has_clock = false;             // SequenceInfo::has_clock; false for .sens
-  std::vector<std::string> warnings;  // SequenceInfo::warnings
-  int unpaired_images = 0;            // number of images that belong to no frame
-  CameraReader read_camera = {};      // valid as long as `frames`
+  Trajectory ground_truth;               // in the convention of the files
+  bool has_clock = false;                // SequenceInfo::has_clock; false for .sens
+  std::vector<std::string> warnings;     // SequenceInfo::warnings
+  int unpaired_images = 0;               // number of images that belong to no frame
+  CameraReader read_camera = {};         // valid as long as `frames`
+  Trajectory device_poses = {};          // ReadDevicePoses()
+  std::string device_pose_warning = {};  // number of invalid poses; empty: none
 };
 
 struct FrameFiles {
@@ -131,11 +133,6 @@ SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_p
 // (0000012-000000366699.png), images are paired by number. They are paired by time if images of one
 // number are from different times.
 SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second);
-
-// Lists the frames of transforms.json of nerfstudio that have a depth image, in the order of the
-// numbers in their names. Timestamps are (number - first number) / frames_per_second. If no frame
-// names a depth image, the folder is listed as a Redwood folder. Throws InputError with the path.
-SequenceFiles ListNerfstudioSequence(const std::string& folder, double frames_per_second);
 
 // Camera of transforms.json. If depth images have another size with the same aspect ratio as colour
 // images, the depth camera has their size, and colour is not registered. Throws InputError with the

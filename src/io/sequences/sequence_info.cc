@@ -42,13 +42,20 @@ void RequireGuessedSize(const FrameImages& first, const SequenceInfo& info) {
       first.depth);
 }
 
-void CompleteCamera(const FrameImages& first, SequenceInfo* info) {
+// First image with colour, otherwise the first image.
+const FrameImages& FirstWithColor(const std::vector<FrameImages>& images) {
+  const auto found = std::find_if(images.begin(), images.end(),
+                                  [](const FrameImages& image) { return !image.color.empty(); });
+  return found == images.end() ? images[0] : *found;
+}
+
+void CompleteCamera(const FrameImages& first, const Image<Rgb8>& color, SequenceInfo* info) {
   RequireGuessedSize(first, *info);
   RgbdCamera* const camera = &info->camera;
   std::visit([&](const auto& depth) { TakeSizeIfUnknown(depth, &camera->depth); }, first.depth);
   if (!camera->color_is_registered) {
-    if (first.color.empty()) camera->color_is_registered = true;
-    TakeSizeIfUnknown(first.color, &camera->color);
+    if (color.empty()) camera->color_is_registered = true;
+    TakeSizeIfUnknown(color, &camera->color);
   }
   RequireSizeOf(*camera, first);
 }
@@ -88,11 +95,11 @@ std::string ConfidenceFigures(std::optional<double> removed_ratio, int range) {
                 " % of depth in the first images");
 }
 
-std::string Assumed(const FrameImages& first, const SequenceInfo& info, int confidence_range) {
+std::string Assumed(bool has_color, const SequenceInfo& info, int confidence_range) {
   const RgbdCamera& c = info.camera;
   std::string frames = info.frame_count < 0 ? "live frames" : Concat(info.frame_count, " frames");
   std::string color = "no colour";
-  if (!first.color.empty()) {
+  if (has_color) {
     color = c.color_is_registered
                 ? "colour registered to depth"
                 : Concat("separate colour camera, ", c.color.width, " x ", c.color.height);
@@ -124,13 +131,14 @@ FrameRectifier CompleteInfo(const std::vector<FrameImages>& images, const Rectif
                             bool scale_is_given, SequenceInfo* info,
                             std::optional<RegistrationFit>* registration) {
   const FrameImages& first = images[0];
-  CompleteCamera(first, info);
+  const FrameImages& colored = FirstWithColor(images);
+  CompleteCamera(first, colored.color, info);
   RequirePixelUnits(info->camera.depth, "the depth camera", info->camera_from);
   if (!info->camera.color_is_registered)
     RequirePixelUnits(info->camera.color, "the colour camera", info->camera_from);
   int confidence_range = 0;
   info->low_confidence_ratio = LowConfidenceRatio(images, &confidence_range);
-  info->assumed = Assumed(first, *info, confidence_range);
+  info->assumed = Assumed(!colored.color.empty(), *info, confidence_range);
   if (!info->camera.disparity.IsGiven()) {
     if (auto warning = DepthScaleWarning(first.depth, info->camera.depth_units_per_metre,
                                          first.depth_name, scale_is_given))
