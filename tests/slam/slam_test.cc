@@ -56,7 +56,7 @@ TEST(Slam, RejectsFramesOfAnotherSize) {
   frame.depth_m = Image<float>(9, 3);
   ExpectInputError([&] { slam.Process(frame); }, Names(9, 3, room.camera.width));
   EXPECT_EQ(slam.Process(room.frames[0]).state, FrameState::kFirst);
-  ExpectInputError([&] { slam.UseLoopFinder({}); }, Names("loops.enabled"));
+  ExpectInputError([&] { slam.UseLoopFinder({}); }, Names("loop finder"));
 }
 
 TEST(Slam, TracksIdealSensorWithinHalfPixel) {
