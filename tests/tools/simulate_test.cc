@@ -266,9 +266,8 @@ TEST_F(SimulateTest, WritesInertialSensorWithItsCalibration) {
   // Seven frames at 30 Hz take 0.2 s.
   ASSERT_EQ(imu->samples.size(), 21u);
   EXPECT_NEAR(imu->samples[0].stamp_s, 0.05, 1e-9);
-  EXPECT_THAT(
-      imu->calibration.camera_from_imu,
-      RigidNear({Eigen::Quaterniond(-0.5, 0.5, -0.5, 0.5), {0.01, 0.02, 0.03}}, 1e-9, 1e-9));
+  const Rigid3d truth(Eigen::Quaterniond(-0.5, 0.5, -0.5, 0.5), Vector3d(0.01, 0.02, 0.03));
+  EXPECT_THAT(imu->calibration.camera_from_imu, RigidNear(truth, 1e-9, 1e-9));
   EXPECT_EQ(imu->calibration.time_offset_s, 0.05);
   const std::string noisy = ReadBytes(folder_ / "room/imu.csv");
   EXPECT_NE(noisy, ReadBytes(folder_ / "room/imu_exact.csv"));
