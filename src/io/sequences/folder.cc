@@ -176,10 +176,10 @@ std::string FollowTextLink(const std::string& folder, const std::string& name) {
 
 const std::vector<std::string>& SequenceFormats() {
   static const auto* const formats = new std::vector<std::string>{
-      "tum",           "icl_nuim",     "seven_scenes", "redwood",  "replica", "nerfstudio",
-      "stray_scanner", "arkit_scenes", "polycam",      "record3d", "klg",     "sens",
-      "bag",           "db3",          "mcap",         "oni",      "mkv",     "watch",
-      "openni2"};
+      "tum",        "icl_nuim",      "seven_scenes", "redwood", "replica",
+      "nerfstudio", "stray_scanner", "arkit_scenes", "polycam", "record3d",
+      "klg",        "sens",          "bag",          "db3",     "mcap",
+      "oni",        "mkv",           "watch",        "openni2"};
   return *formats;
 }
 
