@@ -81,7 +81,7 @@ std::string CalibrationJson() {
 
 // Mode of the depth camera: narrow and binned. The colour images are the middle of 320 x 240
 // pixels.
-constexpr int kWidth = 320, kHeight = 288, kColorWidth = 320, kColorHeight = 180;
+constexpr int kDepthWidth = 320, kDepthHeight = 288, kColorWidth = 320, kColorHeight = 180;
 
 // The plane n . X = 1.5 m in the frame of the depth camera, and its colour.
 const Eigen::Vector3d kNormal(0.2, -0.1, 1);
@@ -94,7 +94,7 @@ Rgb8 ColorOf(const Eigen::Vector3d& point) {
 }
 
 Image<std::uint16_t> MakeDepth() {
-  Image<std::uint16_t> depth(kWidth, kHeight);
+  Image<std::uint16_t> depth(kDepthWidth, kDepthHeight);
   for (const auto [u, v] : PixelsOf(depth)) {
     const Eigen::Vector2d bent((u + 96 + 0.5 - 512 * kDepthLens.cx) / (512 * kDepthLens.fx),
                                (v + 90 + 0.5 - 512 * kDepthLens.cy) / (512 * kDepthLens.fy));
@@ -138,8 +138,8 @@ std::string BigEndian(const Image<std::uint16_t>& depth) {
 class AzureKinect : public ::testing::Test {
  protected:
   void SetUp() override {
-    depth_track_ = writer_.AddTrack("DEPTH", kWidth, kHeight, "b16g");
-    ir_track_ = writer_.AddTrack("IR", kWidth, kHeight, "b16g");
+    depth_track_ = writer_.AddTrack("DEPTH", kDepthWidth, kDepthHeight, "b16g");
+    ir_track_ = writer_.AddTrack("IR", kDepthWidth, kDepthHeight, "b16g");
     writer_.AddTag("K4A_DEPTH_MODE", "NFOV_2X2BINNED");
     writer_.AddTag("K4A_START_OFFSET_NS", "7000000000");
   }
@@ -151,7 +151,7 @@ class AzureKinect : public ::testing::Test {
     const auto time_us = static_cast<std::uint64_t>(33333 * i);
     writer_.BeginCluster(time_us);
     if (!depth.empty()) writer_.AddFrame(depth_track_, time_us, depth, i % 2 == 1);
-    writer_.AddFrame(ir_track_, time_us, std::string(2 * kWidth * kHeight, '\1'));
+    writer_.AddFrame(ir_track_, time_us, std::string(2 * kDepthWidth * kDepthHeight, '\1'));
     if (!color.empty()) writer_.AddFrame(color_track_, time_us + 1000, color);
   }
   std::unique_ptr<FrameSource> Open() {
@@ -177,8 +177,8 @@ TEST_F(AzureKinect, IsReadUndistortedAndRegistered) {
   EXPECT_FALSE(info.camera_is_guessed);
   EXPECT_NEAR(info.unpaired_ratio, 1. / 7, 1e-9);
   EXPECT_NEAR(info.pinhole.fx, 512 * kDepthLens.fx, 1e-3);
-  EXPECT_GT(info.pinhole.width, kWidth);  // without distortion, the view is wider
-  EXPECT_LE(info.pinhole.width, 2 * kWidth);
+  EXPECT_GT(info.pinhole.width, kDepthWidth);  // without distortion, the view is wider
+  EXPECT_LE(info.pinhole.width, 2 * kDepthWidth);
   const std::vector<ReadResult> frames = ReadAll(source.get());
   ASSERT_EQ(frames.size(), 3u);
   for (int i = 0; i < 3; ++i) {
@@ -201,7 +201,7 @@ TEST_F(AzureKinect, IsReadUndistortedAndRegistered) {
     wrong += std::abs(seen.r - expected.r) > 8 || std::abs(seen.g - expected.g) > 8;
   }
   EXPECT_LT(worst_m, 0.004);
-  EXPECT_GT(covered, 0.95 * kWidth * kHeight);
+  EXPECT_GT(covered, 0.95 * kDepthWidth * kDepthHeight);
   EXPECT_GT(colored, 0.6 * covered);  // the colour camera sees less above and below
   EXPECT_LT(wrong, 0.01 * colored);
 }
@@ -233,7 +233,7 @@ TEST_F(AzureKinect, WithoutCalibrationRequiresACamera) {
   SequenceOptions options = OptionsOf(folder_ / "room.mkv");
   options.intrinsics = {252, 252, 165, 166};
   const auto source = OpenSequence(options);
-  EXPECT_EQ(source->info().pinhole.width, kWidth);
+  EXPECT_EQ(source->info().pinhole.width, kDepthWidth);
   EXPECT_EQ(source->info().pinhole.fx, 252);
   EXPECT_TRUE(source->Next()->frame);
   AddColorTrack("MJPG");

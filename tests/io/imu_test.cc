@@ -174,9 +174,10 @@ TEST_F(BagImuTest, ReadsSingleTopic) {
 
 TEST_F(BagImuTest, InterpolatesAccelerometerOfSeparateTopic) {
   AddDepth();
-  for (int i = 0; i < 3; ++i) AddImu("/camera/gyro/sample", 5 + 0.03125 * i, {1. * i, 0, 0}, {});
-  AddImu("/camera/accel/sample", 5.03125 - 0.0078125, {}, {0, 8, 0});
-  AddImu("/camera/accel/sample", 5.03125 + 0.0234375, {}, {0, 12, 0});
+  for (int i = 0; i < 3; ++i)
+    AddImu("/camera/gyro/sample", 5 + 0.03125 * i, {1. * i, 0, 0}, Vector3d::Zero());
+  AddImu("/camera/accel/sample", 5.03125 - 0.0078125, Vector3d::Zero(), {0, 8, 0});
+  AddImu("/camera/accel/sample", 5.03125 + 0.0234375, Vector3d::Zero(), {0, 12, 0});
   const auto imu = Read();
   ASSERT_TRUE(imu);
   ASSERT_EQ(imu->samples.size(), 1u);
@@ -187,12 +188,12 @@ TEST_F(BagImuTest, InterpolatesAccelerometerOfSeparateTopic) {
 
 TEST_F(BagImuTest, RejectsSeveralTopicsAndInvalidNumbers) {
   AddDepth();
-  AddImu("/imu", 5, {}, {});
-  AddImu("/imu_of_base", 5, {}, {});
+  AddImu("/imu", 5, Vector3d::Zero(), Vector3d::Zero());
+  AddImu("/imu_of_base", 5, Vector3d::Zero(), Vector3d::Zero());
   ExpectInputError([&] { Read(); }, HasSubstr("has the Imu topics /imu, /imu_of_base"));
   bag_ = {};
   AddDepth();
-  AddImu("/imu", 5, {0, std::nan(""), 0}, {});
+  AddImu("/imu", 5, {0, std::nan(""), 0}, Vector3d::Zero());
   ExpectInputError([&] { Read(); }, HasSubstr("/imu has a measurement that is not a number"));
 }
 

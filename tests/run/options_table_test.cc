@@ -86,10 +86,10 @@ TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldsOf<Typ
 TEST(SequenceTable, NamesEveryField) {
   auto [path, format, camera, intrinsics, distortion, depth_units_per_metre, inverse_depth_sigma,
         color_intrinsics, color_distortion, color_from_depth, frames_per_second, latency_s,
-        color_latency_s, readout_s, confidence, depth_topic, color_topic, device_width,
+        color_latency_s, readout_s, confidence, imu, depth_topic, color_topic, device_width,
         device_height, device_fps, device_registration, device_lock_exposure, openni2_library,
         first, last, stride, rectify] = SequenceOptions();
-  ExpectAll<SequenceOptions>(27);
+  ExpectAll<SequenceOptions>(28);
 }
 
 TEST(PriorTable, NamesEveryField) {

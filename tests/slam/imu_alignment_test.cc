@@ -119,7 +119,8 @@ TEST(AlignImu, FindsWrongGivenRotation) {
 TEST(AlignImu, GivenRotationIsKnownWithoutTurns) {
   ImuCalibration given;
   given.rotation_sigma_rad = 0.01;
-  const std::vector<ImuSample> samples = {{0, {}, {}}, {1, {}, {}}};
+  std::vector<ImuSample> samples(2);
+  samples[1].stamp_s = 1;
   EXPECT_TRUE(AlignImu(GyroIntegral(&samples), {}, given).is_known);
 }
 

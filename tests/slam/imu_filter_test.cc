@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSigma_rad = 0.002, kSigma_m = 0.003, kFrame_s = 1. / 30;
+constexpr double kSigma_rad = 0.002, kSigma_m = 0.003, kFilterFrame_s = 1. / 30;
 
 // Filter that has followed the poses of a path for two seconds.
 struct Followed {
@@ -34,10 +34,10 @@ struct Followed {
     for (int k = 0; k < 3; ++k) given.camera_from_imu.translation[k] += arm_sigma_m * normal(rng);
     std::vector<RegisteredPose> poses;
     for (int i = 0; i <= 20; ++i)
-      poses.push_back(NoisyPose(path, i * kFrame_s, kSigma_rad, kSigma_m, &rng));
+      poses.push_back(NoisyPose(path, i * kFilterFrame_s, kSigma_rad, kSigma_m, &rng));
     filter = ImuFilter::Start(&samples, poses, given, Vector3d::Zero(), 0.01);
     for (int i = 21; filter && i <= 60; ++i)
-      filter->Correct(NoisyPose(path, i * kFrame_s, kSigma_rad, kSigma_m, &rng));
+      filter->Correct(NoisyPose(path, i * kFilterFrame_s, kSigma_rad, kSigma_m, &rng));
   }
 };
 
@@ -127,7 +127,8 @@ TEST(ImuFilter, StartsAtRest) {
   const auto samples = SimulateImu(path, simulation);
   std::mt19937_64 rng(3);
   std::vector<RegisteredPose> poses;
-  for (int i = 0; i <= 30; ++i) poses.push_back(NoisyPose(path, i * kFrame_s, 0.001, 0.001, &rng));
+  for (int i = 0; i <= 30; ++i)
+    poses.push_back(NoisyPose(path, i * kFilterFrame_s, 0.001, 0.001, &rng));
   const auto filter = ImuFilter::Start(&samples, poses, simulation.calibration, Vector3d::Zero(),
                                        simulation.calibration.noise.gyro_bias_sigma);
   ASSERT_TRUE(filter);
@@ -170,15 +171,15 @@ TEST(ImuFilter, MovesWithWorld) {
 // A pose that is wrong by half a metre moves the state by much less.
 TEST(ImuFilter, LimitsInfluenceOfOutlier) {
   Followed followed(4);
-  const double stamp_s = 2 + kFrame_s;
+  const double stamp_s = 2 + kFilterFrame_s;
   std::mt19937_64 rng(9);
   RegisteredPose wrong = NoisyPose(followed.path, stamp_s, kSigma_rad, kSigma_m, &rng);
   wrong.world_from_camera.translation.x() += 0.5;
   const auto distance2 = followed.filter->Correct(wrong);
   ASSERT_TRUE(distance2);
   EXPECT_GT(*distance2, 1000);
-  const auto predicted = followed.filter->Predict(stamp_s + kFrame_s);
-  const Vector6d error = ErrorOf(*predicted, followed.path.At(stamp_s + kFrame_s));
+  const auto predicted = followed.filter->Predict(stamp_s + kFilterFrame_s);
+  const Vector6d error = ErrorOf(*predicted, followed.path.At(stamp_s + kFilterFrame_s));
   EXPECT_LT(error.tail<3>().norm(), 0.1);
 }
 

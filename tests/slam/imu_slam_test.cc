@@ -80,7 +80,9 @@ TEST(SlamWithImu, ResultIsTheSameForOneAndTwoThreads) {
   }
   for (int i = 0; i < kFrames; ++i) {
     EXPECT_EQ(one[i].state, two[i].state) << i;
-    if (one[i].HasPose()) EXPECT_EQ(one[i].world_from_camera, two[i].world_from_camera) << i;
+    if (one[i].HasPose()) {
+      EXPECT_EQ(one[i].world_from_camera, two[i].world_from_camera) << i;
+    }
   }
 }
 

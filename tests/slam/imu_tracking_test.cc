@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr double kSigma_rad = 0.001, kSigma_m = 0.002, kEvery_s = 1. / 30;
+constexpr double kImuPoseSigma_rad = 0.001, kImuPoseSigma_m = 0.002, kEvery_s = 1. / 30;
 
 ImuRecording RecordingOf(const SmoothPath& path, int seed, bool rotation_is_given = true) {
   ImuSimulation simulation;
@@ -30,7 +30,8 @@ ImuRecording RecordingOf(const SmoothPath& path, int seed, bool rotation_is_give
 }
 
 TrackedPose TrackedAt(const SmoothPath& path, int frame, std::mt19937_64* rng) {
-  const RegisteredPose noisy = NoisyPose(path, frame * kEvery_s, kSigma_rad, kSigma_m, rng);
+  const RegisteredPose noisy =
+      NoisyPose(path, frame * kEvery_s, kImuPoseSigma_rad, kImuPoseSigma_m, rng);
   TrackedPose pose;
   pose.frame = frame;
   pose.stamp_s = noisy.stamp_s;
@@ -58,7 +59,7 @@ TEST(ImuTracking, PredictsByGyroscopeAndThenByBoth) {
   ASSERT_TRUE(early);
   EXPECT_FALSE(early->covariance);
   const Rigid3d error = early->world_from_camera.Inverse() * path.At(5 * kEvery_s);
-  EXPECT_LT(RotationAngle(error.rotation), 5 * kSigma_rad + 0.01 * kEvery_s * 4);
+  EXPECT_LT(RotationAngle(error.rotation), 5 * kImuPoseSigma_rad + 0.01 * kEvery_s * 4);
   Track(path, 5, 60, &rng, &imu);
   const auto late = imu.Predict(2.5);
   ASSERT_TRUE(late && late->covariance);
@@ -86,7 +87,7 @@ TEST(ImuTracking, BridgesGapAndReportsIt) {
   EXPECT_EQ(bridge.frame, 85);
   EXPECT_NEAR(bridge.seconds, 16 * kEvery_s, 1e-9);
   EXPECT_LT(bridge.correction_m, 0.05);
-  EXPECT_LT(bridge.correction_m, 4 * std::hypot(bridge.sigma_m, kSigma_m));
+  EXPECT_LT(bridge.correction_m, 4 * std::hypot(bridge.sigma_m, kImuPoseSigma_m));
   EXPECT_EQ(report.starts, 1);
   EXPECT_EQ(report.off_reason, "");
 }

@@ -8,7 +8,7 @@
 namespace surfit {
 namespace {
 
-constexpr double kFrame_s = 1. / 30;
+constexpr double kPriorFrame_s = 1. / 30;
 
 Matrix6d Diagonal(double of_turn, double of_shift) {
   Vector6d values;
@@ -73,24 +73,24 @@ TEST(ExpectedPoseIn, MapsRotationToTranslationCovariance) {
 
 TEST(MotionPrior, GrowsByAccelerationsOnly) {
   MotionPrior prior(2, 4);
-  prior.Keep(Diagonal(0, 0), kFrame_s);
-  const Matrix6d covariance = prior.Covariance(kFrame_s);
-  const double square = kFrame_s * kFrame_s;
+  prior.Keep(Diagonal(0, 0), kPriorFrame_s);
+  const Matrix6d covariance = prior.Covariance(kPriorFrame_s);
+  const double square = kPriorFrame_s * kPriorFrame_s;
   EXPECT_NEAR(std::sqrt(covariance(0, 0)), 4 * square, 1e-12);
   EXPECT_NEAR(std::sqrt(covariance(5, 5)), 2 * square, 1e-12);
 }
 
 TEST(MotionPrior, ExtrapolatesVelocityCovariance) {
   MotionPrior prior(1e-9, 1e-9);
-  prior.Keep(Diagonal(0, 1e-6), kFrame_s);
-  EXPECT_NEAR(prior.Covariance(3 * kFrame_s)(4, 4), 9e-6, 1e-12);
+  prior.Keep(Diagonal(0, 1e-6), kPriorFrame_s);
+  EXPECT_NEAR(prior.Covariance(3 * kPriorFrame_s)(4, 4), 9e-6, 1e-12);
 }
 
 TEST(MotionPrior, HasLargeCovarianceAfterForget) {
   MotionPrior prior(2, 4);
-  prior.Keep(Diagonal(0, 0), kFrame_s);
+  prior.Keep(Diagonal(0, 0), kPriorFrame_s);
   prior.Forget();
-  EXPECT_GT(std::sqrt(prior.Covariance(kFrame_s)(3, 3)), 0.09);
+  EXPECT_GT(std::sqrt(prior.Covariance(kPriorFrame_s)(3, 3)), 0.09);
 }
 
 }  // namespace
