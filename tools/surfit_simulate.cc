@@ -165,9 +165,9 @@ int Run(const SimulateOptions& options) {
         "--latency_s is set, must be 0 with --image_y_up, which replaces timestamps by frame "
         "numbers");
   }
-  if (options.image_y_up && options.imu) {
+  if (options.image_y_up && options.write_imu) {
     throw InputError(
-        "--imu is true, must be false with --image_y_up, which replaces timestamps by frame "
+        "--write_imu is true, must be false with --image_y_up, which replaces timestamps by frame "
         "numbers");
   }
   if (options.part > options.parts) {
@@ -191,12 +191,12 @@ int Run(const SimulateOptions& options) {
   }
   const ImuSimulation imu = ImuOf(options);
   const std::string output = FolderOfPart(options.part, options);
-  const SequenceWriter writer(output,
-                              options.image_y_up ? SequenceLayout::kIclNuim : SequenceLayout::kTum,
-                              given, options.latency_s, sensor.HasConfidence(),
-                              options.imu && options.camera_yaml_imu ? &imu.calibration : nullptr);
+  const SequenceWriter writer(
+      output, options.image_y_up ? SequenceLayout::kIclNuim : SequenceLayout::kTum, given,
+      options.latency_s, sensor.HasConfidence(),
+      options.write_imu && options.camera_yaml_imu ? &imu.calibration : nullptr);
   writer.WriteLists(path);
-  if (options.imu) WriteImuFiles(SmoothPath(path), imu, writer);
+  if (options.write_imu) WriteImuFiles(SmoothPath(path), imu, writer);
   if (HasUnlistedTruth(options)) writer.WriteTruth(path, TruthOf(studio, camera, path));
   const SurfaceSampler surface =
       options.join ? JoinParts(options, writer) : WriteFrames(studio, path, writer);

@@ -257,7 +257,7 @@ TEST_F(SimulateTest, AddsAnInverseDepthField) {
 
 TEST_F(SimulateTest, WritesInertialSensorWithItsCalibration) {
   Succeeded(Simulate("room",
-                     {"--imu", "--imu_rate_hz=100", "--imu_time_offset_s=0.05",
+                     {"--write_imu", "--imu_rate_hz=100", "--imu_time_offset_s=0.05",
                       "--camera_from_imu=0.01,0.02,0.03,0.5,-0.5,0.5,-0.5", "--camera_yaml_imu"}));
   SequenceOptions options;
   options.path = folder_ / "room";
@@ -272,7 +272,7 @@ TEST_F(SimulateTest, WritesInertialSensorWithItsCalibration) {
   EXPECT_EQ(imu->calibration.time_offset_s, 0.05);
   const std::string noisy = ReadBytes(folder_ / "room/imu.csv");
   EXPECT_NE(noisy, ReadBytes(folder_ / "room/imu_exact.csv"));
-  Succeeded(Simulate("other", {"--imu"}));
+  Succeeded(Simulate("other", {"--write_imu"}));
   options.path = folder_ / "other";
   EXPECT_TRUE(std::isinf(ReadImu(options, "tum")->calibration.rotation_sigma_rad));
 }

@@ -38,8 +38,8 @@ void VisitSensor(OptionVisitor& v, SimulateOptions* o) {
 
 void VisitImu(OptionVisitor& v, SimulateOptions* o) {
   v.Group("inertial sensor");
-  v.Add(o->imu, "imu", "write an inertial sensor to imu.csv, and without errors to imu_exact.csv",
-        AsFlag());
+  v.Add(o->write_imu, "write_imu",
+        "write an inertial sensor to imu.csv, and without errors to imu_exact.csv", AsFlag());
   v.Add(o->imu_rate_hz, "imu_rate_hz", "rate of the inertial sensor", Between(1, 10000),
         InUnit("Hz"), AsFlag());
   v.Add(o->camera_from_imu, "camera_from_imu",

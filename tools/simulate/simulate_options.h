@@ -35,7 +35,7 @@ struct SimulateOptions {
   // Times that camera.yaml contains: latency_s, color_latency_s, readout_s. Other times are 0
   // there.
   std::vector<std::string> camera_yaml_times;
-  bool imu = false;  // writes imu.csv and imu_exact.csv; requires image_y_up = false
+  bool write_imu = false;  // writes imu.csv and imu_exact.csv; requires image_y_up = false
   double imu_rate_hz = 200;
   // True values of the inertial sensor. camera_from_imu: tx, ty, tz [m], qx, qy, qz, qw; empty: a
   // phone.
