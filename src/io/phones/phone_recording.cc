@@ -56,9 +56,9 @@ struct CommonCameras {
 // Frames of files and of a video, resampled to common cameras.
 class PhoneFrames : public Recording {
  public:
-  PhoneFrames(std::vector<PhoneFrame> frames, CommonCameras common,
+  PhoneFrames(std::vector<PhoneFrame> frames, const CommonCameras& common,
               std::shared_ptr<VideoFile> video)
-      : frames_(std::move(frames)), common_(std::move(common)), video_(std::move(video)) {}
+      : frames_(std::move(frames)), common_(common), video_(std::move(video)) {}
 
   int frame_count() const override { return static_cast<int>(frames_.size()); }
   FrameStamps stamps(int index) const override { return frames_[index].files.stamps; }
@@ -240,8 +240,8 @@ OpenedRecording OpenPhoneFiles(PhoneFiles files) {
       camera.depth.width == camera.color.width && camera.depth.height == camera.color.height;
   camera.depth_units_per_metre = files.depth_units_per_metre;
   camera.Validate(files.camera_from);
-  const SourceCamera source = {camera, files.camera_from + DescribeLens(files.frames, camera.color),
-                               false, files.scale_is_given};
+  SourceCamera source = {camera, files.camera_from + DescribeLens(files.frames, camera.color),
+                         false, files.scale_is_given};
   OpenedRecording opened;
   opened.frames = std::make_unique<PhoneFrames>(
       std::move(files.frames), CommonCameras{camera.depth, camera.color}, files.video);
@@ -250,7 +250,7 @@ OpenedRecording OpenPhoneFiles(PhoneFiles files) {
   opened.has_clock = files.has_clock;
   opened.warnings = std::move(files.warnings);
   opened.unpaired_images = files.unpaired_images;
-  opened.read_camera = [source] { return source; };
+  opened.read_camera = [source = std::move(source)] { return source; };
   return opened;
 }
 

@@ -83,7 +83,7 @@ RateFit FitRates(const std::vector<RatePair>& pairs) {
     fit.gyro_squares += w * gyro.squaredNorm();
   }
   const Eigen::JacobiSVD<Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vector3d values = svd.singularValues();
+  const Vector3d& values = svd.singularValues();
   const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
   fit.rotation = svd.matrixU() * Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
   fit.product = values[0] + values[1] + sign * values[2];
@@ -203,6 +203,7 @@ std::vector<RateResidual> ResidualsAt(const GyroIntegral& gyro,
 
 double MedianTurnError(const std::vector<RateResidual>& residuals) {
   std::vector<double> errors;
+  errors.reserve(residuals.size());
   for (const RateResidual& r : residuals) errors.push_back(r.error.norm() * r.seconds);
   const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
   std::nth_element(errors.begin(), middle, errors.end());
