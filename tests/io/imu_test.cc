@@ -98,8 +98,11 @@ TEST_F(ImuFilesTest, RejectsMissingColumnAndWordThatIsNoNumber) {
                    AllOf(HasSubstr("accelerometer.txt:2"), HasSubstr("3 columns")));
   folder_.Write("accelerometer.txt", "1 0 8 0\n2 0 8 nan\n");
   ExpectInputError([&] { Read(); }, AllOf(HasSubstr("accelerometer.txt:2"), HasSubstr("nan")));
+}
+
+TEST_F(ImuFilesTest, FileWithoutMeasurementsIsNotUsed) {
   folder_.Write("accelerometer.txt", "# no measurement\n");
-  ExpectInputError([&] { Read(); }, HasSubstr("accelerometer.txt has no inertial measurements"));
+  EXPECT_FALSE(Read());
 }
 
 TEST_F(ImuFilesTest, CameraFileReplacesCalibration) {

@@ -222,7 +222,7 @@ TEST_F(DoctorTool, DetectsAWrongCamera) {
 
 TEST_F(DoctorTool, DetectsWrongSignOfGyroscope) {
   const std::string sequence = SlamTool::Simulate(
-      "inertial", {"--write_imu", "--camera_yaml_imu", "--frames=75", "--downsample=2"});
+      "inertial", {"--write_imu", "--camera_yaml_imu", "--frames=150", "--downsample=2"});
   EXPECT_THAT(Faults(sequence, {}), IsEmpty());
   std::vector<std::string> rows = Lines(sequence + "/imu.csv");
   std::ofstream file(sequence + "/imu.csv");

@@ -125,8 +125,8 @@ InverseDepthField ReadDepthField(const SequenceOptions& options, const std::stri
 //
 // The calibration is that of the format, replaced by the key `imu` of the camera file
 // (ReadImuCalibration()). An unknown mounting has an infinite rotation_sigma_rad. Samples that are
-// not later than the sample before are dropped and counted. Throws InputError that names the file
-// and line, or the topics.
+// not later than the sample before are dropped and counted. Without samples, logs a warning and
+// returns std::nullopt. Throws InputError that names file and line, or the topics.
 std::optional<ImuRecording> ReadImu(const SequenceOptions& options, const std::string& format);
 
 // Returns whether the format is live: OpenLive() is required instead of OpenSequence().

@@ -123,7 +123,10 @@ std::optional<ImuRecording> ReadImu(const SequenceOptions& options, const std::s
   }
   if (!imu) return std::nullopt;
   KeepAscending(&*imu);
-  ThrowIf(imu->samples.empty(), imu->read_from, " has no inertial measurements, must have one");
+  if (imu->samples.empty()) {
+    LOG(WARNING) << imu->read_from << " has no inertial measurements, and is not used";
+    return std::nullopt;
+  }
   const std::string yaml = CameraFile(options, format);
   if (!yaml.empty()) imu->calibration = ReadImuCalibration(yaml, imu->calibration);
   if (imu->dropped_samples > 0) {
