@@ -23,14 +23,15 @@ Trajectory Moved(Trajectory trajectory, const Rigid3d& new_from_old_world) {
   return trajectory;
 }
 
-// Both paths in the upright world. If it is unknown, they are in the world of the ground truth, or
-// in that of the run without ground truth.
+// Paths of the largest piece and of the ground truth in the upright world. The relative pose of
+// other pieces is unknown. If the upright world is unknown, the paths are in the world of the
+// ground truth, or in that of the run without ground truth.
 PathsInOneFrame InOneFrame(const RunOutcome& run, const Trajectory& truth) {
   Rigid3d truth_from_run;
   if (run.evaluation && run.evaluation->ate)
     truth_from_run = run.evaluation->ate->alignment.target_from_source;
   const Rigid3d shown_from_run = run.upright ? run.upright->upright_from_world : truth_from_run;
-  return {Moved(run.trajectory.poses(), shown_from_run),
+  return {Moved(run.largest_piece, shown_from_run),
           Moved(truth, shown_from_run * truth_from_run.Inverse())};
 }
 

@@ -17,6 +17,7 @@ namespace surfit {
 struct RunOutcome {
   const SequenceInfo& info;
   const RunTrajectory& trajectory;
+  const Trajectory& largest_piece;  // part of the trajectory; `evaluation` is for it
   const EstimatedSensor& found;
   const Backend* backend;  // null: no loop closure and no calibration
   const SurfelMap& map;

@@ -18,7 +18,6 @@
 #include "finishing/posed_sequence.h"
 #include "io/files/output_folder.h"
 #include "io/files/places_file.h"
-#include "io/sequences/raw_frames.h"
 #include "output/output_files.h"
 #include "run/given_poses.h"
 #include "run/map_period.h"
@@ -43,36 +42,6 @@ namespace surfit {
 namespace {
 
 using ProgressCall = std::function<void(const SlamRunProgress&)>;
-
-// Live sequences are not read ahead, because a wait for the camera would block a worker thread.
-std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
-                                        const std::atomic<bool>& interrupted) {
-  if (IsLive(options.sequence)) {
-    return OpenLive(options.sequence, options.queue_capacity, interrupted);
-  }
-  auto source = OpenSequence(options.sequence);
-  if (options.offered_fps == 0) return ReadAhead(std::move(source), options.queue_capacity);
-  return OfferFrames(std::move(source), options.offered_fps, options.queue_capacity);
-}
-
-// Replaces the ground truth by the file of the options. Throws InputError if the options need
-// ground truth and there is none.
-SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options) {
-  if (options.groundtruth == "device") {
-    info.ground_truth = InConvention(ReadDevicePoses(options.sequence), info);
-    info.warnings.push_back(
-        "groundtruth is 'device': errors are differences from the poses of the phone, which have "
-        "errors of their own");
-    LOG(WARNING) << info.warnings.back();
-  } else if (!options.groundtruth.empty()) {
-    info.ground_truth = ReadEstimate(options.groundtruth, info);
-  }
-  ThrowIf(options.fit_mount && info.ground_truth.empty(), "fit_mount is true, but ",
-          options.sequence.path, " has no ground truth");
-  ThrowIf(options.poses == "groundtruth" && info.ground_truth.empty(),
-          "poses is 'groundtruth', but ", options.sequence.path, " has no ground truth");
-  return info;
-}
 
 std::int64_t PeakRssBytes() {
   rusage usage{};
@@ -262,8 +231,8 @@ class SlamRun {
     std::optional<UprightWorld> upright;
     failures_.Try([&] { upright = FindGravity(largest_piece, &summary); });
     if (options_.world == "run") upright.reset();
-    WriteRunResults({info_, *trajectory_, found_, slam_->backend(), map(), views_, thumbnails_,
-                     statistics_.stamps_s(), summary.evaluation, upright, options_},
+    WriteRunResults({info_, *trajectory_, largest_piece, found_, slam_->backend(), map(), views_,
+                     thumbnails_, statistics_.stamps_s(), summary.evaluation, upright, options_},
                     &failures_);
     if (trace_) failures_.Try([&] { trace_->Close(); });
     summary.peak_rss_bytes = PeakRssBytes();

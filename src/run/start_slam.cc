@@ -8,8 +8,11 @@
 #include <string>
 #include <utility>
 
+#include "io/sequences/raw_frames.h"
 #include "run/posed_views.h"
 #include "run/results/tracking_dump.h"
+#include "surfit/core/error.h"
+#include "surfit/io/sequence.h"
 
 namespace surfit {
 namespace {
@@ -35,6 +38,34 @@ void UseImu(const SlamRunOptions& options, const SequenceInfo& info, Slam* slam)
 }
 
 }  // namespace
+
+// Live sequences are not read ahead, because a wait for the camera would block a worker thread.
+std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
+                                        const std::atomic<bool>& interrupted) {
+  if (IsLive(options.sequence)) {
+    return OpenLive(options.sequence, options.queue_capacity, interrupted);
+  }
+  auto source = OpenSequence(options.sequence);
+  if (options.offered_fps == 0) return ReadAhead(std::move(source), options.queue_capacity);
+  return OfferFrames(std::move(source), options.offered_fps, options.queue_capacity);
+}
+
+SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options) {
+  if (options.groundtruth == "device") {
+    info.ground_truth = InConvention(ReadDevicePoses(options.sequence), info);
+    info.warnings.push_back(
+        "groundtruth is 'device': errors are differences from the poses of the phone, which have "
+        "errors of their own");
+    LOG(WARNING) << info.warnings.back();
+  } else if (!options.groundtruth.empty()) {
+    info.ground_truth = ReadEstimate(options.groundtruth, info);
+  }
+  ThrowIf(options.fit_mount && info.ground_truth.empty(), "fit_mount is true, but ",
+          options.sequence.path, " has no ground truth");
+  ThrowIf(options.poses == "groundtruth" && info.ground_truth.empty(),
+          "poses is 'groundtruth', but ", options.sequence.path, " has no ground truth");
+  return info;
+}
 
 std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInfo& info,
                                 RunSession* session, double first_stamp_s) {

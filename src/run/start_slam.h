@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 
 #include "run/run_session.h"
@@ -8,6 +9,16 @@
 #include "surfit/slam/slam.h"
 
 namespace surfit {
+
+// Opens the sequence of a run: a live source, or a recording that is read ahead or offered at a
+// frame rate. `interrupted` must outlive the source. Throws InputError like OpenSequence() and
+// OpenLive().
+std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
+                                        const std::atomic<bool>& interrupted);
+
+// Replaces the ground truth by the file of the options, or by the poses of the device. Throws
+// InputError if the options need ground truth and there is none.
+SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options);
 
 // Creates the Slam of a run. It continues from the session if that has a state, else it starts at
 // InitialPose(). `options.dump_failures` enables dumps of lost frames. `session` may be null.

@@ -60,15 +60,8 @@ PinholeCamera ReadPincam(const std::string& path) {
   for (const int side : {0, 1})
     ThrowIf(!(numbers[side] >= 1 && numbers[side] <= 16384), rows[0].place, ": ", kFields[side],
             " is ", numbers[side], ", must be 1 to 16384");
-  PinholeCamera camera;
-  camera.width = static_cast<int>(numbers[0]);
-  camera.height = static_cast<int>(numbers[1]);
-  camera.fx = numbers[2];
-  camera.fy = numbers[3];
-  camera.cx = numbers[4];
-  camera.cy = numbers[5];
-  RequireLens(camera, path);
-  return camera;
+  return LensOf({static_cast<int>(numbers[0]), static_cast<int>(numbers[1])},
+                {numbers[2], numbers[3], numbers[4], numbers[5]}, path);
 }
 
 void ReadTraj(const std::string& path, DevicePoses* poses) {

@@ -192,16 +192,25 @@ PinholeCamera ResizedCamera(const PinholeCamera& camera, ImageSize size,
   return resized;
 }
 
-void RequireLens(const PinholeCamera& camera, const std::string& place) {
+PinholeCamera LensOf(ImageSize size, const std::array<double, 4>& numbers,
+                     const std::string& place) {
+  PinholeCamera camera;
+  camera.width = size.width;
+  camera.height = size.height;
+  camera.fx = numbers[0];
+  camera.fy = numbers[1];
+  camera.cx = numbers[2];
+  camera.cy = numbers[3];
   camera.Validate(place);
   ThrowIf(camera.fy < 0, place, ": fy is ", camera.fy, ", must be positive");
-  const auto require = [&](double center, int size, const char* field, const char* side) {
-    ThrowIf(center < 0.3 * size || center > 0.7 * size, place, ": ", field, " is ", center,
-            ", must be near the centre of the image: ", 0.3 * size, " to ", 0.7 * size, " for the ",
-            side, " ", size);
+  const auto require = [&](double center, int length, const char* field, const char* side) {
+    ThrowIf(center < 0.3 * length || center > 0.7 * length, place, ": ", field, " is ", center,
+            ", must be near the centre of the image: ", 0.3 * length, " to ", 0.7 * length,
+            " for the ", side, " ", length);
   };
   require(camera.cx, camera.width, "cx", "width");
   require(camera.cy, camera.height, "cy", "height");
+  return camera;
 }
 
 void WarnOfCount(std::size_t count, const std::string& place, const std::string& text,

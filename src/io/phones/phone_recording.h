@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -87,9 +88,11 @@ void AddPhoneConfidence(const std::string& folder, PhoneFiles* files);
 PinholeCamera ResizedCamera(const PinholeCamera& camera, ImageSize size,
                             const std::string& image_path, const std::string& camera_from);
 
-// Requires positive focal lengths, and a principal point near the centre of the image: 0.3 to 0.7
-// of its size. Throws InputError with the place, the field and the rule.
-void RequireLens(const PinholeCamera& camera, const std::string& place);
+// Camera of the numbers fx, fy, cx, cy, px. Requires positive focal lengths, and a principal point
+// near the centre of the image: 0.3 to 0.7 of its size. Throws InputError with the place, the field
+// and the rule.
+PinholeCamera LensOf(ImageSize size, const std::array<double, 4>& numbers,
+                     const std::string& place);
 
 // Adds a warning with the number of these items, if it is positive: "PLACE: COUNT TEXT".
 void WarnOfCount(std::size_t count, const std::string& place, const std::string& text,

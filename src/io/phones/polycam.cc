@@ -46,12 +46,10 @@ ParsedRigid PolycamPose(const nlohmann::json& json, const std::string& path) {
 PinholeCamera PolycamLens(const nlohmann::json& json, const std::string& path) {
   PinholeCamera camera;
   SetJsonSize(json, "width", "height", path, &camera);
-  camera.fx = JsonNumber(json, "fx", path);
-  camera.fy = JsonNumber(json, "fy", path);
-  camera.cx = JsonNumber(json, "cx", path);
-  camera.cy = JsonNumber(json, "cy", path);
-  RequireLens(camera, path);
-  return camera;
+  return LensOf({camera.width, camera.height},
+                {JsonNumber(json, "fx", path), JsonNumber(json, "fy", path),
+                 JsonNumber(json, "cx", path), JsonNumber(json, "cy", path)},
+                path);
 }
 
 }  // namespace

@@ -22,12 +22,7 @@ PinholeCamera Record3dLens(const nlohmann::json& json, const std::string& path) 
   for (const std::size_t zero : {1, 2, 3, 5})
     ThrowIf(k[zero] != 0, path, ": K[", zero, "] is ", k[zero],
             ", must be 0: the columns are fx 0 0, 0 fy 0 and cx cy 1");
-  camera.fx = k[0];
-  camera.fy = k[4];
-  camera.cx = k[6];
-  camera.cy = k[7];
-  RequireLens(camera, path + ": K");
-  return camera;
+  return LensOf({camera.width, camera.height}, {k[0], k[4], k[6], k[7]}, path + ": K");
 }
 
 // Array of a field; empty if it is absent or null.
@@ -93,11 +88,9 @@ PhoneFiles ListRecord3d(const std::string& folder, bool confidence) {
       if (number < lenses.size()) {
         const std::vector<double> lens =
             JsonNumbers(lenses[number], 4, place("perFrameIntrinsicCoeffs"));
-        frame.color_camera.fx = lens[0];
-        frame.color_camera.fy = lens[1];
-        frame.color_camera.cx = lens[2];
-        frame.color_camera.cy = lens[3];
-        RequireLens(frame.color_camera, place("perFrameIntrinsicCoeffs"));
+        frame.color_camera =
+            LensOf({shared_lens.width, shared_lens.height}, {lens[0], lens[1], lens[2], lens[3]},
+                   place("perFrameIntrinsicCoeffs"));
       } else {
         without_lens += !lenses.empty();
       }

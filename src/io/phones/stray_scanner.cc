@@ -24,26 +24,13 @@ constexpr std::array kLensColumns = {"fx", "fy", "cx", "cy"};
 constexpr std::array kPoseColumns = {"x", "y", "z", "qx", "qy", "qz", "qw"};
 constexpr ImageSize kUsualVideo = {1920, 1440};
 
-PinholeCamera StrayLens(const std::array<double, 4>& numbers, ImageSize size,
-                        const std::string& place) {
-  PinholeCamera camera;
-  camera.width = size.width;
-  camera.height = size.height;
-  camera.fx = numbers[0];
-  camera.fy = numbers[1];
-  camera.cx = numbers[2];
-  camera.cy = numbers[3];
-  RequireLens(camera, place);
-  return camera;
-}
-
 PinholeCamera ReadCameraMatrix(const std::string& path, ImageSize size) {
   const std::vector<double> m = ReadCsvMatrix(path, 3, 3);
   for (const std::size_t zero : {1, 3, 6, 7})
     ThrowIf(m[zero] != 0, path, ": element ", zero / 3 + 1, ", ", zero % 3 + 1, " is ", m[zero],
             ", must be 0: the rows are fx 0 cx, 0 fy cy and 0 0 1");
   ThrowIf(m[8] != 1, path, ": element 3, 3 is ", m[8], ", must be 1");
-  return StrayLens({m[0], m[4], m[2], m[5]}, size, path);
+  return LensOf(size, {m[0], m[4], m[2], m[5]}, path);
 }
 
 ParsedRigid PoseOf(const CsvTable& table, std::size_t row) {
@@ -130,7 +117,7 @@ PhoneFiles ListStrayScanner(const std::string& folder, bool confidence) {
       std::array<double, 4> values;
       for (std::size_t i = 0; i < values.size(); ++i)
         values[i] = table.Number(row, kLensColumns[i]);
-      lens = StrayLens(values, size, table.places[row]);
+      lens = LensOf(size, values, table.places[row]);
     }
     if (!numbers.insert(number).second) {
       ++twice;
