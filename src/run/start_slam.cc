@@ -53,7 +53,7 @@ std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
 SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options) {
   if (options.groundtruth == "device") {
     info.ground_truth = InConvention(ReadDevicePoses(options.sequence), info);
-    info.warnings.push_back(
+    info.warnings.emplace_back(
         "groundtruth is 'device': errors are differences from the poses of the phone, which have "
         "errors of their own");
     LOG(WARNING) << info.warnings.back();
