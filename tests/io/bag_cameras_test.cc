@@ -107,6 +107,27 @@ TEST_F(BagTest, UsesProjectionIfIntrinsicsAreMissing) {
   EXPECT_EQ(Open()->info().camera.depth.fx, 33);
 }
 
+TEST_F(BagTest, UsesTheFirstMessageWithIntrinsics) {
+  RosCameraInfo empty;
+  empty.k = empty.p = {0, 0, 0, 0};
+  AddDepth();
+  AddInfo("/camera/depth/camera_info", kOptical, empty);
+  AddInfo("/camera/depth/camera_info");
+  EXPECT_EQ(Open()->info().camera.depth.fx, 31);
+}
+
+TEST_F(BagTest, UsesTheSizeOfImagesIfCameraInfoHasNone) {
+  RosCameraInfo info;
+  info.width = info.height = 0;
+  AddDepth();
+  AddInfo("/camera/depth/camera_info", kOptical, info);
+  const PinholeCamera camera = Open()->info().camera.depth;
+  EXPECT_EQ(camera.width, 32);
+  EXPECT_EQ(camera.height, 24);
+  EXPECT_EQ(camera.fx, 31);
+  EXPECT_EQ(camera.cx, 15.5);
+}
+
 // The full image has twice the size, or the image is a part of it.
 TEST_F(BagTest, AppliesBinningAndRegionOfInterest) {
   RosCameraInfo info;

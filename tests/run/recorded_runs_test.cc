@@ -77,10 +77,11 @@ TEST(RecordedRuns, OfficeWithoutNoiseWithin124MicrometresAnd300FromFrameToFrame)
   EXPECT_LE(AteOf(options, 200), 0.0003);
 }
 
-// Without the confidence images, tracking is lost at glass walls after half of the frames.
-TEST(RecordedRuns, PhoneWalkPastGlassWithin10Centimetres) {
+// Without the confidence images, tracking is lost at glass walls after half of the frames. The bound
+// is 1.3 times the measured ATE of 32.2 mm.
+TEST(RecordedRuns, PhoneWalkPastGlassWithin42Millimetres) {
   SURFIT_REQUIRE_SHARED_DATA("phone_lidar_walk");
-  EXPECT_LE(AteOf(Options("phone_lidar_walk", -1), 216), 0.1);
+  EXPECT_LE(AteOf(Options("phone_lidar_walk", -1), 216), 0.042);
 }
 
 TEST(RecordedRuns, KitchenOf1000FramesWithin6Centimetres) {
@@ -89,9 +90,9 @@ TEST(RecordedRuns, KitchenOf1000FramesWithin6Centimetres) {
 }
 
 // A hand-held Kinect with motion capture. The camera is calibrated during the run. The best
-// published ATE is 15 mm. The latency of the preset must leave at most a quarter of the estimated
-// time offset.
-TEST(RecordedRuns, DeskOfTumWithin14Millimetres) {
+// published ATE is 15 mm. The bound is 1.3 times the measured ATE of 8.2 mm. The latency of the
+// preset must leave at most a quarter of the estimated time offset.
+TEST(RecordedRuns, DeskOfTumWithin11Millimetres) {
   SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk");
   const SlamRunSummary summary = RunOnce(Options("tum_fr1_desk", -1));
   EXPECT_EQ(summary.frames_tracked, 573);
@@ -99,18 +100,19 @@ TEST(RecordedRuns, DeskOfTumWithin14Millimetres) {
   ASSERT_TRUE(summary.evaluation && summary.evaluation->ate && summary.time_offset);
   const double ate_m = summary.evaluation->ate->translation_m.rmse;
   EXPECT_EQ(summary.evaluation->coverage, 1);
-  EXPECT_LE(ate_m, 0.014);
+  EXPECT_LE(ate_m, 0.0107);
   EXPECT_LT(ate_m, summary.ate_without_latency->translation_m.rmse);
   EXPECT_LT(std::abs(summary.time_offset->offset_s), 0.005);
   EXPECT_TRUE(summary.calibration);
 }
 
-// The camera rotates by up to 17 degrees between two of these frames.
-TEST(RecordedRuns, EveryThirdFrameOfTheDeskWithin22MillimetresAndEveryFifthWithin100) {
+// The camera rotates by up to 17 degrees between two of these frames. The measured ATE of every third
+// frame is 13.1 mm.
+TEST(RecordedRuns, EveryThirdFrameOfTheDeskWithin17MillimetresAndEveryFifthWithin100) {
   SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk");
   SlamRunOptions options = Options("tum_fr1_desk", -1);
   options.sequence.stride = 3;
-  EXPECT_LE(AteOf(options, 191), 0.022);
+  EXPECT_LE(AteOf(options, 191), 0.017);
   options.sequence.stride = 5;
   const SlamRunSummary summary = RunOnce(options);
   ASSERT_TRUE(summary.evaluation && summary.evaluation->ate);

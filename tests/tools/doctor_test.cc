@@ -213,6 +213,17 @@ TEST_F(DoctorTool, DetectsUnreadableAndSmallImages) {
   EXPECT_THAT(FaultsOfImages(small), ElementsAre("depth_width"));
 }
 
+// Also in portrait orientation.
+TEST_F(DoctorTool, AcceptsTheDepthOfPhones) {
+  const std::vector<std::string> lidar = {"--frames=6", "--downsample=1", "--sensor=lidar"};
+  std::vector<std::string> flags = lidar;
+  flags.insert(flags.end(), {"--width=256", "--height=192"});
+  EXPECT_THAT(FaultsOfImages(SlamTool::Simulate("phone", flags)), Not(Contains("depth_width")));
+  flags = lidar;
+  flags.insert(flags.end(), {"--width=192", "--height=256"});
+  EXPECT_THAT(FaultsOfImages(SlamTool::Simulate("portrait", flags)), Not(Contains("depth_width")));
+}
+
 TEST_F(DoctorTool, DetectsAWrongCamera) {
   // The focal length of the sensor is 131.25 px.
   const std::string walk = SlamTool::Simulate("walk", {"--frames=150"});

@@ -18,7 +18,9 @@ constexpr double kJump = 0.1, kMaxJumps = 0.05;
 // Minimum edge width of a blurred frame, relative to the image width (7 px of 640 px). Maximum
 // ratio of blurred frames. Edges of a static Kinect are 4 px wide.
 constexpr double kBlurred = 0.011, kMaxBlurred = 0.25;
-constexpr int kMinWidth_px = 300, kMinHeight_px = 220;
+// Longer and shorter side. Depth of phones has 256 x 192 pixels, and small time-of-flight cameras
+// have 224 x 172 pixels. These sensors have no mode with a higher resolution.
+constexpr int kMinLonger_px = 220, kMinShorter_px = 160;
 
 using FigureOf = std::function<std::optional<double>(const FrameStatistics&)>;
 
@@ -68,15 +70,13 @@ RecordingCheck Unreadable(const RecordingEvidence& evidence) {
 
 RecordingCheck Resolution(const RecordingEvidence& evidence) {
   const PinholeCamera& depth = evidence.info.camera.depth;
-  RecordingCheck check = {"depth_width",
-                          static_cast<double>(depth.width),
-                          "px",
-                          Concat("at least ", kMinWidth_px),
-                          "",
-                          ""};
-  if (depth.width >= kMinWidth_px && depth.height >= kMinHeight_px) return check;
+  const auto [shorter, longer] = std::minmax(depth.width, depth.height);
+  const std::string limit = Concat(kMinLonger_px, " x ", kMinShorter_px);
+  RecordingCheck check = {
+      "depth_width", static_cast<double>(depth.width), "px", "at least " + limit, "", ""};
+  if (longer >= kMinLonger_px && shorter >= kMinShorter_px) return check;
   check.fault = Concat("depth images are ", depth.width, " x ", depth.height,
-                       " pixels, must be at least ", kMinWidth_px, " x ", kMinHeight_px);
+                       " pixels, must be at least ", limit);
   check.advice = "choose a camera mode with a higher resolution";
   return check;
 }

@@ -95,13 +95,21 @@ struct ImageAxis {
   double Focal(double full_px) const { return full_px / std::max(1U, binning); }
 };
 
+bool HasIntrinsics(const CameraInfo& info) {
+  return info.intrinsics[0] != 0 || info.projection[0] != 0;
+}
+
 // Uses P for rectified images ("rect" in the topic name) and without K, otherwise K and D. Applies
-// binning and region of interest, unless the images have the full size. std::nullopt if neither K
-// nor P is set.
-std::optional<PinholeCamera> PinholeOf(const CameraInfo& info, const ImageTopic& image,
+// binning and region of interest, unless the images have the full size. A message without a size
+// has the size of the images. std::nullopt if neither K nor P is set.
+std::optional<PinholeCamera> PinholeOf(CameraInfo info, const ImageTopic& image,
                                        bool read_distortion, const std::string& name) {
+  if (!HasIntrinsics(info)) return std::nullopt;
   const bool has_k = info.intrinsics[0] != 0, has_p = info.projection[0] != 0;
-  if (!has_k && !has_p) return std::nullopt;
+  if (info.width == 0 && info.height == 0) {
+    info.width = image.width;
+    info.height = image.height;
+  }
   const bool is_rectified =
       has_p && (!has_k || image.topic->name.find("rect") != std::string::npos);
   const double* const m = is_rectified ? info.projection.data() : info.intrinsics.data();
@@ -295,6 +303,16 @@ class BagRecording : public Recording {
     ThrowIf(!(unit_m > 0), name, ": Depth_Units is ", unit_m, ", must be positive");
     return 1 / unit_m;
   }
+  // Drivers can send empty messages until the camera has started. Without intrinsics in any
+  // message: the last message.
+  CameraInfo FirstWithIntrinsics(const Topic& topic, const std::string& name) const {
+    CameraInfo info;
+    for (const MessageLocation& place : topic.messages) {
+      info = ReadCameraInfo(log_->Read(place), topic, name);
+      if (HasIntrinsics(info)) break;
+    }
+    return info;
+  }
   // Intrinsics of an image topic; std::nullopt if no CameraInfo has them. `is_known`: the options
   // replace the intrinsics, so a distortion of another model is no error.
   std::optional<PinholeCamera> Pinhole(const ImageTopic& image, bool is_known,
@@ -302,7 +320,7 @@ class BagRecording : public Recording {
     const Topic* const topic = FindCameraInfo(*log_, image);
     if (topic == nullptr) return std::nullopt;
     const std::string name = Concat(log_->path(), ": ", topic->name);
-    const CameraInfo info = ReadCameraInfo(log_->Read(topic->messages[0]), *topic, name);
+    const CameraInfo info = FirstWithIntrinsics(*topic, name);
     try {
       return PinholeOf(info, image, /*read_distortion=*/true, name);
     } catch (const InputError&) {
