@@ -145,7 +145,7 @@ TEST_F(OpenNiTool, RecordsACamera) {
   const std::string copy = own_.path() + "/recorded";
   const ProgramResult result = Succeeded(
       RunProgram("surfit_record", {"--sequence=test://1", "--output=" + copy, "--format=openni2",
-                                   Library(), "--device=160x120@30", "--last=15"}));
+                                   "--device=160x120@30", "--last=15"}));
   EXPECT_THAT(result.out, Names(16));
   Succeeded(Slam(copy, Output(), {"--camera=" + Room() + "/camera.yaml"}));
   EXPECT_EQ(Summary(Output())["frames_tracked"], 16);
