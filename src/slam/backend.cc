@@ -7,6 +7,7 @@
 #include "loop_closure/correct_frames.h"
 #include "loop_closure/edge_information.h"
 #include "loop_closure/loop_closer.h"
+#include "registration/solvers/decompositions.h"
 #include "surfit/core/options.h"
 
 namespace surfit {
@@ -206,8 +207,114 @@ int Backend::BeginSubmap() {
 
 void Backend::StartLoopTask() {
   in_task_ = waiting_.size();
-  closer_->Start({std::move(waiting_), poses_.Snapshot(), poses_.PieceOfKeyframe()});
+  closer_->Start({std::move(waiting_), Graph(), poses_.PieceOfKeyframe()});
   waiting_.clear();
+}
+
+// Snapshot with the edges of prior motions. These edges come last, so the chain of odometry edges
+// gives the initial poses.
+PoseGraph Backend::Graph() {
+  PoseGraph graph = poses_.Snapshot();
+  if (!prior_motions_) return graph;
+  std::vector<PoseGraphEdge> added;
+  for (PoseGraphEdge& edge : graph.edges) {
+    if (edge.loop) continue;
+    const int a = static_cast<int>(edge.a), b = static_cast<int>(edge.b);
+    const auto motion = prior_motions_(poses_.FrameOf(a).stamp_s, poses_.FrameOf(b).stamp_s);
+    if (!motion) continue;
+    PoseGraphEdge prior = edge;
+    prior.a_from_b = motion->a_from_b;
+    const Matrix6d a_from_b = IncrementTransform(motion->a_from_b);
+    prior.information = SymmetricInverse(a_from_b * motion->covariance * a_from_b.transpose());
+    added.push_back(prior);
+    edge.information =
+        SymmetricInverse(SymmetricInverse(edge.information) +
+                         a_from_b * motion->odometry_covariance * a_from_b.transpose());
+  }
+  graph.edges.insert(graph.edges.end(), added.begin(), added.end());
+  return graph;
+}
+
+// Poses of the keyframes that combine odometry, loops and prior motions. std::nullopt without prior
+// motions between keyframes, or if the optimisation fails.
+std::optional<std::vector<Rigid3d>> Backend::KeyframesWithPrior() {
+  PoseGraph graph = Graph();
+  if (graph.edges.size() == poses_.edges().size()) return std::nullopt;
+  const std::vector<bool> in_graph = poses_.loops_in_graph();
+  std::size_t loop = 0;
+  const auto is_outlier = [&](const PoseGraphEdge& edge) { return edge.loop && !in_graph[loop++]; };
+  graph.edges.erase(std::remove_if(graph.edges.begin(), graph.edges.end(), is_outlier),
+                    graph.edges.end());
+  PoseGraphOptions options = options_.graph;
+  options.start = "given";
+  options.loop_robustness = "none";
+  if (!OptimizePoseGraph(options, &graph).Succeeded()) return std::nullopt;
+  std::vector<Rigid3d> poses;
+  for (const PoseGraphPose& pose : graph.poses) poses.push_back(pose.world_from_pose);
+  return poses;
+}
+
+// Each pose is a measurement with the noise of the registration. Prior motions connect consecutive
+// frames.
+std::vector<Rigid3d> Backend::SmoothedByPrior(std::vector<Rigid3d> world_from_frame) const {
+  const std::vector<PosedFrame>& frames = poses_.frames();
+  PoseGraph graph;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    graph.poses.push_back({frames[i].index, world_from_frame[i], true});
+    if (i == 0 || frames[i].segment != frames[i - 1].segment) continue;
+    const auto motion = prior_motions_(frames[i - 1].stamp_s, frames[i].stamp_s);
+    if (!motion) continue;
+    const Matrix6d a_from_b = IncrementTransform(motion->a_from_b);
+    graph.edges.push_back(
+        {i - 1, i, motion->a_from_b,
+         SymmetricInverse(a_from_b * motion->covariance * a_from_b.transpose()), false});
+    for (const std::size_t k : {i - 1, i}) {
+      if (!graph.poses[k].fixed) continue;
+      graph.poses[k].fixed = false;
+      graph.priors.push_back(
+          {k, Rigid3d(), world_from_frame[k], SymmetricInverse(motion->registration_noise)});
+    }
+  }
+  PoseGraphOptions options = options_.graph;
+  options.start = "given";
+  options.loop_robustness = "none";
+  if (graph.edges.empty() || !OptimizePoseGraph(options, &graph).Succeeded()) {
+    return world_from_frame;
+  }
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    world_from_frame[i] = graph.poses[i].world_from_pose;
+  }
+  return world_from_frame;
+}
+
+// The keyframes follow the prior over long times, the other frames over short times. Measurements
+// of edges move with the keyframes, so that a continued session keeps the result.
+void Backend::FusePriorMotions(std::vector<WorldCorrection>* corrections) {
+  if (!prior_motions_ || poses_.keyframes().empty()) return;
+  const std::vector<PosedFrame> frames = poses_.frames();
+  const std::vector<Rigid3d> before = poses_.KeyframePoses();
+  const std::vector<Rigid3d> after = KeyframesWithPrior().value_or(before);
+  const FrameCorrections of_keyframes = CorrectionsOfFrames(frames, poses_.frame_of_keyframe(),
+                                                            CorrectionsOfKeyframes(after));
+  std::vector<Rigid3d> poses;
+  for (const PosedFrame& frame : frames) {
+    poses.push_back(of_keyframes.At(frame.index) * frame.world_from_camera);
+  }
+  poses = SmoothedByPrior(std::move(poses));
+  std::vector<Rigid3d> of_indices;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    of_indices.resize(frames[i].index - frames.front().index,
+                      of_indices.empty() ? Rigid3d() : of_indices.back());
+    of_indices.push_back(poses[i] * frames[i].world_from_camera.Inverse());
+  }
+  WorldCorrection correction;
+  correction.moves = true;
+  correction.corrections = {frames.front().index, std::move(of_indices)};
+  correction.new_from_old_now = correction.corrections.At(frames.back().index);
+  poses_.Move(correction.corrections);
+  ++counts_.corrections;
+  poses_.RecalibrateEdges(before);
+  corrections->push_back(std::move(correction));
 }
 
 Relocalization Backend::Find(const ColoredView& view) {
@@ -235,6 +342,7 @@ std::vector<WorldCorrection> Backend::Finish() {
   std::vector<WorldCorrection> corrections;
   FinishLoops(&corrections);
   if (calibrator_ && calibrator_->task().IsPending()) TakeCalibration(&corrections);
+  FusePriorMotions(&corrections);
   return corrections;
 }
 

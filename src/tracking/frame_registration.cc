@@ -42,10 +42,14 @@ bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_option
 Tracked FrameRegistration::Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                                     const Rigid3d& world_from_initial,
                                     const IcpOptions& icp_options,
-                                    const std::optional<Matrix6d>& motion_prior) const {
+                                    const std::optional<MotionUncertainty>& motion_prior) const {
   const Rigid3d initial = reference.world_from_view.Inverse() * world_from_initial;
-  Target target = {reference, icp_options, std::nullopt};
-  if (motion_prior) target.prior = In(initial, {Rigid3d(), *motion_prior});
+  Target target = {reference, icp_options, std::nullopt, Vector6d::Ones(), std::nullopt};
+  if (motion_prior) {
+    target.prior = In(initial, {Rigid3d(), motion_prior->covariance});
+    target.registration_scale = motion_prior->registration_scale;
+    target.max_sigmas = motion_prior->max_sigmas;
+  }
   Tracked tracked = Validate(frame, target, MostLikelyPose(frame.view.pyramid, target, initial));
   if (tracked.has_pose()) return tracked;
   // A moving object in a large part of the view can pull the registration to a wrong minimum.
@@ -54,7 +58,7 @@ Tracked FrameRegistration::Register(const PreprocessedFrame& frame, const Refere
   const Tracked hidden = Validate(frame, target, unmoved);
   if (!hidden.has_pose()) return tracked;
   const Tracked again =
-      Validate(frame, target, {hidden.icp, hidden.quality.is_weakly_constrained, std::nullopt});
+      Validate(frame, target, {hidden.icp, hidden.quality.is_weakly_constrained, std::nullopt, std::nullopt});
   return again.has_pose() ? again : tracked;
 }
 
@@ -62,9 +66,15 @@ FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
     const FramePyramid& frame, const Target& target, const Rigid3d& reference_from_initial) const {
   Estimate estimate = FromData(frame, target, reference_from_initial);
   if (!target.prior || !estimate.icp.Succeeded()) return estimate;
-  const ExpectedPose likely = MostLikely(
-      *target.prior, estimate.icp.target_from_source, estimate.icp.trusted_information,
+  const Vector6d weights = target.registration_scale.cwiseInverse();
+  const Matrix6d information =
+      weights.asDiagonal() * estimate.icp.trusted_information * weights.asDiagonal();
+  estimate.by_data = estimate.icp.target_from_source;
+  estimate.squared_difference = SquaredDifference(*target.prior, *estimate.by_data, information);
+  const double max_sigmas = target.max_sigmas.value_or(
       estimate.is_weakly_constrained ? kMaxSigmas : std::numeric_limits<double>::infinity());
+  const ExpectedPose likely =
+      MostLikely(*target.prior, *estimate.by_data, information, max_sigmas);
   estimate.icp.target_from_source = likely.target_from_source;
   estimate.covariance = likely.covariance;
   return estimate;
@@ -116,6 +126,8 @@ Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target
     tracked.motion_covariance =
         In(best.icp.target_from_source.Inverse(), {Rigid3d(), *best.covariance}).covariance;
   }
+  if (best.by_data) tracked.world_from_registered = reference.world_from_view * *best.by_data;
+  tracked.prior_squared_difference = best.squared_difference;
   tracked.icp = std::move(best.icp);
   tracked.quality.is_weakly_constrained = best.is_weakly_constrained;
   tracked.world_from_camera = reference.world_from_view * tracked.icp.target_from_source;

@@ -24,25 +24,28 @@ class FrameRegistration {
       : options_(options), regions_(regions) {}
 
   // Registers `frame` to `reference` from the camera pose `world_from_initial`. `motion_prior`:
-  // covariance (rad, m) of the camera motion at this pose, in the camera frame. The result then
-  // combines prior and registration. A rejected frame is registered again without the objects that
+  // uncertainty of this pose. The result then combines prior and registration. A rejected frame is registered again without the objects that
   // move relative to the initial pose.
   //
   // A failed registration is lost, with the verdict kRejected. An uncertain result has a pose.
   Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_initial, const IcpOptions& icp_options,
-                   const std::optional<Matrix6d>& motion_prior = std::nullopt) const;
+                   const std::optional<MotionUncertainty>& motion_prior = std::nullopt) const;
 
  private:
   struct Target {
     const ReferenceView& reference;
     const IcpOptions& icp;
     std::optional<ExpectedPose> prior;  // in the frame of the reference
+    Vector6d registration_scale = Vector6d::Ones();  // see MotionUncertainty
+    std::optional<double> max_sigmas;                // see MotionUncertainty
   };
   struct Estimate {
     IcpResult icp;  // pose: combined with the motion prior
     bool is_weakly_constrained = false;
     std::optional<Matrix6d> covariance;  // of the left increment; only with a motion prior
+    std::optional<Rigid3d> by_data;      // pose without the motion prior; only with one
+    double squared_difference = 0;       // of `by_data` from the motion prior
   };
 
   // Registers a weakly constrained frame again with photometric residuals.

@@ -52,6 +52,10 @@ struct Tracked {
   bool has_two_motions = false;  // see FeatureMotion; false if the check did not run
   // Covariance of the motion to this frame, in the camera frame. Only with a motion prior.
   std::optional<Matrix6d> motion_covariance;
+  // Pose by registration alone, and its squared difference from the predicted pose in standard
+  // deviations. Only with a motion prior.
+  std::optional<Rigid3d> world_from_registered;
+  double prior_squared_difference = 0;
   std::optional<TentativePose> tentative;  // set if the frame is lost with a tentative pose
   std::optional<TentativePose> confirmed;  // confirmed pose of the previous frame
 

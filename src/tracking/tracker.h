@@ -15,6 +15,7 @@
 #include "tracking/motion_model.h"
 #include "tracking/moving_regions.h"
 #include "tracking/pose_search.h"
+#include "tracking/prior_poses.h"
 #include "tracking/tracked.h"
 #include "tracking/tracking_state.h"
 
@@ -49,6 +50,11 @@ class Tracker {
   // Called within Track() if a frame has no pose, also before it begins a new submap. Not called
   // for a frame that TrackFirst() or the feature check loses.
   void OnLostFrame(std::function<void(const LostFrame&)> call) { on_lost_ = std::move(call); }
+  // Uses prior poses for the predicted pose, as a motion prior, and in prior_poses(). Call before
+  // the first frame.
+  void UsePriorPoses(Trajectory world_from_body);
+  // Null without prior poses. Valid until the next call.
+  const PriorPoses* prior_poses() const { return prior_poses_ ? &*prior_poses_ : nullptr; }
   // Starts with a given map and an unknown camera pose. `last_stamp_s`: time of the last pose in
   // the map. Call before the first frame.
   void StartInGivenMap(double last_stamp_s);
@@ -103,7 +109,8 @@ class Tracker {
   void WarnOfColor(int frame);
   Tracked ByDepthAlone(const PreprocessedFrame& frame, const Prediction& prediction,
                        Tracked tracked);
-  Tracked RegisterOrSearch(const PreprocessedFrame& frame, const Prediction& prediction);
+  Tracked RegisterOrSearch(const PreprocessedFrame& frame, const Prediction& prediction,
+                           Tracked registered);
   Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_predicted) const;
   Tracked AgainstNewest(const PreprocessedFrame& frame, Tracked tracked) const;
@@ -116,6 +123,9 @@ class Tracker {
   Rigid3d WithMeasuredMotion(const PreprocessedFrame& frame, const Tracked& tracked) const;
   std::optional<Tracked> InNewSubmap(const PreprocessedFrame& frame, const Tracked& tracked);
 
+  Prediction PredictAt(const PreprocessedFrame& frame);
+  bool AgreesWithPrior(const Tracked& tracked, const Prediction& prediction) const;
+  void ComparePrior(const PreprocessedFrame& frame, const Tracked& tracked);
   std::optional<Rigid3d> PredictedPose() const;
   std::optional<Rigid3d> ExpectedPose() const;
   bool UpdateView(const Rigid3d& world_from_predicted, bool has_intensities);
@@ -141,6 +151,10 @@ class Tracker {
   int submap_ = 0;           // of the last pose
   int lost_with_depth_ = 0;  // lost frames with enough depth since the last pose
   MotionModel motion_model_;
+  std::optional<PriorPoses> prior_poses_;
+  std::optional<PriorMotion> prior_motion_;  // to the present frame; std::nullopt: not used
+  Rigid3d world_from_registered_;            // last pose by registration alone
+  Matrix6d last_covariance_ = Matrix6d::Zero();  // of the last pose; only with prior poses
   Image<float> last_depth_m_;
 };
 

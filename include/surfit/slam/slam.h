@@ -9,6 +9,7 @@
 #include "surfit/core/image.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
+#include "surfit/geometry/trajectory.h"
 #include "surfit/mapping/fusion.h"
 #include "surfit/mapping/model_renderer.h"
 #include "surfit/mapping/surfel_map.h"
@@ -128,6 +129,15 @@ class Slam {
   // exceptions of the callback.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
+  // Uses the trajectory of another source, for example of a phone or a robot: world_from_body with
+  // a constant unknown offset between body and camera, in any world frame, at the times of the
+  // frames. The prior predicts each pose, is a motion prior, and adds edges to the pose graph.
+  // Stretches that contradict the registration are rejected. Throws InputError for fewer than two
+  // poses. Aborts if a frame has a pose.
+  void UsePriorPoses(Trajectory world_from_body);
+  // std::nullopt without prior poses.
+  std::optional<PriorPoseSummary> prior_poses() const;
+
   // Replaces FindLoops() for loop closure. Aborts if loops are disabled or a frame has a pose, also
   // in a continued state.
   void UseLoopFinder(LoopFinder finder);
@@ -163,6 +173,7 @@ class Slam {
        const Rigid3d& world_from_first_camera, StateUse use);
 
   void MakeBackend(LoopFinder finder);
+  void UsePriorEdges();
   void Correct(const RgbdFrame& frame, StageTimes* times);
   void Apply(const WorldCorrection& correction, int frame_index);
   PreprocessedFrame Preprocess(const RgbdFrame& frame, const CameraMotion& motion,
