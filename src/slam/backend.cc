@@ -1,6 +1,7 @@
 #include "surfit/slam/backend.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "calibration/calibrator.h"
@@ -17,6 +18,9 @@ const LoopOptions& Validated(const LoopOptions& options) {
   Validate(options);
   return options;
 }
+
+// Mean of the differences between the rotations of prior poses and keyframes.
+constexpr double kRotationWindow_s = 10;
 
 // Displacement by a correction, m: camera translation plus 2 m times the rotation angle.
 double Displacement(const Rigid3d& new_from_old, const Eigen::Vector3d& camera) {
@@ -207,50 +211,83 @@ int Backend::BeginSubmap() {
 
 void Backend::StartLoopTask() {
   in_task_ = waiting_.size();
-  closer_->Start({std::move(waiting_), Graph(), poses_.PieceOfKeyframe()});
+  closer_->Start({std::move(waiting_), Graph(poses_.KeyframePoses()), poses_.PieceOfKeyframe()});
   waiting_.clear();
 }
 
 // Snapshot with the edges of prior motions. These edges come last, so the chain of odometry edges
 // gives the initial poses.
-PoseGraph Backend::Graph() {
+//
+// Positions of a source can be more accurate than its rotations. So the translation of an edge has
+// the direction in the world of the source, rotated by the mean difference of the rotations over
+// some seconds.
+PoseGraph Backend::Graph(const std::vector<Rigid3d>& world_from_keyframe) {
   PoseGraph graph = poses_.Snapshot();
   if (!prior_motions_) return graph;
-  std::vector<PoseGraphEdge> added;
-  for (PoseGraphEdge& edge : graph.edges) {
-    if (edge.loop) continue;
-    const int a = static_cast<int>(edge.a), b = static_cast<int>(edge.b);
-    const auto motion = prior_motions_(poses_.FrameOf(a).stamp_s, poses_.FrameOf(b).stamp_s);
+  struct Added {
+    std::size_t edge;
+    PriorEdge motion;
+    double stamp_s;
+    Eigen::Quaterniond world_from_source;
+  };
+  std::vector<Added> added;
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    if (graph.edges[i].loop) continue;
+    const PosedFrame& a = poses_.FrameOf(static_cast<int>(graph.edges[i].a));
+    const PosedFrame& b = poses_.FrameOf(static_cast<int>(graph.edges[i].b));
+    const auto motion = prior_motions_(a.stamp_s, b.stamp_s);
     if (!motion) continue;
-    PoseGraphEdge prior = edge;
-    prior.a_from_b = motion->a_from_b;
-    const Matrix6d a_from_b = IncrementTransform(motion->a_from_b);
-    prior.information = SymmetricInverse(a_from_b * motion->covariance * a_from_b.transpose());
-    added.push_back(prior);
-    edge.information =
-        SymmetricInverse(SymmetricInverse(edge.information) +
-                         a_from_b * motion->odometry_covariance * a_from_b.transpose());
+    added.push_back({i, *motion, a.stamp_s,
+                     world_from_keyframe[graph.edges[i].a].rotation *
+                         motion->source_from_a.rotation.conjugate()});
   }
-  graph.edges.insert(graph.edges.end(), added.begin(), added.end());
+  for (const Added& prior : added) {
+    Eigen::Vector4d mean = Eigen::Vector4d::Zero();
+    for (const Added& near : added) {
+      if (std::abs(near.stamp_s - prior.stamp_s) > kRotationWindow_s) continue;
+      const double sign = near.world_from_source.dot(prior.world_from_source) < 0 ? -1 : 1;
+      mean += sign * near.world_from_source.coeffs();
+    }
+    PoseGraphEdge& odometry = graph.edges[prior.edge];
+    const Rigid3d source_a_from_b = prior.motion.source_from_a.Inverse() * prior.motion.source_from_b;
+    PoseGraphEdge edge = odometry;
+    edge.a_from_b.rotation = source_a_from_b.rotation;
+    edge.a_from_b.translation =
+        world_from_keyframe[odometry.a].rotation.conjugate() *
+        (Eigen::Quaterniond(mean).normalized() *
+         (prior.motion.source_from_b.translation - prior.motion.source_from_a.translation));
+    const Matrix6d a_from_b = IncrementTransform(edge.a_from_b);
+    edge.information =
+        SymmetricInverse(a_from_b * prior.motion.covariance * a_from_b.transpose());
+    odometry.information =
+        SymmetricInverse(SymmetricInverse(odometry.information) +
+                         a_from_b * prior.motion.odometry_covariance * a_from_b.transpose());
+    graph.edges.push_back(edge);
+  }
   return graph;
 }
 
 // Poses of the keyframes that combine odometry, loops and prior motions. std::nullopt without prior
 // motions between keyframes, or if the optimisation fails.
 std::optional<std::vector<Rigid3d>> Backend::KeyframesWithPrior() {
-  PoseGraph graph = Graph();
-  if (graph.edges.size() == poses_.edges().size()) return std::nullopt;
-  const std::vector<bool> in_graph = poses_.loops_in_graph();
-  std::size_t loop = 0;
-  const auto is_outlier = [&](const PoseGraphEdge& edge) { return edge.loop && !in_graph[loop++]; };
-  graph.edges.erase(std::remove_if(graph.edges.begin(), graph.edges.end(), is_outlier),
-                    graph.edges.end());
+  constexpr int kRounds = 2;  // the edges depend on the rotations of the keyframes
   PoseGraphOptions options = options_.graph;
   options.start = "given";
   options.loop_robustness = "none";
-  if (!OptimizePoseGraph(options, &graph).Succeeded()) return std::nullopt;
-  std::vector<Rigid3d> poses;
-  for (const PoseGraphPose& pose : graph.poses) poses.push_back(pose.world_from_pose);
+  std::vector<Rigid3d> poses = poses_.KeyframePoses();
+  for (int round = 0; round < kRounds; ++round) {
+    PoseGraph graph = Graph(poses);
+    if (graph.edges.size() == poses_.edges().size()) return std::nullopt;
+    const std::vector<bool> in_graph = poses_.loops_in_graph();
+    std::size_t loop = 0;
+    const auto is_outlier = [&](const PoseGraphEdge& edge) {
+      return edge.loop && !in_graph[loop++];
+    };
+    graph.edges.erase(std::remove_if(graph.edges.begin(), graph.edges.end(), is_outlier),
+                      graph.edges.end());
+    if (!OptimizePoseGraph(options, &graph).Succeeded()) return std::nullopt;
+    for (std::size_t k = 0; k < poses.size(); ++k) poses[k] = graph.poses[k].world_from_pose;
+  }
   return poses;
 }
 
@@ -264,10 +301,11 @@ std::vector<Rigid3d> Backend::SmoothedByPrior(std::vector<Rigid3d> world_from_fr
     if (i == 0 || frames[i].segment != frames[i - 1].segment) continue;
     const auto motion = prior_motions_(frames[i - 1].stamp_s, frames[i].stamp_s);
     if (!motion) continue;
-    const Matrix6d a_from_b = IncrementTransform(motion->a_from_b);
+    const Rigid3d a_from_b = motion->source_from_a.Inverse() * motion->source_from_b;
+    const Matrix6d transform = IncrementTransform(a_from_b);
     graph.edges.push_back(
-        {i - 1, i, motion->a_from_b,
-         SymmetricInverse(a_from_b * motion->covariance * a_from_b.transpose()), false});
+        {i - 1, i, a_from_b,
+         SymmetricInverse(transform * motion->covariance * transform.transpose()), false});
     for (const std::size_t k : {i - 1, i}) {
       if (!graph.poses[k].fixed) continue;
       graph.poses[k].fixed = false;

@@ -303,7 +303,7 @@ void Slam::UsePriorEdges() {
     const PriorPoses& prior = *tracker_->prior_poses();
     const std::optional<PriorMotion> motion = prior.Accepted(from_s, to_s);
     if (!motion) return std::nullopt;
-    return PriorEdge{motion->last_from_frame, motion->covariance,
+    return PriorEdge{*prior.CameraAt(from_s), *prior.CameraAt(to_s), motion->covariance,
                      prior.RegisteredCovariance(to_s - from_s), prior.RegistrationNoise()};
   });
 }

@@ -409,6 +409,12 @@ std::optional<PriorMotion> PriorPoses::Accepted(double from_s, double to_s) cons
   return PriorMotion{PriorOver(begin, end), PriorCovariance(to_s - from_s)};
 }
 
+std::optional<Rigid3d> PriorPoses::CameraAt(double stamp_s) const {
+  const std::optional<Rigid3d> body = InterpolatePose(world_from_body_, stamp_s);
+  if (!body) return std::nullopt;
+  return *body * body_from_camera_;
+}
+
 void PriorPoses::ScaleRegistration() {
   for (const int channel : {0, 1}) {
     std::vector<double> variances;

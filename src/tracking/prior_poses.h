@@ -54,6 +54,8 @@ class PriorPoses {
   // motion for a frame between them, or if one is in a rejected stretch.
   std::optional<PriorMotion> Accepted(double from_s, double to_s) const;
 
+  // Pose of the camera in the world of the prior. std::nullopt without a prior pose at this time.
+  std::optional<Rigid3d> CameraAt(double stamp_s) const;
   // Factors of the standard deviations of a registration, at least 1.
   const Vector6d& registration_scale() const { return registration_scale_; }
   // Covariance of the motion between two registered poses.

@@ -47,8 +47,9 @@ using KeyframeCall = std::function<void(int frame, const ViewOfKeyframe& view,
 // Motion between two frames by another source than registration. Covariances (rad, m) are of left
 // increments, in frame b.
 struct PriorEdge {
-  Rigid3d a_from_b;     // of the cameras
-  Matrix6d covariance;  // of `a_from_b`
+  // Poses of both cameras in the world of the source.
+  Rigid3d source_from_a, source_from_b;
+  Matrix6d covariance;  // of the motion by the source
   // Covariance of the registered motion, in addition to that of the odometry edge.
   Matrix6d odometry_covariance;
   Matrix6d registration_noise;  // of one registered pose
@@ -178,7 +179,7 @@ class Backend {
   void TakeLoops(std::vector<WorldCorrection>* corrections);
   void FinishLoops(std::vector<WorldCorrection>* corrections);
   void TakeCalibration(std::vector<WorldCorrection>* corrections);
-  PoseGraph Graph();
+  PoseGraph Graph(const std::vector<Rigid3d>& world_from_keyframe);
   void FusePriorMotions(std::vector<WorldCorrection>* corrections);
   std::optional<std::vector<Rigid3d>> KeyframesWithPrior();
   std::vector<Rigid3d> SmoothedByPrior(std::vector<Rigid3d> world_from_frame) const;
