@@ -61,8 +61,8 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
       throw InputError(Concat("poses is '", poses, "', must be 'track' with loop_closure"));
     }
     if (!prior_poses.empty() && poses != "track") {
-      throw InputError(Concat("prior_poses is '", prior_poses, "', must be empty with poses '",
-                              poses, "'"));
+      throw InputError(
+          Concat("prior_poses is '", prior_poses, "', must be empty with poses '", poses, "'"));
     }
     if (keep_places && !slam.loops.enabled) {
       throw InputError("keep_places is true, must be false without loop_closure");

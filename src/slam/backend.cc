@@ -249,7 +249,8 @@ PoseGraph Backend::Graph(const std::vector<Rigid3d>& world_from_keyframe) {
       mean += sign * near.world_from_source.coeffs();
     }
     PoseGraphEdge& odometry = graph.edges[prior.edge];
-    const Rigid3d source_a_from_b = prior.motion.source_from_a.Inverse() * prior.motion.source_from_b;
+    const Rigid3d source_a_from_b =
+        prior.motion.source_from_a.Inverse() * prior.motion.source_from_b;
     PoseGraphEdge edge = odometry;
     edge.a_from_b.rotation = source_a_from_b.rotation;
     edge.a_from_b.translation =
@@ -257,8 +258,7 @@ PoseGraph Backend::Graph(const std::vector<Rigid3d>& world_from_keyframe) {
         (Eigen::Quaterniond(mean).normalized() *
          (prior.motion.source_from_b.translation - prior.motion.source_from_a.translation));
     const Matrix6d a_from_b = IncrementTransform(edge.a_from_b);
-    edge.information =
-        SymmetricInverse(a_from_b * prior.motion.covariance * a_from_b.transpose());
+    edge.information = SymmetricInverse(a_from_b * prior.motion.covariance * a_from_b.transpose());
     odometry.information =
         SymmetricInverse(SymmetricInverse(odometry.information) +
                          a_from_b * prior.motion.odometry_covariance * a_from_b.transpose());
@@ -291,8 +291,9 @@ std::optional<std::vector<Rigid3d>> Backend::KeyframesWithPrior() {
   return poses;
 }
 
-// Each pose is a measurement with the noise of the registration. Prior motions connect consecutive
-// frames.
+// Each pose is a measurement with the noise of the registration, and a quarter of the variance of
+// its motion between both keyframes: the variance of a random walk in the middle of two fixed ends.
+// Prior motions connect consecutive frames.
 std::vector<Rigid3d> Backend::SmoothedByPrior(std::vector<Rigid3d> world_from_frame) const {
   const std::vector<PosedFrame>& frames = poses_.frames();
   PoseGraph graph;
@@ -303,14 +304,20 @@ std::vector<Rigid3d> Backend::SmoothedByPrior(std::vector<Rigid3d> world_from_fr
     if (!motion) continue;
     const Rigid3d a_from_b = motion->source_from_a.Inverse() * motion->source_from_b;
     const Matrix6d transform = IncrementTransform(a_from_b);
-    graph.edges.push_back(
-        {i - 1, i, a_from_b,
-         SymmetricInverse(transform * motion->covariance * transform.transpose()), false});
+    graph.edges.push_back({i - 1, i, a_from_b,
+                           SymmetricInverse(transform * motion->covariance * transform.transpose()),
+                           false});
     for (const std::size_t k : {i - 1, i}) {
       if (!graph.poses[k].fixed) continue;
       graph.poses[k].fixed = false;
-      graph.priors.push_back(
-          {k, Rigid3d(), world_from_frame[k], SymmetricInverse(motion->registration_noise)});
+      Matrix6d covariance = motion->registration_noise;
+      const int keyframe = frames[k].keyframe;
+      if (keyframe + 1 < static_cast<int>(poses_.keyframes().size())) {
+        const auto between =
+            prior_motions_(poses_.FrameOf(keyframe).stamp_s, poses_.FrameOf(keyframe + 1).stamp_s);
+        if (between) covariance += 0.25 * between->odometry_covariance;
+      }
+      graph.priors.push_back({k, Rigid3d(), world_from_frame[k], SymmetricInverse(covariance)});
     }
   }
   PoseGraphOptions options = options_.graph;
@@ -332,8 +339,8 @@ void Backend::FusePriorMotions(std::vector<WorldCorrection>* corrections) {
   const std::vector<PosedFrame> frames = poses_.frames();
   const std::vector<Rigid3d> before = poses_.KeyframePoses();
   const std::vector<Rigid3d> after = KeyframesWithPrior().value_or(before);
-  const FrameCorrections of_keyframes = CorrectionsOfFrames(frames, poses_.frame_of_keyframe(),
-                                                            CorrectionsOfKeyframes(after));
+  const FrameCorrections of_keyframes =
+      CorrectionsOfFrames(frames, poses_.frame_of_keyframe(), CorrectionsOfKeyframes(after));
   std::vector<Rigid3d> poses;
   for (const PosedFrame& frame : frames) {
     poses.push_back(of_keyframes.At(frame.index) * frame.world_from_camera);

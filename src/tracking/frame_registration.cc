@@ -58,7 +58,8 @@ Tracked FrameRegistration::Register(const PreprocessedFrame& frame, const Refere
   const Tracked hidden = Validate(frame, target, unmoved);
   if (!hidden.has_pose()) return tracked;
   const Tracked again =
-      Validate(frame, target, {hidden.icp, hidden.quality.is_weakly_constrained, std::nullopt, std::nullopt});
+      Validate(frame, target,
+               {hidden.icp, hidden.quality.is_weakly_constrained, std::nullopt, std::nullopt});
   return again.has_pose() ? again : tracked;
 }
 
@@ -73,8 +74,7 @@ FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
   estimate.squared_difference = SquaredDifference(*target.prior, *estimate.by_data, information);
   const double max_sigmas = target.max_sigmas.value_or(
       estimate.is_weakly_constrained ? kMaxSigmas : std::numeric_limits<double>::infinity());
-  const ExpectedPose likely =
-      MostLikely(*target.prior, *estimate.by_data, information, max_sigmas);
+  const ExpectedPose likely = MostLikely(*target.prior, *estimate.by_data, information, max_sigmas);
   estimate.icp.target_from_source = likely.target_from_source;
   estimate.covariance = likely.covariance;
   return estimate;

@@ -24,8 +24,8 @@ class FrameRegistration {
       : options_(options), regions_(regions) {}
 
   // Registers `frame` to `reference` from the camera pose `world_from_initial`. `motion_prior`:
-  // uncertainty of this pose. The result then combines prior and registration. A rejected frame is registered again without the objects that
-  // move relative to the initial pose.
+  // uncertainty of this pose. The result then combines prior and registration. A rejected frame is
+  // registered again without the objects that move relative to the initial pose.
   //
   // A failed registration is lost, with the verdict kRejected. An uncertain result has a pose.
   Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
@@ -36,7 +36,7 @@ class FrameRegistration {
   struct Target {
     const ReferenceView& reference;
     const IcpOptions& icp;
-    std::optional<ExpectedPose> prior;  // in the frame of the reference
+    std::optional<ExpectedPose> prior;               // in the frame of the reference
     Vector6d registration_scale = Vector6d::Ones();  // see MotionUncertainty
     std::optional<double> max_sigmas;                // see MotionUncertainty
   };

@@ -12,10 +12,10 @@ namespace {
 constexpr int kMinSamples = 32;    // before the first use
 constexpr int kMinAgreement = 16;  // motions that agree before the prior is used
 constexpr int kScales = 9;         // windows of 1, 2, 4, ..., 256 motions
-constexpr int kMinWindows = 16;    // independent windows for a spread
+constexpr int kMinWindows = 8;     // independent windows for a spread
 constexpr double kGateSigmas = 8;
 // In shorter windows, a prior that is smoother than the registration is not rejected.
-constexpr int kMinSmoothWindow = 8;
+constexpr int kMinSmoothWindow = 32;
 // Smallest standard deviations: rounding of pose files.
 constexpr std::array<double, 2> kSmallest = {1e-5, 1e-5};  // rad, m
 // A chi-square variable of three degrees of freedom is below this value with probability 0.25.
@@ -26,9 +26,9 @@ constexpr double kMountWindow_s = 0.5;
 constexpr int kMinMountWindows = 8;
 constexpr int kMountIterations = 8;
 constexpr double kMountSigmaRad = 1, kMountSigmaM = 1;  // weak prior: unobservable directions
-// The offset changes only if the cost of the fit decreases by this amount: 99.9 % of a chi-square
-// variable with 6 degrees of freedom is below 22, and windows overlap.
-constexpr double kMountGain = 40;
+// The offset changes only if the cost of the fit decreases by this amount. Noise decreases it by
+// half of a chi-square variable with 6 degrees of freedom, which is below 11 with 99.9 %.
+constexpr double kMountGain = 15;
 
 double VarianceOf(std::vector<double> squares) {
   if (squares.empty()) return 0;
@@ -88,7 +88,11 @@ void PriorPoses::Add(const RegisteredMotion& motion) {
     return;
   }
   const bool follows = !samples_.empty() && samples_.back().to_s == motion.from_s;
-  Sample sample = {motion.from_s, motion.to_s, 0, motion.from_camera_to_camera, *body,
+  Sample sample = {motion.from_s,
+                   motion.to_s,
+                   0,
+                   motion.from_camera_to_camera,
+                   *body,
                    MeanVariances(motion.information)};
   if (follows) {
     sample.run = samples_.back().run;
@@ -135,8 +139,9 @@ Vector6d PriorPoses::Difference(int begin, int end, const Rigid3d& body_from_cam
 // Beyond the largest measured scale, the difference is a random walk.
 double PriorPoses::Spread(const Noise& noise, int scale) const {
   const int last = static_cast<int>(noise.spread.size()) - 1;
-  const double spread = scale <= last ? noise.spread[scale]
-                                      : noise.spread[last] * static_cast<double>(1 << (scale - last));
+  const double spread = scale <= last
+                            ? noise.spread[scale]
+                            : noise.spread[last] * static_cast<double>(1 << (scale - last));
   return spread;
 }
 
@@ -146,8 +151,7 @@ bool PriorPoses::IsPriorRougher(int begin, int end, int channel) const {
   double of_prior = 0, of_registered = 0;
   for (int i = std::max(1, begin); i < end; ++i) {
     if (!IsOneRun(i - 1, i + 1)) continue;
-    const Vector6d registered =
-        AsVector(CameraOver(i, i + 1)) - AsVector(CameraOver(i - 1, i));
+    const Vector6d registered = AsVector(CameraOver(i, i + 1)) - AsVector(CameraOver(i - 1, i));
     const Vector6d prior = AsVector(PriorOver(i, i + 1)) - AsVector(PriorOver(i - 1, i));
     of_registered = std::max(of_registered, SquareOf(registered, channel));
     of_prior = std::max(of_prior, SquareOf(prior, channel));
@@ -206,13 +210,12 @@ double PriorPoses::MountCost(const Rigid3d& mount, const std::vector<int>& windo
 }
 
 // Iteratively reweighted Gauss-Newton over the right increment of the offset.
-Rigid3d PriorPoses::RefinedMount(Rigid3d mount, const std::vector<int>& windows,
-                                 int length) const {
+Rigid3d PriorPoses::RefinedMount(Rigid3d mount, const std::vector<int>& windows, int length) const {
   constexpr double kStep = 1e-6;
   int scale = 0;
   while ((1 << scale) < length) ++scale;
-  const Matrix6d weight = SymmetricInverse(
-      FromVariances(Spread(noise_[0], scale), Spread(noise_[1], scale)));
+  const Matrix6d weight =
+      SymmetricInverse(FromVariances(Spread(noise_[0], scale), Spread(noise_[1], scale)));
   const Matrix6d weak = SymmetricInverse(Variances(kMountSigmaRad, kMountSigmaM));
   for (int iteration = 0; iteration < kMountIterations; ++iteration) {
     Matrix6d hessian = weak;
@@ -303,8 +306,7 @@ void PriorPoses::MeasureNoise() {
       const int length = 1 << scale;
       std::vector<double> squares;
       for (const int begin : WindowsOf(length, std::max(1, length / 4))) {
-        squares.push_back(
-            SquareOf(Difference(begin, begin + length, body_from_camera_), channel));
+        squares.push_back(SquareOf(Difference(begin, begin + length, body_from_camera_), channel));
       }
       const std::size_t independent = squares.size() * std::max(1, length / 4) / length;
       if (scale > 0 && independent < kMinWindows) break;
@@ -396,9 +398,9 @@ std::optional<PriorMotion> PriorPoses::Accepted(double from_s, double to_s) cons
   const auto from = std::lower_bound(
       samples_.begin(), samples_.end(), from_s,
       [](const Sample& sample, double stamp_s) { return sample.from_s < stamp_s; });
-  const auto to = std::lower_bound(
-      from, samples_.end(), to_s,
-      [](const Sample& sample, double stamp_s) { return sample.to_s < stamp_s; });
+  const auto to =
+      std::lower_bound(from, samples_.end(), to_s,
+                       [](const Sample& sample, double stamp_s) { return sample.to_s < stamp_s; });
   if (from == samples_.end() || to == samples_.end()) return std::nullopt;
   if (from->from_s != from_s || to->to_s != to_s || from->run != to->run) return std::nullopt;
   const int begin = static_cast<int>(from - samples_.begin());

@@ -15,7 +15,7 @@ namespace surfit {
 // Motion of the camera between two frames by registration alone.
 struct RegisteredMotion {
   double from_s = 0, to_s = 0;
-  Rigid3d from_camera_to_camera;  // camera frame at `to_s` to that at `from_s`, m
+  Rigid3d from_camera_to_camera;            // camera frame at `to_s` to that at `from_s`, m
   Matrix6d information = Matrix6d::Zero();  // of the later registration
 };
 
@@ -32,8 +32,8 @@ struct PriorMotion {
 // difference of both motions over n frames is D(n) = n (w_r + w_p) + 2 (v_r + v_p), with the drift
 // variances w and the noise variances v per frame. Only the sums follow from D. Third differences
 // of a trajectory have the variance 6 w + 20 v plus that of the true motion. They bound the drift
-// of each source. Within these bounds, both drifts are equal. All variances are from lower quartiles, so up to three quarters of
-// the prior may be wrong.
+// of each source. Within these bounds, both drifts are equal. All variances are from lower
+// quartiles, so up to three quarters of the prior may be wrong.
 //
 // Stretches of the prior whose motion over 1, 2, 4, ... frames differs by more than eight standard
 // deviations from the registered motion are rejected. Not thread-safe.
@@ -72,8 +72,8 @@ class PriorPoses {
  private:
   struct Sample {
     double from_s, to_s;
-    int run;              // motions without interruption have the same number
-    Rigid3d camera, body;  // pose after the motion, since the beginning of the run
+    int run;                         // motions without interruption have the same number
+    Rigid3d camera, body;            // pose after the motion, since the beginning of the run
     std::array<double, 2> variance;  // of the registration, rad^2 and m^2
   };
   struct Interval {
@@ -117,8 +117,8 @@ class PriorPoses {
   Vector6d registration_scale_ = Vector6d::Ones();
   int next_fit_ = 0;
   bool is_trusted_ = false;
-  int checked_from_ = 0;         // first sample of the present check
-  int needed_ = 0;               // samples that must agree
+  int checked_from_ = 0;  // first sample of the present check
+  int needed_ = 0;        // samples that must agree
   int used_ = 0, without_ = 0;
   mutable std::vector<Interval> rejected_;
   mutable std::size_t rejected_at_ = 0;  // number of samples of `rejected_`

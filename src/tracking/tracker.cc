@@ -366,8 +366,7 @@ void Tracker::Update(PreprocessedFrame frame, Tracked tracked) {
 
 // Also keeps the covariance of the pose: the prior's motion to the next frame adds to it.
 void Tracker::ComparePrior(const PreprocessedFrame& frame, const Tracked& tracked) {
-  const Rigid3d registered =
-      tracked.world_from_registered.value_or(tracked.world_from_camera);
+  const Rigid3d registered = tracked.world_from_registered.value_or(tracked.world_from_camera);
   const bool is_next = state_.HasLastPose() && !tracked.found_by_search && !tracked.submap;
   if (is_next) {
     prior_poses_->Add({last_stamp_s_, frame.images.stamp_s,

@@ -152,8 +152,8 @@ class Tracker {
   int lost_with_depth_ = 0;  // lost frames with enough depth since the last pose
   MotionModel motion_model_;
   std::optional<PriorPoses> prior_poses_;
-  std::optional<PriorMotion> prior_motion_;  // to the present frame; std::nullopt: not used
-  Rigid3d world_from_registered_;            // last pose by registration alone
+  std::optional<PriorMotion> prior_motion_;      // to the present frame; std::nullopt: not used
+  Rigid3d world_from_registered_;                // last pose by registration alone
   Matrix6d last_covariance_ = Matrix6d::Zero();  // of the last pose; only with prior poses
   Image<float> last_depth_m_;
 };

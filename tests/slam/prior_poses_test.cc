@@ -80,14 +80,14 @@ TEST(PriorPoses, EstimatesOffsetOfRobotBody) {
 
 TEST(PriorPoses, EstimatesDrift) {
   for (const std::uint64_t seed : {1, 2, 3}) {
-    const PriorPoseSummary summary =
-        Compared(DriftingPrior({}, 1e-3, 2e-3, seed), seed).Summary();
+    const PriorPoseSummary summary = Compared(DriftingPrior({}, 1e-3, 2e-3, seed), seed).Summary();
     const double frames_per_s = 1 / kPriorFrame_s;
-    // Within its bounds, the drift is split between both sources: a factor of sqrt(2).
-    EXPECT_GT(summary.sigma_m, 0.5 * 2e-3 * std::sqrt(frames_per_s)) << seed;
-    EXPECT_LT(summary.sigma_m, 1.5 * 2e-3 * std::sqrt(frames_per_s)) << seed;
-    EXPECT_GT(summary.sigma_rad, 0.5 * 1e-3 * std::sqrt(frames_per_s)) << seed;
-    EXPECT_LT(summary.sigma_rad, 1.5 * 1e-3 * std::sqrt(frames_per_s)) << seed;
+    // Both sources share the drift equally: a factor of 0.71. The variance of the largest scale is
+    // from 8 windows, with a standard deviation of about 0.35. Two of them give 0.71 sqrt(0.3).
+    EXPECT_GT(summary.sigma_m, 0.39 * 2e-3 * std::sqrt(frames_per_s)) << seed;
+    EXPECT_LT(summary.sigma_m, 1.3 * 2e-3 * std::sqrt(frames_per_s)) << seed;
+    EXPECT_GT(summary.sigma_rad, 0.39 * 1e-3 * std::sqrt(frames_per_s)) << seed;
+    EXPECT_LT(summary.sigma_rad, 1.3 * 1e-3 * std::sqrt(frames_per_s)) << seed;
     EXPECT_EQ(summary.frames_rejected, 0) << seed;
   }
 }
@@ -124,27 +124,28 @@ TEST(PriorPoses, HasNoMotionWithoutPriorPosesAtItsTimes) {
   EXPECT_FALSE(poses.Accepted(90 * kPriorFrame_s, 110 * kPriorFrame_s));
 }
 
-// Both forms of the solver: the update in closed form, and Ceres with the functor of the prior.
+// Both forms of the solver: the update in closed form, and Ceres with the functor of the prior. The
+// closed form is of first order: its error is about the squared rotation between both
+// poses, 2.5e-7.
 TEST(PriorPoses, CeresGivesTheSamePoseAsTheClosedForm) {
   std::mt19937_64 rng(7);
   for (int i = 0; i < 20; ++i) {
     const Rigid3d expected = TrueCamera(i);
-    const Rigid3d registered = LeftIncrement<double>(Noise(1e-3, 1e-3, &rng), expected);
+    const Rigid3d registered = LeftIncrement<double>(Noise(3e-4, 3e-4, &rng), expected);
     const Matrix6d covariance = Variances(1e-3, 2e-3);
     Matrix6d rows;
     for (int k = 0; k < 6; ++k) rows.row(k) = Noise(1e3, 1e3, &rng);
     const Matrix6d information = rows.transpose() * rows;
-    const ExpectedPose likely =
-        MostLikely({expected, covariance}, registered, information, 1e9);
+    const ExpectedPose likely = MostLikely({expected, covariance}, registered, information, 1e9);
     double block[kPoseSize];
     PoseToBlock(expected, block);
-    PoseManifold manifold;
+    LeftPoseManifold manifold;
     ceres::Problem::Options options;
     options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     ceres::Problem problem(options);
     problem.AddParameterBlock(block, kPoseSize, &manifold);
-    for (const PosePrior& prior : {PosePrior(expected, covariance.inverse()),
-                                   PosePrior(registered, information)}) {
+    for (const PosePrior& prior :
+         {PosePrior(expected, covariance.inverse()), PosePrior(registered, information)}) {
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<PosePrior, 6, kPoseSize>(new PosePrior(prior)), nullptr,
           block);

@@ -196,7 +196,7 @@ class Backend {
   std::optional<int> anchor_;              // keyframe that relocalised the next frame
   bool begins_submap_ = true;
   KeyframeCall on_keyframe_;
-  PriorMotions prior_motions_;  // empty: none
+  PriorMotions prior_motions_;              // empty: none
   std::unique_ptr<LoopCloser> closer_;      // null without loops
   std::unique_ptr<Calibrator> calibrator_;  // null without calibration
   std::vector<CalibrationRecord> calibrations_;
