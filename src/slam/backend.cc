@@ -218,9 +218,9 @@ void Backend::StartLoopTask() {
 // Snapshot with the edges of prior motions. These edges come last, so the chain of odometry edges
 // gives the initial poses.
 //
-// Positions of a source can be more accurate than its rotations. So the translation of an edge has
-// the direction in the world of the source, rotated by the mean difference of the rotations over
-// some seconds.
+// Positions of a source can be more accurate than its rotations. So the translation of an edge is
+// that in the world of the source. It is rotated by the mean difference of the rotations over some
+// seconds.
 PoseGraph Backend::Graph(const std::vector<Rigid3d>& world_from_keyframe) {
   PoseGraph graph = poses_.Snapshot();
   if (!prior_motions_) return graph;
@@ -292,7 +292,8 @@ std::optional<std::vector<Rigid3d>> Backend::KeyframesWithPrior() {
 }
 
 // Each pose is a measurement with the noise of the registration, and a quarter of the variance of
-// its motion between both keyframes: the variance of a random walk in the middle of two fixed ends.
+// its motion between both keyframes. This is the variance of a random walk in the middle of two
+// fixed ends.
 // Prior motions connect consecutive frames.
 std::vector<Rigid3d> Backend::SmoothedByPrior(std::vector<Rigid3d> world_from_frame) const {
   const std::vector<PosedFrame>& frames = poses_.frames();

@@ -237,8 +237,8 @@ Rigid3d PriorPoses::RefinedMount(Rigid3d mount, const std::vector<int>& windows,
   return mount;
 }
 
-// Rotations between the directions of rotation vectors and translations of both sources, and their
-// turns about the mean axis: rotations about one axis do not determine this turn.
+// Rotations between the motions of both sources, and their turns about the main axis. Rotations
+// about one axis do not determine this turn.
 std::vector<Rigid3d> PriorPoses::MountCandidates(const std::vector<int>& windows,
                                                  int length) const {
   Eigen::Matrix3d of_rotations = Eigen::Matrix3d::Zero(), of_translations = of_rotations;

@@ -27,8 +27,8 @@ struct PriorMotion {
 
 // Trajectory of another source (a phone, a robot, another SLAM), compared with registration.
 //
-// Model: the registered poses are the true poses with white noise and random-walk drift, and so are
-// the prior poses of a body at a constant offset from the camera (scale 1). The mean squared
+// Model: registered poses and prior poses have white noise and random-walk drift. The body of the
+// prior has a constant offset from the camera, and the scale is 1. The mean squared
 // difference of both motions over n frames is D(n) = n (w_r + w_p) + 2 (v_r + v_p), with the drift
 // variances w and the noise variances v per frame. Only the sums follow from D. Third differences
 // of a trajectory have the variance 6 w + 20 v plus that of the true motion. They bound the drift
@@ -47,11 +47,11 @@ class PriorPoses {
   void Add(const RegisteredMotion& motion);
 
   // Motion of the camera between two times. std::nullopt without prior poses at both times, or if
-  // the prior is not trusted at present: it has agreed with at least 32 registered motions, and
-  // with all of the last ones.
+  // the prior is not trusted. A trusted prior has agreed with at least 32 registered motions, and
+  // with all of the last motions.
   std::optional<PriorMotion> Trusted(double from_s, double to_s) const;
-  // Motion between two frames that were added, for the pose graph. std::nullopt if the prior has no
-  // motion for a frame between them, or if one is in a rejected stretch.
+  // Motion between two frames that were added, for the pose graph. std::nullopt without a prior
+  // motion for each frame between them, or in a rejected stretch.
   std::optional<PriorMotion> Accepted(double from_s, double to_s) const;
 
   // Pose of the camera in the world of the prior. std::nullopt without a prior pose at this time.

@@ -129,11 +129,11 @@ class Slam {
   // exceptions of the callback.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
-  // Uses the trajectory of another source, for example of a phone or a robot: world_from_body with
-  // a constant unknown offset between body and camera, in any world frame, at the times of the
-  // frames. The prior predicts each pose, is a motion prior, and adds edges to the pose graph.
-  // Stretches that contradict the registration are rejected. Throws InputError for fewer than two
-  // poses. Aborts if a frame has a pose.
+  // Uses the trajectory of another source, for example of a phone or a robot. Its poses are
+  // world_from_body, in any world frame, at the times of the frames. The offset between body and
+  // camera is constant and unknown. The prior predicts each pose, is a motion prior, and adds edges
+  // to the pose graph. Stretches that contradict the registration are rejected. Throws InputError
+  // for fewer than two poses. Aborts if a frame has a pose.
   void UsePriorPoses(Trajectory world_from_body);
   // std::nullopt without prior poses.
   std::optional<PriorPoseSummary> prior_poses() const;
