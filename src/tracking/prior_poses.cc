@@ -9,10 +9,10 @@
 namespace surfit {
 namespace {
 
-constexpr int kMinSamples = 32;    // before the first use
-constexpr int kMinAgreement = 16;  // motions that agree before the prior is used
-constexpr int kScales = 9;         // windows of 1, 2, 4, ..., 256 motions
-constexpr int kMinWindows = 8;     // independent windows for a spread
+constexpr int kMinSamples = 32;          // before the first use
+constexpr int kMinAgreeingMotions = 16;  // motions that agree before the prior is used
+constexpr int kScales = 9;               // windows of 1, 2, 4, ..., 256 motions
+constexpr int kMinWindows = 8;           // independent windows for a spread
 constexpr double kGateSigmas = 8;
 // In shorter windows, a prior that is smoother than the registration is not rejected.
 constexpr int kMinSmoothWindow = 32;
@@ -30,7 +30,7 @@ constexpr double kMountSigmaRad = 1, kMountSigmaM = 1;  // weak prior: unobserva
 // half of a chi-square variable with 6 degrees of freedom, which is below 11 with 99.9 %.
 constexpr double kMountGain = 15;
 
-double VarianceOf(std::vector<double> squares) {
+double QuartileVariance(std::vector<double> squares) {
   if (squares.empty()) return 0;
   const auto quartile = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 4);
   std::nth_element(squares.begin(), quartile, squares.end());
@@ -280,8 +280,8 @@ void PriorPoses::FitMount() {
   }
   if (body_from_camera_ == before) return;
   is_trusted_ = false;
-  checked_from_ = std::max(0, static_cast<int>(samples_.size()) - kMinAgreement);
-  needed_ = kMinAgreement;
+  checked_from_ = std::max(0, static_cast<int>(samples_.size()) - kMinAgreeingMotions);
+  needed_ = kMinAgreeingMotions;
 }
 
 // Quartile of the squared third differences of the positions or rotations.
@@ -294,7 +294,7 @@ double PriorPoses::ThirdDifference(int channel, bool is_prior) const {
   for (const int i : WindowsOf(3, 1)) {
     squares.push_back(SquareOf(motion(i) - 2 * motion(i + 1) + motion(i + 2), channel));
   }
-  return VarianceOf(std::move(squares));
+  return QuartileVariance(std::move(squares));
 }
 
 void PriorPoses::MeasureNoise() {
@@ -310,7 +310,7 @@ void PriorPoses::MeasureNoise() {
       }
       const std::size_t independent = squares.size() * std::max(1, length / 4) / length;
       if (scale > 0 && independent < kMinWindows) break;
-      const double spread = std::max(smallest, VarianceOf(std::move(squares)));
+      const double spread = std::max(smallest, QuartileVariance(std::move(squares)));
       noise.spread.push_back(spread);
       drift = scale == 0 ? spread : std::min(drift, spread / length);
     }
@@ -342,10 +342,10 @@ void PriorPoses::UpdateTrust() {
     if (!Contradicts(begin, count)) continue;
     is_trusted_ = false;
     checked_from_ = count;
-    needed_ = std::max(kMinAgreement, 2 << scale);
+    needed_ = std::max(kMinAgreeingMotions, 2 << scale);
     return;
   }
-  if (count - checked_from_ >= std::max(needed_, kMinAgreement)) is_trusted_ = true;
+  if (count - checked_from_ >= std::max(needed_, kMinAgreeingMotions)) is_trusted_ = true;
 }
 
 // Short windows come first, so that a jump rejects one motion only.

@@ -22,7 +22,7 @@ constexpr double kPriorFrame_s = 1. / 30;
 constexpr int kPriorFrames = 300;
 
 // True camera poses: a walk with turns about all axes.
-Rigid3d TrueCamera(int frame) {
+Rigid3d CameraOfWalk(int frame) {
   const double s = frame * kPriorFrame_s;
   const Eigen::Vector3d turn(0.3 * std::sin(0.9 * s), 0.5 * std::sin(0.7 * s),
                              0.2 * std::sin(1.3 * s));
@@ -30,7 +30,7 @@ Rigid3d TrueCamera(int frame) {
           Eigen::Vector3d(0.4 * s, 0.1 * std::sin(2 * s), 0.2 * std::cos(s))};
 }
 
-Vector6d Noise(double sigma_rad, double sigma_m, std::mt19937_64* rng) {
+Vector6d PoseNoise(double sigma_rad, double sigma_m, std::mt19937_64* rng) {
   std::normal_distribution<double> normal;
   Vector6d v;
   for (int i = 0; i < 6; ++i) v[i] = (i < 3 ? sigma_rad : sigma_m) * normal(*rng);
@@ -43,7 +43,8 @@ PriorPoses Compared(const Trajectory& prior, std::uint64_t seed) {
   PriorPoses poses(prior, 0, 0);
   Rigid3d last;
   for (int i = 0; i < kPriorFrames; ++i) {
-    const Rigid3d registered = TrueCamera(i) * LeftIncrement<double>(Noise(5e-4, 5e-4, &rng), {});
+    const Rigid3d registered =
+        CameraOfWalk(i) * LeftIncrement<double>(PoseNoise(5e-4, 5e-4, &rng), {});
     if (i > 0) {
       poses.Add({(i - 1) * kPriorFrame_s, i * kPriorFrame_s, last.Inverse() * registered,
                  Matrix6d::Identity() * 1e8});
@@ -60,8 +61,8 @@ Trajectory DriftingPrior(const Rigid3d& body_from_camera, double sigma_rad, doub
   Trajectory prior;
   Rigid3d drift;
   for (int i = 0; i < kPriorFrames; ++i) {
-    drift = drift * LeftIncrement<double>(Noise(sigma_rad, sigma_m, &rng), {});
-    prior.push_back({i * kPriorFrame_s, TrueCamera(i) * drift * body_from_camera.Inverse()});
+    drift = drift * LeftIncrement<double>(PoseNoise(sigma_rad, sigma_m, &rng), {});
+    prior.push_back({i * kPriorFrame_s, CameraOfWalk(i) * drift * body_from_camera.Inverse()});
   }
   return prior;
 }
@@ -130,11 +131,11 @@ TEST(PriorPoses, HasNoMotionWithoutPriorPosesAtItsTimes) {
 TEST(PriorPoses, CeresGivesTheSamePoseAsTheClosedForm) {
   std::mt19937_64 rng(7);
   for (int i = 0; i < 20; ++i) {
-    const Rigid3d expected = TrueCamera(i);
-    const Rigid3d registered = LeftIncrement<double>(Noise(3e-4, 3e-4, &rng), expected);
+    const Rigid3d expected = CameraOfWalk(i);
+    const Rigid3d registered = LeftIncrement<double>(PoseNoise(3e-4, 3e-4, &rng), expected);
     const Matrix6d covariance = Variances(1e-3, 2e-3);
     Matrix6d rows;
-    for (int k = 0; k < 6; ++k) rows.row(k) = Noise(1e3, 1e3, &rng);
+    for (int k = 0; k < 6; ++k) rows.row(k) = PoseNoise(1e3, 1e3, &rng);
     const Matrix6d information = rows.transpose() * rows;
     const ExpectedPose likely = MostLikely({expected, covariance}, registered, information, 1e9);
     double block[kPoseSize];
