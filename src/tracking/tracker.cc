@@ -318,8 +318,9 @@ void Tracker::AddToImu(const PreprocessedFrame& frame, const Tracked& tracked) {
     pose.information = tracked.registered_information;
   }
   const bool changes_submap = tracked.submap && *tracked.submap != submap_;
-  pose.continues =
-      state_.HasStarted() && state_.is_localised && !tracked.found_by_search && !changes_submap;
+  // A pose from a search that agrees with the prediction needs no new start.
+  const bool is_expected = !tracked.found_by_search || AgreesWithImu(tracked);
+  pose.continues = state_.HasStarted() && state_.is_localised && is_expected && !changes_submap;
   imu_->Add(pose, imu_prediction_);
   imu_prediction_.reset();
 }
