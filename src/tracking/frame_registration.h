@@ -6,7 +6,7 @@
 #include "surfit/tracking/tracking.h"
 #include "tracking/frame_preprocessor.h"
 #include "tracking/model_views.h"
-#include "tracking/motion_prior.h"
+#include "tracking/motion/motion_prior.h"
 #include "tracking/moving_regions.h"
 #include "tracking/tracked.h"
 

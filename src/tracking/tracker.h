@@ -14,10 +14,10 @@
 #include "tracking/frame_registration.h"
 #include "tracking/inertial/imu_tracking.h"
 #include "tracking/model_views.h"
-#include "tracking/motion_model.h"
+#include "tracking/motion/motion_model.h"
+#include "tracking/motion/prior_poses.h"
 #include "tracking/moving_regions.h"
 #include "tracking/pose_search.h"
-#include "tracking/prior_poses.h"
 #include "tracking/tracked.h"
 #include "tracking/tracking_state.h"
 

@@ -1,4 +1,4 @@
-#include "tracking/prior_poses.h"
+#include "tracking/motion/prior_poses.h"
 
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include "slam/simulated_sequence.h"
 #include "surfit/core/error.h"
 #include "testing/matchers.h"
-#include "tracking/motion_prior.h"
+#include "tracking/motion/motion_prior.h"
 
 namespace surfit::testing {
 namespace {

@@ -1,4 +1,4 @@
-#include "tracking/prior_poses.h"
+#include "tracking/motion/prior_poses.h"
 
 #include <algorithm>
 #include <cmath>
