@@ -52,11 +52,13 @@ bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_option
 Tracked FrameRegistration::Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                                     const Rigid3d& world_from_initial,
                                     const IcpOptions& icp_options,
-                                    const std::optional<Matrix6d>& motion_prior,
-                                    const Matrix6d& pose_noise) const {
+                                    const std::optional<MotionUncertainty>& motion) const {
   const Rigid3d initial = reference.world_from_view.Inverse() * world_from_initial;
-  Target target = {reference, icp_options, std::nullopt, pose_noise};
-  if (motion_prior) target.prior = In(initial, {Rigid3d(), *motion_prior});
+  Target target = {reference, icp_options, std::nullopt, {}};
+  if (motion) {
+    target.prior = In(initial, {Rigid3d(), motion->covariance});
+    target.motion = *motion;
+  }
   Tracked tracked = Validate(frame, target, MostLikelyPose(frame.view.pyramid, target, initial));
   if (tracked.has_pose()) return tracked;
   // A moving object in a large part of the view can pull the registration to a wrong minimum.
@@ -76,11 +78,16 @@ FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
   Estimate estimate = FromData(frame, target, reference_from_initial);
   estimate.registered = estimate.icp.target_from_source;
   if (!target.prior || !estimate.icp.Succeeded()) return estimate;
-  const ExpectedPose likely = MostLikely(
-      *target.prior, estimate.icp.target_from_source,
-      WithNoise(estimate.icp.trusted_information, estimate.icp.target_from_source,
-                target.pose_noise),
+  const Vector6d weights = target.motion.registration_scale.cwiseInverse();
+  const Matrix6d scaled =
+      weights.asDiagonal() * estimate.icp.trusted_information * weights.asDiagonal();
+  const Matrix6d information =
+      WithNoise(scaled, estimate.registered, target.motion.registration_noise);
+  estimate.squared_difference = SquaredDifference(*target.prior, estimate.registered, information);
+  const double max_sigmas = target.motion.max_sigmas.value_or(
       estimate.is_weakly_constrained ? kMaxSigmas : std::numeric_limits<double>::infinity());
+  const ExpectedPose likely =
+      MostLikely(*target.prior, estimate.registered, information, max_sigmas);
   estimate.icp.target_from_source = likely.target_from_source;
   estimate.covariance = likely.covariance;
   return estimate;
@@ -136,6 +143,7 @@ Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target
   tracked.world_from_registered = reference.world_from_view * best.registered;
   tracked.registered_information =
       from_camera.transpose() * best.icp.trusted_information * from_camera;
+  tracked.prior_squared_difference = best.squared_difference;
   tracked.icp = std::move(best.icp);
   tracked.quality.is_weakly_constrained = best.is_weakly_constrained;
   tracked.world_from_camera = reference.world_from_view * tracked.icp.target_from_source;

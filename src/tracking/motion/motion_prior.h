@@ -29,6 +29,26 @@ ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected
 ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
                         const Matrix6d& information, double most_sigmas);
 
+// Uncertainty of a predicted motion and of the registration that it is combined with.
+struct MotionUncertainty {
+  // rad, m; of the predicted motion, in the camera frame
+  Matrix6d covariance = Matrix6d::Zero();
+  // Factors of the standard deviations of the registration (rad, m).
+  Vector6d registration_scale = Vector6d::Ones();
+  // Covariance (rad, m) of errors of the registered pose that its information does not contain, in
+  // the camera frame.
+  Matrix6d registration_noise = Matrix6d::Zero();
+  // Maximum difference of the registration, in standard deviations: see MostLikely().
+  // std::nullopt: only weakly constrained registrations have a maximum.
+  std::optional<double> max_sigmas;
+};
+
+// Squared difference of a predicted and a registered pose in standard deviations. It has a
+// chi-square distribution with the rank of the information as degrees of freedom. Directions
+// without information do not count. Infinite if a matrix is not finite.
+double SquaredDifference(const ExpectedPose& expected, const Rigid3d& registered,
+                         const Matrix6d& information);
+
 // Constant-velocity motion prior: a Kalman filter over the camera velocity with random
 // accelerations.
 class MotionPrior {

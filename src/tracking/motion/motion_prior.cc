@@ -1,7 +1,8 @@
-#include "tracking/motion_prior.h"
+#include "tracking/motion/motion_prior.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "registration/solvers/decompositions.h"
@@ -37,6 +38,21 @@ ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
   const Vector6d left = (1 + worth.array()).inverse();
   return {LeftIncrement<double>(both->vectors * way, expected.target_from_source),
           both->vectors * left.asDiagonal() * both->vectors.transpose()};
+}
+
+double SquaredDifference(const ExpectedPose& expected, const Rigid3d& registered,
+                         const Matrix6d& information) {
+  const Vector6d motion = FirstOrderIncrement(expected.target_from_source, registered);
+  const Matrix6d of_expected = SymmetricInverse(expected.covariance);
+  const std::optional<GeneralizedEigen> both = EigenOf(information, of_expected);
+  if (!both) return std::numeric_limits<double>::infinity();
+  const Vector6d away = both->vectors.transpose() * (of_expected * motion);
+  double sum = 0;
+  for (int i = 0; i < 6; ++i) {
+    const double worth = std::max(0., both->values[i]);
+    sum += away[i] * away[i] * worth / (1 + worth);
+  }
+  return sum;
 }
 
 MotionPrior::MotionPrior(double acceleration_m_per_s2, double angular_acceleration_rad_per_s2)
