@@ -40,7 +40,8 @@ class FrameRegistration {
     MotionUncertainty motion;           // of the prior
   };
   struct Estimate {
-    IcpResult icp;       // pose: combined with the motion prior
+    IcpResult icp;       // pose: combined with the motion prior; all else: without it
+    IcpOptions options;  // of the registration
     Rigid3d registered;  // pose without the motion prior
     bool is_weakly_constrained = false;
     std::optional<Matrix6d> covariance;  // of the left increment; only with a motion prior
@@ -52,6 +53,8 @@ class FrameRegistration {
                     const Rigid3d& reference_from_initial) const;
   Estimate MostLikelyPose(const FramePyramid& frame, const Target& target,
                           const Rigid3d& reference_from_initial) const;
+  void MinimizeWithPrior(const FramePyramid& frame, const Target& target, const PriorTerm& prior,
+                         Estimate* estimate) const;
   // If the frame has moving objects, registers the frame again without them first.
   Tracked Validate(const PreprocessedFrame& frame, const Target& target,
                    const Estimate& estimate) const;

@@ -4,6 +4,7 @@
 
 #include "surfit/geometry/rigid3.h"
 #include "surfit/registration/normal_system.h"
+#include "surfit/registration/pose_solver.h"
 
 namespace surfit {
 
@@ -17,17 +18,37 @@ struct ExpectedPose {
 // frame to the new one. The covariance is transformed as well.
 ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected);
 
-// Kalman update of a predicted pose (covariance P) by a registered pose (information I of the
-// left perturbation). Let V^T P^-1 V = 1 and V^T I V = diag(w), and let z be the difference of
-// both poses along a column of V. The result moves by z w / (1 + w) along this column. The
-// variance shrinks by the factor 1 / (1 + w).
-//
-// The variance of z is 1 + 1 / w. If z exceeds `most_sigmas` standard deviations, the registration
-// is overconfident: w is reduced until z is within this bound. Infinity: no bound. Both poses have
-// the same frames. The covariance of `expected` must be positive definite. Directions without
-// information keep the predicted pose.
+// Comparison of a predicted pose (covariance P) with a registered pose (information I of the left
+// perturbation). Both poses have the same frames. The columns of V satisfy V^T P^-1 V = 1 and V^T I
+// V = diag(w).
+struct PoseComparison {
+  Matrix6d inverse_covariance;  // P^-1
+  Matrix6d vectors;             // V
+  Vector6d weights;             // w, at least 0
+  Vector6d differences;         // of both poses along the columns of V, in sigmas of P
+
+  // Sum of V diag(factors) V^T, in the units of P^-1.
+  Matrix6d Along(const Vector6d& factors) const;
+};
+// The variance of a difference z is 1 + 1 / w. If z exceeds `most_sigmas` standard deviations, the
+// registration is overconfident: w is reduced until z is within this bound. Infinity: no bound.
+// std::nullopt if a matrix is not finite, or if P is not positive definite.
+std::optional<PoseComparison> Compare(const ExpectedPose& expected, const Rigid3d& registered,
+                                      const Matrix6d& information, double most_sigmas);
+
+// Most likely pose by a predicted and a registered pose, and its covariance. It minimises the sum
+// of both squared errors of cost_functions/pose_prior.h. Arguments as in Compare(). Directions
+// without information keep the predicted pose.
 ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
                         const Matrix6d& information, double most_sigmas);
+
+// Predicted pose as a prior in the units of the normal equations. `hessian`: that of the normal
+// equations at the registered pose. Neighbouring points share errors, so the information I is less
+// than the Hessian. The ratio of prior and Hessian is that of P^-1 and I along each column of V.
+// Arguments and empty result as in Compare().
+std::optional<PriorTerm> InUnitsOf(const Matrix6d& hessian, const ExpectedPose& expected,
+                                   const Rigid3d& registered, const Matrix6d& information,
+                                   double most_sigmas);
 
 // Uncertainty of a predicted motion and of the registration that it is combined with.
 struct MotionUncertainty {
