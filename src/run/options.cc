@@ -33,6 +33,10 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         AsFlag());
   v.Add(groundtruth, SharedOption("groundtruth"));
   v.Add(fit_mount, SharedOption("fit_mount"));
+  v.Add(prior_poses, "prior_poses",
+        "trajectory of another source (phone, robot, other SLAM), TUM format: predicts and "
+        "constrains the poses; its offset from the camera is fitted",
+        AsFlag());
   v.Add(pictures, SharedOption("pictures"));
   v.Add(world, SharedOption("world", OneOf({"upright", "run"})));
   v.Add(keep_views, "keep_views",
@@ -55,6 +59,10 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
   v.Check([this] {
     if (slam.loops.enabled && poses != "track") {
       throw InputError(Concat("poses is '", poses, "', must be 'track' with loop_closure"));
+    }
+    if (!prior_poses.empty() && poses != "track") {
+      throw InputError(
+          Concat("prior_poses is '", prior_poses, "', must be empty with poses '", poses, "'"));
     }
     if (keep_places && !slam.loops.enabled) {
       throw InputError("keep_places is true, must be false without loop_closure");

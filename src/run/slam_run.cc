@@ -43,6 +43,12 @@ namespace {
 
 using ProgressCall = std::function<void(const SlamRunProgress&)>;
 
+Trajectory ReadPrior(const std::string& path, const SequenceInfo& info) {
+  Trajectory prior = ReadEstimate(path, info);
+  ThrowIf(prior.size() < 2, path, " has ", prior.size(), " poses, must have at least 2");
+  return prior;
+}
+
 std::int64_t PeakRssBytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -152,6 +158,9 @@ class SlamRun {
     }
     if (!slam_) {
       slam_ = StartSlam(options_, info_, session_, frame.stamp_s);
+      if (!options_.prior_poses.empty()) {
+        slam_->UsePriorPoses(ReadPrior(options_.prior_poses, info_));
+      }
       slam_->OnPose([this](const FrameReport&) { statistics_.RecordPoseTime(); });
     }
     FrameReport report = options_.poses == "track" ? slam_->Process(frame) : FuseAtTruth(frame);
@@ -218,6 +227,8 @@ class SlamRun {
     summary.sensor_latency_s = info_.camera.latency_s;
     failures_.Try([&] { trajectory_->Finish(); });
     if (slam_->backend()) FinishBackend(&summary);
+    summary.prior_poses = slam_->prior_poses();
+    if (summary.prior_poses) WarnOfPrior(*summary.prior_poses);
     Trajectory largest_piece;
     failures_.Try([&] { largest_piece = FindPieces(&summary); });
     if (session_) summary.session_waits = session_->waits();
@@ -361,6 +372,21 @@ class SlamRun {
         << 100 * depths_without_pose_ / pixels_without_pose_
         << " % of them have depth, and a normal needs depth in the rows and columns beside "
            "its pixel";
+  }
+
+  void WarnOfPrior(const PriorPoseSummary& prior) const {
+    const auto told = [&](const std::string& text) {
+      LOG(WARNING) << options_.prior_poses << ": " << text;
+    };
+    if (prior.frames_without > 0) {
+      told(Concat(prior.frames_without, " frames have no prior pose at their time"));
+    }
+    if (prior.rejected.empty()) return;
+    const auto& [from_s, to_s] = prior.rejected.front();
+    told(Concat(prior.frames_rejected, " of ", prior.frames_compared, " frames in ",
+                prior.rejected.size(),
+                " stretches contradict the registered motion and are not used, first from ",
+                std::to_string(from_s), " s to ", std::to_string(to_s), " s"));
   }
 
   // Returns the poses of the largest piece.

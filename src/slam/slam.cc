@@ -126,6 +126,7 @@ void Slam::MakeBackend(LoopFinder finder) {
                                        options_.calibration, std::move(finder), options_.real_time);
   backend_->OnKeyframe(on_keyframe_);
   mapper_->UseCalibration(backend_->calibration());
+  UsePriorEdges();
   if (!options_.loops.HasViews()) return;
   relocalizer_ = std::make_unique<BackendRelocalizer>(
       backend_.get(), use_ == StateUse::kContinue ? options_.loops.new_map_after : 0);
@@ -306,6 +307,34 @@ void Slam::UseImu(ImuRecording recording) {
 }
 
 ImuReport Slam::imu_report() const { return tracker_->imu_report(); }
+
+void Slam::UsePriorPoses(Trajectory world_from_body) {
+  if (world_from_body.size() < 2) {
+    throw InputError(
+        Concat("the prior has ", world_from_body.size(), " poses, must have at least 2"));
+  }
+  ThrowIf(tracker_->state().HasStarted(), "prior poses must be set before the first frame");
+  tracker_->UsePriorPoses(std::move(world_from_body));
+  if (!backend_) MakeBackend({});
+  UsePriorEdges();
+}
+
+// Connects consecutive keyframes by the motion of the prior poses.
+void Slam::UsePriorEdges() {
+  if (!backend_ || !tracker_->prior_poses()) return;
+  backend_->UsePriorMotions([this](double from_s, double to_s) -> std::optional<PriorEdge> {
+    const PriorPoses& prior = *tracker_->prior_poses();
+    const std::optional<PriorMotion> motion = prior.Accepted(from_s, to_s);
+    if (!motion) return std::nullopt;
+    return PriorEdge{*prior.CameraAt(from_s), *prior.CameraAt(to_s), motion->covariance,
+                     prior.RegisteredCovariance(to_s - from_s), prior.RegistrationNoise()};
+  });
+}
+
+std::optional<PriorPoseSummary> Slam::prior_poses() const {
+  if (!tracker_->prior_poses()) return std::nullopt;
+  return tracker_->prior_poses()->Summary();
+}
 
 void Slam::UseLoopFinder(LoopFinder finder) {
   ThrowIf(!options_.loops.HasViews(),

@@ -52,11 +52,13 @@ bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_option
 Tracked FrameRegistration::Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                                     const Rigid3d& world_from_initial,
                                     const IcpOptions& icp_options,
-                                    const std::optional<Matrix6d>& motion_prior,
-                                    const Matrix6d& pose_noise) const {
+                                    const std::optional<MotionUncertainty>& motion) const {
   const Rigid3d initial = reference.world_from_view.Inverse() * world_from_initial;
-  Target target = {reference, icp_options, std::nullopt, pose_noise};
-  if (motion_prior) target.prior = In(initial, {Rigid3d(), *motion_prior});
+  Target target = {reference, icp_options, std::nullopt, {}};
+  if (motion) {
+    target.prior = In(initial, {Rigid3d(), motion->covariance});
+    target.motion = *motion;
+  }
   Tracked tracked = Validate(frame, target, MostLikelyPose(frame.view.pyramid, target, initial));
   if (tracked.has_pose()) return tracked;
   // A moving object in a large part of the view can pull the registration to a wrong minimum.
@@ -64,10 +66,10 @@ Tracked FrameRegistration::Register(const PreprocessedFrame& frame, const Refere
   unmoved.icp.target_from_source = unmoved.registered = initial;
   const Tracked hidden = Validate(frame, target, unmoved);
   if (!hidden.has_pose()) return tracked;
-  const Tracked again =
-      Validate(frame, target,
-               {hidden.icp, reference.world_from_view.Inverse() * hidden.world_from_registered,
-                hidden.quality.is_weakly_constrained, std::nullopt});
+  const Tracked again = Validate(
+      frame, target,
+      {hidden.icp, icp_options, reference.world_from_view.Inverse() * hidden.world_from_registered,
+       hidden.quality.is_weakly_constrained, std::nullopt});
   return again.has_pose() ? again : tracked;
 }
 
@@ -75,21 +77,49 @@ FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
     const FramePyramid& frame, const Target& target, const Rigid3d& reference_from_initial) const {
   Estimate estimate = FromData(frame, target, reference_from_initial);
   estimate.registered = estimate.icp.target_from_source;
-  if (!target.prior || !estimate.icp.Succeeded()) return estimate;
-  const ExpectedPose likely = MostLikely(
-      *target.prior, estimate.icp.target_from_source,
-      WithNoise(estimate.icp.trusted_information, estimate.icp.target_from_source,
-                target.pose_noise),
+  const bool is_registered =
+      estimate.icp.Succeeded() || estimate.icp.termination == Termination::kSingularSystem;
+  // The solver svd has no normal equations, so the prior is its initial pose only.
+  if (!target.prior || !is_registered || target.icp.solver == "svd") return estimate;
+  const Vector6d weights = target.motion.registration_scale.cwiseInverse();
+  const Matrix6d scaled =
+      weights.asDiagonal() * estimate.icp.trusted_information * weights.asDiagonal();
+  const Matrix6d information =
+      WithNoise(scaled, estimate.registered, target.motion.registration_noise);
+  estimate.squared_difference = SquaredDifference(*target.prior, estimate.registered, information);
+  const double max_sigmas = target.motion.max_sigmas.value_or(
       estimate.is_weakly_constrained ? kMaxSigmas : std::numeric_limits<double>::infinity());
-  estimate.icp.target_from_source = likely.target_from_source;
+  const ExpectedPose likely =
+      MostLikely(*target.prior, estimate.registered, information, max_sigmas);
   estimate.covariance = likely.covariance;
+  estimate.icp.target_from_source = likely.target_from_source;
+  const std::optional<PriorTerm> prior = InUnitsOf(estimate.icp.information, *target.prior,
+                                                   estimate.registered, information, max_sigmas);
+  if (prior) MinimizeWithPrior(frame, target, *prior, &estimate);
   return estimate;
+}
+
+// The linearised pose may differ from the minimum over data and prior, because correspondences
+// and kernel weights depend on the pose. Information and statistics are of the registration without
+// the prior.
+void FrameRegistration::MinimizeWithPrior(const FramePyramid& frame, const Target& target,
+                                          const PriorTerm& prior, Estimate* estimate) const {
+  IcpResult& icp = estimate->icp;
+  const IcpResult with_prior = RegisterWithPrior(frame, target.reference.view.pyramid,
+                                                 icp.target_from_source, prior, estimate->options);
+  icp.iterations.insert(icp.iterations.end(), with_prior.iterations.begin(),
+                        with_prior.iterations.end());
+  icp.step_count += with_prior.step_count;
+  if (with_prior.termination != Termination::kTooFewInliers) {
+    icp.target_from_source = with_prior.target_from_source;
+  }
 }
 
 FrameRegistration::Estimate FrameRegistration::FromData(
     const FramePyramid& frame, const Target& target, const Rigid3d& reference_from_initial) const {
   const FramePyramid& model = target.reference.view.pyramid;
   Estimate estimate;
+  estimate.options = target.icp;
   estimate.icp = surfit::Register(frame, model, reference_from_initial, target.icp);
   estimate.is_weakly_constrained = !estimate.icp.iterations.empty() &&
                                    estimate.icp.eigenvalues[0] < options_.min_turn_eigenvalue;
@@ -107,6 +137,7 @@ FrameRegistration::Estimate FrameRegistration::FromData(
         estimate.icp, textured.target_from_source, kWeakDirections * options_.min_turn_eigenvalue);
   }
   estimate.icp = std::move(textured);
+  estimate.options = std::move(with_intensities);
   return estimate;
 }
 
@@ -136,6 +167,7 @@ Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target
   tracked.world_from_registered = reference.world_from_view * best.registered;
   tracked.registered_information =
       from_camera.transpose() * best.icp.trusted_information * from_camera;
+  tracked.prior_squared_difference = best.squared_difference;
   tracked.icp = std::move(best.icp);
   tracked.quality.is_weakly_constrained = best.is_weakly_constrained;
   tracked.world_from_camera = reference.world_from_view * tracked.icp.target_from_source;

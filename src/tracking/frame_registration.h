@@ -6,7 +6,7 @@
 #include "surfit/tracking/tracking.h"
 #include "tracking/frame_preprocessor.h"
 #include "tracking/model_views.h"
-#include "tracking/motion_prior.h"
+#include "tracking/motion/motion_prior.h"
 #include "tracking/moving_regions.h"
 #include "tracking/tracked.h"
 
@@ -23,30 +23,29 @@ class FrameRegistration {
   FrameRegistration(const TrackingOptions& options, const MovingRegions& regions)
       : options_(options), regions_(regions) {}
 
-  // Registers `frame` to `reference` from the camera pose `world_from_initial`. `motion_prior`:
-  // covariance (rad, m) of the camera motion at this pose, in the camera frame. The result then
-  // combines prior and registration. `pose_noise`: covariance of errors of the registered pose that
-  // its information does not contain, in the camera frame. A rejected frame is registered again
-  // without the objects that move relative to the initial pose.
+  // Registers `frame` to `reference` from the camera pose `world_from_initial`. `motion`:
+  // uncertainty of this pose. The result then combines prior and registration. A rejected frame is
+  // registered again without the objects that move relative to the initial pose.
   //
   // A failed registration is lost, with the verdict kRejected. An uncertain result has a pose.
   Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_initial, const IcpOptions& icp_options,
-                   const std::optional<Matrix6d>& motion_prior = std::nullopt,
-                   const Matrix6d& pose_noise = Matrix6d::Zero()) const;
+                   const std::optional<MotionUncertainty>& motion = std::nullopt) const;
 
  private:
   struct Target {
     const ReferenceView& reference;
     const IcpOptions& icp;
-    std::optional<ExpectedPose> prior;       // in the frame of the reference
-    Matrix6d pose_noise = Matrix6d::Zero();  // in the camera frame
+    std::optional<ExpectedPose> prior;  // in the frame of the reference
+    MotionUncertainty motion;           // of the prior
   };
   struct Estimate {
-    IcpResult icp;       // pose: combined with the motion prior
+    IcpResult icp;       // pose: combined with the motion prior; all else: without it
+    IcpOptions options;  // of the registration
     Rigid3d registered;  // pose without the motion prior
     bool is_weakly_constrained = false;
     std::optional<Matrix6d> covariance;  // of the left increment; only with a motion prior
+    double squared_difference = 0;       // of `registered` from the motion prior
   };
 
   // Registers a weakly constrained frame again with photometric residuals.
@@ -54,6 +53,8 @@ class FrameRegistration {
                     const Rigid3d& reference_from_initial) const;
   Estimate MostLikelyPose(const FramePyramid& frame, const Target& target,
                           const Rigid3d& reference_from_initial) const;
+  void MinimizeWithPrior(const FramePyramid& frame, const Target& target, const PriorTerm& prior,
+                         Estimate* estimate) const;
   // If the frame has moving objects, registers the frame again without them first.
   Tracked Validate(const PreprocessedFrame& frame, const Target& target,
                    const Estimate& estimate) const;

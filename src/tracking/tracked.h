@@ -56,6 +56,9 @@ struct Tracked {
   Matrix6d registered_information = Matrix6d::Zero();
   // Covariance of the motion to this frame, in the camera frame. Only with a motion prior.
   std::optional<Matrix6d> motion_covariance;
+  // Squared difference of the registered from the predicted pose, in standard deviations. 0 without
+  // a motion prior.
+  double prior_squared_difference = 0;
   std::optional<TentativePose> tentative;  // set if the frame is lost with a tentative pose
   std::optional<TentativePose> confirmed;  // confirmed pose of the previous frame
 

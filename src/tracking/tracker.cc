@@ -16,6 +16,17 @@ namespace {
 constexpr std::size_t kReadoutLevel = 3;
 // Minimum inlier ratio of a pose that is certain by depth alone.
 constexpr double kCertainInliers = 0.6;
+// Maximum squared difference of a registered pose from prior poses, in standard deviations. A
+// chi-square variable with 6 degrees of freedom exceeds it with a probability of 4e-7.
+constexpr double kMaxPriorDifference = 40;
+// Bounds the influence of outliers of the registration.
+constexpr double kMaxPriorSigmas = 3;
+
+// Distance of two poses: translation plus 2 m times the rotation angle.
+double DistanceOf(const Rigid3d& a, const Rigid3d& b) {
+  const Rigid3d motion = a.Inverse() * b;
+  return motion.translation.norm() + 2 * RotationAngle(motion.rotation);
+}
 
 // A registered pose agrees with the inertial prediction within these bounds. The bounds of a
 // certain prediction are those of AreOnePlace().
@@ -38,6 +49,11 @@ Tracker::Tracker(const TrackingOptions& options, const Rigid3d& world_from_first
 void Tracker::UseRelocalizer(Relocalizer* relocalizer) {
   relocalizer_ = relocalizer;
   search_.UseRelocalizer(relocalizer);
+}
+
+void Tracker::UsePriorPoses(Trajectory world_from_body) {
+  prior_poses_.emplace(std::move(world_from_body), options_.prior_sigma_m,
+                       options_.prior_sigma_rad);
 }
 
 void Tracker::StartInGivenMap(double last_stamp_s) {
@@ -105,9 +121,20 @@ Tracked Tracker::TrackGiven(const PreprocessedFrame& frame, const Rigid3d& world
 }
 
 Prediction Tracker::Predict(const PreprocessedFrame& frame) {
+  prior_motion_.reset();
+  if (prior_poses_ && state_.HasStarted() && state_.is_localised && !state_.IsTentative()) {
+    prior_motion_ = prior_poses_->Trusted(last_stamp_s_, frame.images.stamp_s);
+  }
+  return PredictAt(frame);
+}
+
+// Predicts by the prior poses if they have a motion to the frame.
+Prediction Tracker::PredictAt(const PreprocessedFrame& frame) {
   Prediction prediction;
   imu_prediction_ = PredictByImu(frame.images.stamp_s);
-  if (imu_prediction_) {
+  if (prior_motion_) {
+    prediction.world_from_camera = last_.world_from_view * prior_motion_->last_from_frame;
+  } else if (imu_prediction_) {
     prediction.world_from_camera = imu_prediction_->world_from_camera;
   } else if (const std::optional<Rigid3d> predicted = PredictedPose()) {
     prediction.world_from_camera = *predicted;
@@ -123,7 +150,25 @@ Prediction Tracker::Predict(const PreprocessedFrame& frame) {
 }
 
 Tracked Tracker::Track(const PreprocessedFrame& frame, const Prediction& prediction) {
-  return CheckFeatures(frame, RegisterOrSearch(frame, prediction));
+  Tracked tracked = Register(frame, *prediction.reference, prediction.world_from_camera);
+  if (prior_motion_ && !AgreesWithPrior(tracked, prediction)) {
+    prior_motion_.reset();
+    const Prediction without = PredictAt(frame);
+    tracked = Register(frame, *without.reference, without.world_from_camera);
+    return CheckFeatures(frame, RegisterOrSearch(frame, without, std::move(tracked)));
+  }
+  return CheckFeatures(frame, RegisterOrSearch(frame, prediction, std::move(tracked)));
+}
+
+// A registration that differs from the prior is an outlier, unless the prior differs more from the
+// motion of the last frame.
+bool Tracker::AgreesWithPrior(const Tracked& tracked, const Prediction& prediction) const {
+  if (!tracked.has_pose() || tracked.verdict != Verdict::kAccepted) return false;
+  if (tracked.prior_squared_difference < kMaxPriorDifference) return true;
+  const std::optional<Rigid3d> smooth = motion_model_.PredictPose(state_, last_.world_from_view);
+  if (!smooth) return false;
+  return DistanceOf(*smooth, prediction.world_from_camera) <
+         DistanceOf(*smooth, tracked.world_from_registered);
 }
 
 Tracked Tracker::TrackFirst(const PreprocessedFrame& frame) {
@@ -158,10 +203,10 @@ Tracked Tracker::CheckFeatures(const PreprocessedFrame& frame, Tracked tracked) 
   return tracked;
 }
 
-Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Prediction& prediction) {
+Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Prediction& prediction,
+                                  Tracked registered) {
   const ReferenceView& reference = *prediction.reference;
-  Tracked tracked =
-      ByDepthAlone(frame, prediction, Register(frame, reference, prediction.world_from_camera));
+  Tracked tracked = ByDepthAlone(frame, prediction, std::move(registered));
   tracked = WithoutImu(frame, prediction, std::move(tracked));
   if (state_.HasLastPose() && !options_.IsFrameToFrame() && MayShowNewSurfaces(tracked)) {
     tracked = AgainstNewest(frame, std::move(tracked));
@@ -198,10 +243,8 @@ IcpOptions Tracker::IcpOptionsInUse() const {
 
 Tracked Tracker::Register(const PreprocessedFrame& frame, const ReferenceView& reference,
                           const Rigid3d& world_from_predicted) const {
-  Matrix6d pose_noise = Matrix6d::Zero();
-  if (imu_prediction_ && imu_prediction_->covariance) pose_noise = imu_prediction_->pose_noise;
   return registration_.Register(frame, reference, world_from_predicted, IcpOptionsInUse(),
-                                PriorCovariance(frame), pose_noise);
+                                PredictedUncertainty(frame));
 }
 
 std::optional<ImuTracking::Prediction> Tracker::PredictByImu(double stamp_s) const {
@@ -209,9 +252,26 @@ std::optional<ImuTracking::Prediction> Tracker::PredictByImu(double stamp_s) con
   return imu_->Predict(stamp_s);
 }
 
-std::optional<Matrix6d> Tracker::PriorCovariance(const PreprocessedFrame& frame) const {
-  if (imu_prediction_ && imu_prediction_->covariance) return imu_prediction_->covariance;
-  return motion_model_.PriorCovariance(state_, SecondsTo(frame));
+// Uncertainty of the prediction: of the prior poses, else of the inertial sensor, else of the
+// motion model.
+std::optional<MotionUncertainty> Tracker::PredictedUncertainty(
+    const PreprocessedFrame& frame) const {
+  MotionUncertainty motion;
+  if (prior_motion_) {
+    motion.covariance = last_covariance_ + prior_motion_->covariance;
+    motion.registration_scale = prior_poses_->registration_scale();
+    motion.max_sigmas = kMaxPriorSigmas;
+    return motion;
+  }
+  if (imu_prediction_ && imu_prediction_->covariance) {
+    motion.covariance = *imu_prediction_->covariance;
+    motion.registration_noise = imu_prediction_->pose_noise;
+    return motion;
+  }
+  const auto covariance = motion_model_.PriorCovariance(state_, SecondsTo(frame));
+  if (!covariance) return std::nullopt;
+  motion.covariance = *covariance;
+  return motion;
 }
 
 // The inertial sensor loses no frame: a pose that is not accepted is registered again without the
@@ -219,7 +279,9 @@ std::optional<Matrix6d> Tracker::PriorCovariance(const PreprocessedFrame& frame)
 Tracked Tracker::WithoutImu(const PreprocessedFrame& frame, const Prediction& prediction,
                             Tracked tracked) {
   const bool is_accepted = tracked.has_pose() && tracked.verdict == Verdict::kAccepted;
-  if (!imu_prediction_ || !imu_prediction_->covariance || is_accepted) return tracked;
+  if (prior_motion_ || !imu_prediction_ || !imu_prediction_->covariance || is_accepted) {
+    return tracked;
+  }
   const std::optional<ImuTracking::Prediction> predicted = std::exchange(imu_prediction_, {});
   Tracked again = ByDepthAlone(
       frame, prediction, Register(frame, *prediction.reference, prediction.world_from_camera));
@@ -393,6 +455,7 @@ void Tracker::Update(PreprocessedFrame frame, Tracked tracked) {
                                 SecondsTo(frame), tracked.found_by_search,
                                 expected && AreOnePlace(*expected, tracked.world_from_camera),
                                 tracked.motion_covariance});
+  if (prior_poses_) ComparePrior(frame, tracked);
   last_stamp_s_ = frame.images.stamp_s;
   if (options_.IsFrameToFrame() || options_.initialize != "identity" ||
       options_.motion_model == "so3") {
@@ -401,6 +464,26 @@ void Tracker::Update(PreprocessedFrame frame, Tracked tracked) {
   last_.world_from_view = tracked.world_from_camera;
   state_ = Next(state_, tracked.found_by_search ? TrackingEvent::kFound : TrackingEvent::kPose,
                 tracked.quality);
+}
+
+// Also keeps the covariance of the pose: the prior's motion to the next frame adds to it.
+void Tracker::ComparePrior(const PreprocessedFrame& frame, const Tracked& tracked) {
+  const bool is_registered = !tracked.registered_information.isZero(0);
+  const Rigid3d registered =
+      is_registered ? tracked.world_from_registered : tracked.world_from_camera;
+  const bool is_next = state_.HasLastPose() && !tracked.found_by_search && !tracked.submap;
+  if (is_next) {
+    prior_poses_->Add({last_stamp_s_, frame.images.stamp_s,
+                       world_from_registered_.Inverse() * registered,
+                       tracked.icp.trusted_information});
+  }
+  if (prior_motion_ && tracked.motion_covariance && is_next) {
+    prior_poses_->CountUse();
+    last_covariance_ = *tracked.motion_covariance;
+  } else {
+    last_covariance_ = Matrix6d::Zero();
+  }
+  world_from_registered_ = registered;
 }
 
 void Tracker::PredictAhead(bool has_color) {
@@ -432,6 +515,7 @@ std::optional<Rigid3d> Tracker::ExpectedPose() const {
 void Tracker::Move(const Rigid3d& new_from_old_now,
                    const std::function<Rigid3d(int frame)>& new_from_old_at) {
   last_.world_from_view = new_from_old_now * last_.world_from_view;
+  world_from_registered_ = new_from_old_now * world_from_registered_;
   regions_.Move(new_from_old_now);
   features_.Move(new_from_old_now);
   if (imu_) imu_->Move(new_from_old_now);

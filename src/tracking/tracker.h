@@ -14,7 +14,8 @@
 #include "tracking/frame_registration.h"
 #include "tracking/inertial/imu_tracking.h"
 #include "tracking/model_views.h"
-#include "tracking/motion_model.h"
+#include "tracking/motion/motion_model.h"
+#include "tracking/motion/prior_poses.h"
 #include "tracking/moving_regions.h"
 #include "tracking/pose_search.h"
 #include "tracking/tracked.h"
@@ -51,6 +52,11 @@ class Tracker {
   // Called within Track() if a frame has no pose, also before it begins a new submap. Not called
   // for a frame that TrackFirst() or the feature check loses.
   void OnLostFrame(std::function<void(const LostFrame&)> call) { on_lost_ = std::move(call); }
+  // Uses prior poses for the predicted pose, as a motion prior, and in prior_poses(). Call before
+  // the first frame.
+  void UsePriorPoses(Trajectory world_from_body);
+  // Null without prior poses. Valid until the next call.
+  const PriorPoses* prior_poses() const { return prior_poses_ ? &*prior_poses_ : nullptr; }
   // Starts with a given map and an unknown camera pose. `last_stamp_s`: time of the last pose in
   // the map. Call before the first frame.
   void StartInGivenMap(double last_stamp_s);
@@ -112,7 +118,8 @@ class Tracker {
   void WarnOfColor(int frame);
   Tracked ByDepthAlone(const PreprocessedFrame& frame, const Prediction& prediction,
                        Tracked tracked);
-  Tracked RegisterOrSearch(const PreprocessedFrame& frame, const Prediction& prediction);
+  Tracked RegisterOrSearch(const PreprocessedFrame& frame, const Prediction& prediction,
+                           Tracked registered);
   // Options of the first registration of the next frame.
   IcpOptions IcpOptionsInUse() const;
   Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,
@@ -127,9 +134,12 @@ class Tracker {
   Rigid3d WithMeasuredMotion(const PreprocessedFrame& frame, const Tracked& tracked) const;
   std::optional<Tracked> InNewSubmap(const PreprocessedFrame& frame, const Tracked& tracked);
 
+  Prediction PredictAt(const PreprocessedFrame& frame);
+  bool AgreesWithPrior(const Tracked& tracked, const Prediction& prediction) const;
+  void ComparePrior(const PreprocessedFrame& frame, const Tracked& tracked);
   // Poses are predicted by the inertial sensor if it is in use.
   std::optional<ImuTracking::Prediction> PredictByImu(double stamp_s) const;
-  std::optional<Matrix6d> PriorCovariance(const PreprocessedFrame& frame) const;
+  std::optional<MotionUncertainty> PredictedUncertainty(const PreprocessedFrame& frame) const;
   Tracked WithoutImu(const PreprocessedFrame& frame, const Prediction& prediction, Tracked tracked);
   bool AgreesWithImu(const Tracked& tracked) const;
   void AddToImu(const PreprocessedFrame& frame, const Tracked& tracked);
@@ -160,6 +170,10 @@ class Tracker {
   MotionModel motion_model_;
   std::unique_ptr<ImuTracking> imu_;                       // null: no inertial sensor
   std::optional<ImuTracking::Prediction> imu_prediction_;  // for the frame of Predict()
+  std::optional<PriorPoses> prior_poses_;
+  std::optional<PriorMotion> prior_motion_;      // to the present frame; std::nullopt: not used
+  Rigid3d world_from_registered_;                // last pose by registration alone
+  Matrix6d last_covariance_ = Matrix6d::Zero();  // of the last pose; only with prior poses
   Image<float> last_depth_m_;
 };
 

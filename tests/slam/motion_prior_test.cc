@@ -1,4 +1,4 @@
-#include "tracking/motion_prior.h"
+#include "tracking/motion/motion_prior.h"
 
 #include <gtest/gtest.h>
 

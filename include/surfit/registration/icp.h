@@ -111,4 +111,12 @@ struct IcpResult {
 IcpResult Register(const FramePyramid& source, const FramePyramid& target,
                    const Rigid3d& target_from_source_initial, const IcpOptions& options);
 
+// Registers source to target on the finest level, with a prior of the pose in each step. The
+// initial pose is a registration of both pyramids. The prior constrains all directions, so no
+// motion is undone. Information and statistics of the result do not contain the prior. Throws
+// InputError for invalid options, and for the solver svd, which has no prior.
+IcpResult RegisterWithPrior(const FramePyramid& source, const FramePyramid& target,
+                            const Rigid3d& target_from_source_initial, const PriorTerm& prior,
+                            const IcpOptions& options);
+
 }  // namespace surfit

@@ -12,6 +12,19 @@ namespace surfit {
 
 class PhotometricTerm;
 
+// Weighted rows [A r] of a Gaussian prior: A is the Jacobian in the left perturbation (w [rad], v
+// [m]), r is the residual in standard deviations.
+using PriorRows = Eigen::Matrix<double, 6, 7>;
+
+// Gaussian prior of a pose, in the units of the normal equations. Its residual is the error of
+// cost_functions/pose_prior.h.
+struct PriorTerm {
+  Rigid3d target_from_source;
+  Matrix6d information = Matrix6d::Zero();  // of the left perturbation, symmetric
+
+  PriorRows RowsAt(const Rigid3d& pose) const;
+};
+
 // Options of the solver for a pose increment.
 struct PoseSolverOptions {
   std::string name = "closed_form_ldlt";   // a name of PoseSolverNames()
@@ -34,15 +47,18 @@ struct SolveReport {
 
 // Result of one solver step.
 struct StepResult {
-  NormalSystem system;          // normal equations at the pose before the step
+  NormalSystem system;          // normal equations at the pose before the step, without the prior
   Observability observability;  // of `system`
-  // Left perturbation (w [rad], v [m]) in the target frame, 0 along unobservable directions.
+  double prior_cost = 0;        // 1/2 |r|^2 of the prior at the pose before the step
+  // Left perturbation (w [rad], v [m]) in the target frame. Without a prior, it is 0 along
+  // unobservable directions.
   Vector6d increment = Vector6d::Zero();
   SolveReport report;
 };
 
-// Computes the increment of a pose from correspondences. The increment is 0 along unobservable
-// directions, and without correspondences. Const functions change no state.
+// Computes the increment of a pose from correspondences. The increment is 0 without
+// correspondences. Without a prior, it is 0 along unobservable directions. Const functions change
+// no state.
 class PoseSolver {
  public:
   explicit PoseSolver(const PoseSolverOptions& options) : options_(options) {}
@@ -51,6 +67,11 @@ class PoseSolver {
   // Adds photometric residuals to steps with an Association. Stores a reference, which must be
   // valid during these steps.
   void Use(const PhotometricTerm& photometric) { photometric_ = &photometric; }
+
+  // Adds a prior of the pose to steps with an Association. Its information must be positive
+  // definite. Not for svd, which has no normal equations. Stores a reference, which must be valid
+  // during these steps.
+  void Use(const PriorTerm& prior) { prior_ = &prior; }
 
   // Finds correspondences at a pose in single precision, and computes a step.
   virtual StepResult Step(const Association& association,
@@ -69,10 +90,12 @@ class PoseSolver {
  protected:
   const PoseSolverOptions& options() const { return options_; }
   const PhotometricTerm* photometric() const { return photometric_; }  // null: none
+  const PriorTerm* prior() const { return prior_; }                    // null: none
 
  private:
   PoseSolverOptions options_;
   const PhotometricTerm* photometric_ = nullptr;
+  const PriorTerm* prior_ = nullptr;
 };
 
 // Solver names:

@@ -26,6 +26,8 @@ struct SlamRunOptions {
   // the phone has estimated, for a comparison. Empty: that of the sequence, if it has one.
   std::string groundtruth;
   bool fit_mount = false;  // estimates SlamRunSummary::mount; requires ground truth
+  // Trajectory of another source, read as `groundtruth`: see Slam::UsePriorPoses(). Empty: none.
+  std::string prior_poses;
   // Pose world_from_camera of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw (m,
   // unit quaternion).
   std::string initial_pose = "identity";
@@ -222,6 +224,7 @@ struct SlamRunSummary {
   bool MostFramesHaveAPose() const { return 2 * frames_tracked >= frames_total; }
 
   std::int64_t session_waits = 0;            // saves that waited for the previous save
+  std::optional<PriorPoseSummary> prior_poses;  // with SlamRunOptions::prior_poses only
   std::optional<Localization> localization;  // for localisation only
 
   // Digest of the final trajectory and of the map before final fusion. Equal digests mean bitwise

@@ -44,6 +44,19 @@ enum class StateUse {
 using KeyframeCall = std::function<void(int frame, const ViewOfKeyframe& view,
                                         const std::shared_ptr<const RgbdFrame>& calibration_frame)>;
 
+// Motion between two frames by another source than registration. Covariances (rad, m) are of left
+// increments, in frame b.
+struct PriorEdge {
+  // Poses of both cameras in the world of the source.
+  Rigid3d source_from_a, source_from_b;
+  Matrix6d covariance;  // of the motion by the source
+  // Covariance of the registered motion, in addition to that of the odometry edge.
+  Matrix6d odometry_covariance;
+  Matrix6d registration_noise;  // of one registered pose
+};
+// Returns std::nullopt without a motion between both times (s), or with a rejected one.
+using PriorMotions = std::function<std::optional<PriorEdge>(double a_s, double b_s)>;
+
 class Calibrator;
 class LoopCloser;
 struct LoopOutcome;
@@ -97,6 +110,10 @@ class Backend {
   void ContinueFrom(SlamState* state, StateUse use);
   // Sets the callback for new keyframes; null: none. Not called without loops.
   void OnKeyframe(KeyframeCall call) { on_keyframe_ = std::move(call); }
+
+  // Adds motions of another source to the pose graph, between consecutive keyframes,
+  // and after the last frame between consecutive frames.
+  void UsePriorMotions(PriorMotions motions) { prior_motions_ = std::move(motions); }
 
   // Call before each frame. Returns the corrections to apply before this frame, in order; empty
   // without corrections. Waits for a task whose result is due, except in real time. Throws the
@@ -168,6 +185,10 @@ class Backend {
   void TakeLoops(std::vector<WorldCorrection>* corrections);
   void FinishLoops(std::vector<WorldCorrection>* corrections);
   void TakeCalibration(std::vector<WorldCorrection>* corrections);
+  PoseGraph Graph(const std::vector<Rigid3d>& world_from_keyframe);
+  void FusePriorMotions(std::vector<WorldCorrection>* corrections);
+  std::optional<std::vector<Rigid3d>> KeyframesWithPrior();
+  std::vector<Rigid3d> SmoothedByPrior(std::vector<Rigid3d> world_from_frame) const;
   WorldCorrection Move(const std::vector<Rigid3d>& new_from_old_of_keyframe);
   std::vector<Rigid3d> CorrectionsOfKeyframes(
       const std::vector<Rigid3d>& world_from_keyframe) const;
@@ -181,6 +202,7 @@ class Backend {
   std::optional<int> anchor_;              // keyframe that relocalised the next frame
   bool begins_submap_ = true;
   KeyframeCall on_keyframe_;
+  PriorMotions prior_motions_;              // empty: none
   std::unique_ptr<LoopCloser> closer_;      // null without loops
   std::unique_ptr<Calibrator> calibrator_;  // null without calibration
   std::vector<CalibrationRecord> calibrations_;

@@ -10,6 +10,7 @@
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/inertial.h"
+#include "surfit/geometry/trajectory.h"
 #include "surfit/mapping/fusion.h"
 #include "surfit/mapping/model_renderer.h"
 #include "surfit/mapping/surfel_map.h"
@@ -129,6 +130,16 @@ class Slam {
   // exceptions of the callback.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
+  // Uses the trajectory of another source, for example of a phone or a robot. Its poses are
+  // world_from_body, in any world frame, at the times of the frames. The offset between body and
+  // camera is constant and unknown. The prior predicts each pose, is a motion prior, and adds edges
+  // to the pose graph. Stretches that contradict the registration are rejected. Throws InputError
+  // for fewer than two poses. Throws InputError if a frame has a
+  // pose.
+  void UsePriorPoses(Trajectory world_from_body);
+  // std::nullopt without prior poses.
+  std::optional<PriorPoseSummary> prior_poses() const;
+
   // Predicts camera poses by an inertial sensor, whose clock is that of the frames up to the time
   // offset of its calibration. The report is empty without a sensor. Throws if a frame has been
   // processed.
@@ -170,6 +181,7 @@ class Slam {
        const Rigid3d& world_from_first_camera, StateUse use);
 
   void MakeBackend(LoopFinder finder);
+  void UsePriorEdges();
   void Correct(const RgbdFrame& frame, StageTimes* times);
   void Apply(const WorldCorrection& correction, int frame_index);
   PreprocessedFrame Preprocess(const RgbdFrame& frame, const CameraMotion& motion,

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "surfit/core/image.h"
 #include "surfit/frame/frame_pyramid.h"
@@ -47,6 +49,9 @@ struct TrackingOptions {
   // hand-held cameras. 0: no motion prior. Requires "constant_velocity".
   double acceleration_m_per_s2 = 0;
   double angular_acceleration_rad_per_s2 = 4;
+  // Standard deviation of the drift of prior poses (Slam::UsePriorPoses()) after 1 s. 0: estimated.
+  double prior_sigma_m = 0;
+  double prior_sigma_rad = 0;
   // Bounds of an accepted registration: IcpResult::inlier_ratio and IcpResult::rmse_m.
   double min_inlier_ratio = 0.3;
   double max_rmse_m = 0.03;
@@ -61,6 +66,19 @@ struct TrackingOptions {
   bool IsFrameToFrame() const { return tracking == "frame_to_frame"; }
   // Uncertain frames are verified by global registration.
   bool VerifiesBySearch() const { return confident_inlier_ratio > 0 && initialize != "identity"; }
+};
+
+// Comparison of prior poses (Slam::UsePriorPoses()) with registration.
+struct PriorPoseSummary {
+  int frames_compared = 0;  // tracked frames with a prior motion since the last tracked frame
+  int frames_without = 0;   // tracked frames without a prior motion: no prior pose at their times
+  int frames_used = 0;      // frames whose pose includes the prior
+  int frames_rejected = 0;  // frames of `rejected`
+  // Times of the first and the last frame of each stretch that contradicts the registered motion.
+  std::vector<std::pair<double, double>> rejected;
+  Rigid3d body_from_camera;  // estimated offset
+  // Standard deviation of the drift of the prior after 1 s, per component: stated or estimated.
+  double sigma_m = 0, sigma_rad = 0;
 };
 
 // Outcome of a frame.

@@ -56,7 +56,8 @@ std::unique_ptr<Association> MakeAssociation(const FrameLevel& source, const Fra
 }
 
 void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level,
-                   const Rigid3d& start, const IcpOptions& options, IcpResult* result) {
+                   const Rigid3d& start, const IcpOptions& options, const PriorTerm* prior,
+                   IcpResult* result) {
   const ResidualType residual = ResidualTypeFromName(options.residual);
   const int row_stride = RowStride(options, source, level);
   const ErrorModel error_model = ErrorModelOfLevel(options, level, row_stride);
@@ -68,10 +69,12 @@ void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level
                         result->target_from_source);
     solver->Use(*photometric);
   }
+  if (prior != nullptr) solver->Use(*prior);
   const std::unique_ptr<Association> association =
       MakeAssociation(source, target, options.association, gates, error_model,
                       NormalsNeededBy(residual), row_stride);
-  RunLevel({*association, *solver, level, start, target.camera.fx}, options, result);
+  RunLevel({*association, *solver, level, start, target.camera.fx, prior != nullptr}, options,
+           result);
 }
 
 void CheckFreeSpace(const FrameLevel& source, const FrameLevel& target, const IcpOptions& options,
@@ -101,13 +104,26 @@ IcpResult Register(const FramePyramid& source, const FramePyramid& target,
   for (int level = levels - 1; level >= 0; --level) {
     if (!options.middle_levels && level > 0 && level < levels - 1) continue;
     RegisterLevel(source.levels[level], target.levels[level], level, target_from_source_initial,
-                  options, &result);
+                  options, nullptr, &result);
     // A degenerate system does not end the registration. Finer levels can constrain directions that
     // are degenerate at a coarse level.
     if (result.termination == Termination::kTooFewInliers) return result;
   }
   if (levels > 0 && result.Succeeded())
     CheckFreeSpace(source.levels[0], target.levels[0], options, &result);
+  return result;
+}
+
+IcpResult RegisterWithPrior(const FramePyramid& source, const FramePyramid& target,
+                            const Rigid3d& target_from_source_initial, const PriorTerm& prior,
+                            const IcpOptions& options) {
+  Validate(options);
+  ThrowIf(options.solver == "svd", "solver is 'svd', must be another one with a prior");
+  IcpResult result;
+  result.target_from_source = target_from_source_initial;
+  if (source.levels.empty() || target.levels.empty()) return result;
+  RegisterLevel(source.levels[0], target.levels[0], 0, target_from_source_initial, options, &prior,
+                &result);
   return result;
 }
 

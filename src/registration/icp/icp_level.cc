@@ -12,8 +12,12 @@ struct PoseState {
   Rigid3d pose;
   StepResult step;
 
-  // RMS of geometric and photometric residuals, used by the termination criteria.
-  double JointRmse() const { return std::sqrt(step.system.JointLoss()); }
+  // RMS of all residuals, used by the termination criteria.
+  double JointRmse() const {
+    const double weight_sum = step.system.weight_sum;
+    const double of_prior = weight_sum > 0 ? 2 * step.prior_cost / weight_sum : 0;
+    return std::sqrt(step.system.JointLoss() + of_prior);
+  }
 };
 
 class LevelRun {
@@ -26,7 +30,7 @@ class LevelRun {
 
   void Run() {
     Iterate();
-    if (level_.level > 0 || !result_.Succeeded()) return;
+    if (level_.level > 0 || level_.has_prior || !result_.Succeeded()) return;
     const Observability held = Observe(result_.system, options_.observability);
     if (!held.Degenerate()) return;
     UndoDegenerateMotion(held);

@@ -46,8 +46,9 @@ struct IcpLevel {
   const Association& association;
   const PoseSolver& solver;
   int level = 0;
-  Rigid3d start;        // initial pose of the whole registration
-  double focal_px = 0;  // px, for min_coarse_step_px; 0: not an image
+  Rigid3d start;           // initial pose of the whole registration
+  double focal_px = 0;     // px, for min_coarse_step_px; 0: not an image
+  bool has_prior = false;  // the solver uses a prior: all directions are constrained
 };
 
 // Options of the pose solver of a level. During the iterations, only the rounding threshold of
@@ -56,8 +57,8 @@ struct IcpLevel {
 PoseSolverOptions SolverOptions(const IcpOptions& options, const ErrorModel& error_model);
 
 // Iterates from result->target_from_source until termination, and extends `result`. On the finest
-// level, the motion along degenerate directions is then undone, and the iterations continue along
-// the constrained directions.
+// level without a prior, the motion along degenerate directions is then undone, and the iterations
+// continue along the constrained directions.
 void RunLevel(const IcpLevel& level, const IcpOptions& options, IcpResult* result);
 
 }  // namespace surfit

@@ -105,9 +105,11 @@ class ReducedCeresSolver final : public ReducedSolver<ReducedCeresSolver> {
   using ReducedSolver::ReducedSolver;
 
   template <typename S>
-  Vector6d Minimum(ReducedBlocks blocks, const StepResult&, SolveReport* report) const {
+  Vector6d Minimum(ReducedBlocks blocks, std::unique_ptr<ceres::CostFunction> prior,
+                   const StepResult&, SolveReport* report) const {
     PoseProblem problem;
     for (auto& block : blocks) problem.Add(block.release());
+    if (prior) problem.Add(prior.release());
     return problem.Solve<S>(ceres::DENSE_QR, options().min_relative_cost_change, report);
   }
 };
@@ -121,7 +123,7 @@ class PerPointCeresSolver final : public PairSolver<PerPointCeresSolver> {
 
   template <typename S>
   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const IntensityPairs& intensities,
-                 const StepResult&, SolveReport* report) const {
+                 const Rigid3d* pose, const StepResult&, SolveReport* report) const {
     const Stopwatch building;
     KernelLoss loss(kernel),
         intensity_loss(photometric() != nullptr ? photometric()->kernel() : kernel);
@@ -131,6 +133,7 @@ class PerPointCeresSolver final : public PairSolver<PerPointCeresSolver> {
       AddBlocks(MakeBatch(intensities, *photometric()), FunctorOf(photometric()->camera()),
                 &intensity_loss, &problem);
     }
+    if (pose != nullptr) problem.Add(MakePriorCost(*prior(), *pose).release());
     report->build_ms = building.Milliseconds();
     return problem.Solve<S>(linear_solver_, options().min_relative_cost_change, report);
   }

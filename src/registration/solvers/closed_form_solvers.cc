@@ -24,7 +24,9 @@ class NormalSystemSolver final : public PoseSolver {
                   const Rigid3d& target_from_source) const override {
     const Stopwatch linearizing;
     StepResult result = Describe(association, target_from_source);
-    return Solved(linearizing.Milliseconds(), &result);
+    if (prior() == nullptr) return Solved(linearizing.Milliseconds(), &result);
+    const PriorRows rows = prior()->RowsAt(target_from_source);
+    return SolvedWithPrior(linearizing.Milliseconds(), rows, &result);
   }
   StepResult Step(const PairBuffer& pairs) const override { return StepOver(pairs); }
   StepResult Step(const Correspondences& pairs) const override { return StepOver(pairs); }
@@ -51,6 +53,20 @@ class NormalSystemSolver final : public PoseSolver {
     return *result;
   }
 
+  StepResult SolvedWithPrior(double linearize_ms, const PriorRows& rows, StepResult* result) const {
+    const Stopwatch solving;
+    if (result->observability.degenerate_count < 6) {
+      const auto jacobian = rows.leftCols<6>();
+      const Matrix6d hessian = result->system.hessian + jacobian.transpose() * jacobian;
+      const Vector6d right_side = result->system.right_side - jacobian.transpose() * rows.col(6);
+      result->increment = solve_(hessian, right_side);
+    }
+    result->report.costs = {result->system.JointCost() + result->prior_cost};
+    result->report.linearize_ms = linearize_ms;
+    result->report.solve_ms = linearize_ms + solving.Milliseconds();
+    return *result;
+  }
+
   SystemSolver solve_;
 };
 
@@ -62,14 +78,19 @@ class QrSolver final : public PairSolver<QrSolver> {
 
   template <typename S>
   Vector6d Solve(const Pairs<S>& pairs, const RobustKernel& kernel,
-                 const IntensityPairs& intensities, const StepResult& before,
+                 const IntensityPairs& intensities, const Rigid3d* pose, const StepResult& before,
                  SolveReport* report) const {
     const Stopwatch solving;
-    if (before.observability.Degenerate()) {
+    if (pose == nullptr && before.observability.Degenerate()) {
       return SolveObservable(before.system, before.observability);
     }
-    AllRows rows = RowsOf(pairs, kernel, intensities.size);
+    const int prior_rows = pose != nullptr ? static_cast<int>(PriorRows::RowsAtCompileTime) : 0;
+    AllRows rows = RowsOf(pairs, kernel, prior_rows + intensities.size);
     if (intensities.size > 0) SetIntensityRows(intensities, &rows);
+    if (pose != nullptr) {
+      rows.middleRows<PriorRows::RowsAtCompileTime>(rows.rows() - intensities.size - prior_rows) =
+          prior()->RowsAt(*pose);
+    }
     report->linearize_ms = solving.Milliseconds();
     Vector6d increment = SolveByQr(&rows);
     report->solve_ms = solving.Milliseconds();
@@ -192,7 +213,7 @@ class SvdSolver final : public PairSolver<SvdSolver> {
 
   template <typename S>
   Vector6d Solve(const Pairs<S>& pairs, const RobustKernel& kernel, const IntensityPairs&,
-                 const StepResult&, SolveReport* report) const {
+                 const Rigid3d*, const StepResult&, SolveReport* report) const {
     constexpr int kGrain = 4096;
     const Stopwatch solving;
     // Coordinates are relative to the first pair. The difference avoids cancellation far from the

@@ -22,9 +22,10 @@ class Stopwatch {
 // Base of solvers with one implementation for both precisions. Derived has
 //   template <typename S>
 //   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const IntensityPairs& intensities,
-//                  const StepResult& before, SolveReport* report) const
+//                  const Rigid3d* pose, const StepResult& before, SolveReport* report) const
 // Solve() returns the increment. The arrays of `pairs` have exact size. If `intensities` is not
-// empty, photometric() is not null. `before` contains the system and the observability.
+// empty, photometric() is not null. `pose` is the pose before the step if the step has a prior, and
+// null without one. `before` contains the system and the observability.
 template <typename Derived>
 class PairSolver : public PoseSolver {
  public:
@@ -34,11 +35,14 @@ class PairSolver : public PoseSolver {
                   const Rigid3d& target_from_source) const override {
     IntensityPairs intensities;
     if (photometric() != nullptr) intensities = photometric()->Collect(target_from_source);
-    return derived().StepOver(association.Collect(target_from_source), intensities);
+    return derived().StepOver(association.Collect(target_from_source), intensities,
+                              prior() != nullptr ? &target_from_source : nullptr);
   }
-  StepResult Step(const PairBuffer& pairs) const override { return derived().StepOver(pairs, {}); }
+  StepResult Step(const PairBuffer& pairs) const override {
+    return derived().StepOver(pairs, {}, nullptr);
+  }
   StepResult Step(const Correspondences& pairs) const override {
-    return derived().StepOver(pairs, {});
+    return derived().StepOver(pairs, {}, nullptr);
   }
 
  protected:
@@ -47,20 +51,28 @@ class PairSolver : public PoseSolver {
   // Step for given pairs. The increment is 0 if all directions are unobservable; Solve() is not
   // called then.
   template <typename S>
-  StepResult StepOver(Pairs<S> pairs, const IntensityPairs& intensities) const {
+  StepResult StepOver(Pairs<S> pairs, const IntensityPairs& intensities,
+                      const Rigid3d* pose) const {
     const RobustKernel kernel = KernelFor(pairs, options().residual, options().error_model);
     StepResult result;
     const Stopwatch linearizing;
     result.system = Linearize(pairs, options().residual, kernel);
     if (intensities.size > 0) result.system.Add(Linearize(intensities, *photometric()));
     result.report.linearize_ms = linearizing.Milliseconds();
-    result.report.costs = {result.system.JointCost()};
+    AddPriorCost(pose, &result);
+    result.report.costs = {result.system.JointCost() + result.prior_cost};
     result.observability = Observe(result.system, options().observability);
     if (result.observability.degenerate_count == 6) return result;
     pairs.SetCapacity(pairs.size);
-    result.increment = result.observability.Held(
-        derived().Solve(std::move(pairs), kernel, intensities, result, &result.report));
+    result.increment =
+        derived().Solve(std::move(pairs), kernel, intensities, pose, result, &result.report);
+    if (pose == nullptr) result.increment = result.observability.Held(result.increment);
     return result;
+  }
+
+  void AddPriorCost(const Rigid3d* pose, StepResult* result) const {
+    if (pose == nullptr) return;
+    result->prior_cost = 0.5 * prior()->RowsAt(*pose).col(6).squaredNorm();
   }
 };
 

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "core/named_values.h"
+#include "cost_functions/analytic_relative_pose.h"
+#include "cost_functions/pose_error.h"
 #include "registration/icp/own_residuals.h"
 #include "registration/solvers/pair_solver.h"
 
@@ -84,6 +86,18 @@ NeededNormals NormalsNeededBy(ResidualType type) {
   return NeededNormals::kBoth;
 }
 
+// The error E = X Z^-1 of pose X and prior Z becomes exp(w) E with the translation exp(w) e + v. To
+// first order, this adds J w to log E_R, and w x e + v to e. J is the inverse left Jacobian.
+PriorRows PriorTerm::RowsAt(const Rigid3d& pose) const {
+  const Vector6d error = FirstOrderIncrement(target_from_source, pose);
+  PriorRows rows = PriorRows::Zero();
+  rows.block<3, 3>(0, 0) = InverseLeftJacobian(error.head<3>());
+  rows.block<3, 3>(3, 0) = -CrossMatrix<double>(error.tail<3>());
+  rows.block<3, 3>(3, 3).setIdentity();
+  rows.col(6) = error;
+  return InformationRoot(information) * rows;
+}
+
 StepResult PoseSolver::Describe(const Association& association,
                                 const Rigid3d& target_from_source) const {
   const ErrorModel& error_model = options_.error_model;
@@ -97,6 +111,9 @@ StepResult PoseSolver::Describe(const Association& association,
         Linearize(association, target_from_source, options_.residual, error_model.kernel);
   }
   if (photometric_ != nullptr) result.system.Add(Linearize(*photometric_, target_from_source));
+  if (prior_ != nullptr) {
+    result.prior_cost = 0.5 * prior_->RowsAt(target_from_source).col(6).squaredNorm();
+  }
   result.observability = Observe(result.system, options_.observability);
   return result;
 }

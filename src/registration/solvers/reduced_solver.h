@@ -22,6 +22,9 @@ std::unique_ptr<ReducedBlock> MakeReducedCost(Pairs<S> pairs, ResidualType resid
 std::unique_ptr<ReducedBlock> MakeReducedCost(const IntensityPairs& pairs,
                                               const PhotometricTerm& term);
 
+// Cost of a prior over the left increment from `pose`. The last of kRowColumns residuals is 0.
+std::unique_ptr<ceres::CostFunction> MakePriorCost(const PriorTerm& prior, const Rigid3d& pose);
+
 using PoseBlock = std::array<double, kPoseSize>;
 
 inline PoseBlock IdentityBlock() { return {0, 0, 0, 1, 0, 0, 0}; }
@@ -50,8 +53,9 @@ using ReducedBlocks = std::vector<std::unique_ptr<ReducedBlock>>;
 // Base of solvers that minimise over reduced blocks. The normal equations of the StepResult come
 // from the blocks, so they are summed only once. Derived has
 //   template <typename S>
-//   Vector6d Minimum(ReducedBlocks blocks, const StepResult& before, SolveReport* report) const
-// Minimum() returns the increment.
+//   Vector6d Minimum(ReducedBlocks blocks, std::unique_ptr<ceres::CostFunction> prior,
+//                    const StepResult& before, SolveReport* report) const
+// Minimum() returns the increment. `prior` is null without a prior.
 template <typename Derived>
 class ReducedSolver : public PairSolver<Derived> {
  public:
@@ -60,7 +64,8 @@ class ReducedSolver : public PairSolver<Derived> {
   bool ReachesMinimum() const override { return true; }
 
   template <typename S>
-  StepResult StepOver(Pairs<S> pairs, const IntensityPairs& intensities) const {
+  StepResult StepOver(Pairs<S> pairs, const IntensityPairs& intensities,
+                      const Rigid3d* pose) const {
     const PoseSolverOptions& options = this->options();
     const RobustKernel kernel = KernelFor(pairs, options.residual, options.error_model);
     StepResult result;
@@ -77,12 +82,15 @@ class ReducedSolver : public PairSolver<Derived> {
     AddProducts(blocks, intensities.size, &result.system);
     linearize_ms += linearizing.Milliseconds();
     result.report.linearize_ms = result.report.solve_ms = linearize_ms;
-    result.report.costs = {result.system.JointCost()};
+    this->AddPriorCost(pose, &result);
+    result.report.costs = {result.system.JointCost() + result.prior_cost};
     result.observability = Observe(result.system, options.observability);
     if (result.observability.degenerate_count == 6) return result;
     const Stopwatch solving;
-    result.increment = result.observability.Held(
-        this->derived().template Minimum<S>(std::move(blocks), result, &result.report));
+    result.increment = this->derived().template Minimum<S>(
+        std::move(blocks), pose != nullptr ? MakePriorCost(*this->prior(), *pose) : nullptr, result,
+        &result.report);
+    if (pose == nullptr) result.increment = result.observability.Held(result.increment);
     result.report.linearize_ms = linearize_ms;
     result.report.solve_ms = linearize_ms + solving.Milliseconds();
     return result;

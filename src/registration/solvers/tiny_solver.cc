@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/row_sums.h"
@@ -72,10 +73,14 @@ class TinyPoseSolver final : public ReducedSolver<TinyPoseSolver> {
   using ReducedSolver::ReducedSolver;
 
   template <typename S>
-  Vector6d Minimum(const ReducedBlocks& blocks, const StepResult& before,
-                   SolveReport* report) const {
-    if (blocks.size() == 1) return MinimumOf<S, 1>({blocks[0].get()}, before, report);
-    return MinimumOf<S, 2>({blocks[0].get(), blocks[1].get()}, before, report);
+  Vector6d Minimum(const ReducedBlocks& blocks, const std::unique_ptr<ceres::CostFunction>& prior,
+                   const StepResult& before, SolveReport* report) const {
+    std::vector<const ceres::CostFunction*> costs;
+    for (const auto& block : blocks) costs.push_back(block.get());
+    if (prior) costs.push_back(prior.get());
+    if (costs.size() == 1) return MinimumOf<S, 1>({costs[0]}, before, report);
+    if (costs.size() == 2) return MinimumOf<S, 2>({costs[0], costs[1]}, before, report);
+    return MinimumOf<S, 3>({costs[0], costs[1], costs[2]}, before, report);
   }
 
  private:
@@ -90,7 +95,7 @@ class TinyPoseSolver final : public ReducedSolver<TinyPoseSolver> {
     // TinySolver has absolute tolerances, unlike ceres::Solver.
     solver.options.function_tolerance =
         std::max(LmTolerances<S>::kFunction, options().min_relative_cost_change) *
-        before.system.JointCost();
+        (before.system.JointCost() + before.prior_cost);
     solver.options.cost_threshold = 0;
     report->costs.clear();
     Vector6d x = Vector6d::Zero();

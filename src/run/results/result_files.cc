@@ -247,6 +247,19 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
                          {"median_sigma_m", found->median_sigma_m},
                          {"median_sigma_rad", found->median_sigma_rad}};
   }
+  j["prior_poses"] = nullptr;
+  if (const auto& prior = s.prior_poses) {
+    Json rejected = Json::array();
+    for (const auto& [from_s, to_s] : prior->rejected) rejected.push_back({from_s, to_s});
+    j["prior_poses"] = {{"frames_compared", prior->frames_compared},
+                        {"frames_without", prior->frames_without},
+                        {"frames_used", prior->frames_used},
+                        {"frames_rejected", prior->frames_rejected},
+                        {"rejected_s", rejected},
+                        {"body_from_camera", ToJson(prior->body_from_camera)},
+                        {"sigma_m", prior->sigma_m},
+                        {"sigma_rad", prior->sigma_rad}};
+  }
   j["calibration_warning"] = s.calibration_warning.empty() ? Json() : Json(s.calibration_warning);
   j["calibrations"] = Json::array();
   for (const CalibrationRecord& record : s.calibrations)

@@ -1,4 +1,4 @@
-#include "tracking/motion_model.h"
+#include "tracking/motion/motion_model.h"
 
 namespace surfit {
 namespace {

@@ -5,7 +5,7 @@
 #include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/tracking/tracking.h"
-#include "tracking/motion_prior.h"
+#include "tracking/motion/motion_prior.h"
 #include "tracking/tracking_state.h"
 
 namespace surfit {

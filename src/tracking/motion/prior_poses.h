@@ -1,0 +1,127 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "surfit/geometry/rigid3.h"
+#include "surfit/geometry/trajectory.h"
+#include "surfit/registration/normal_system.h"
+#include "surfit/tracking/tracking.h"
+
+namespace surfit {
+
+// Motion of the camera between two frames by registration alone.
+struct RegisteredMotion {
+  double from_s = 0, to_s = 0;
+  Rigid3d from_camera_to_camera;            // camera frame at `to_s` to that at `from_s`, m
+  Matrix6d information = Matrix6d::Zero();  // of the later registration
+};
+
+// Motion of the camera between two frames by the prior poses.
+struct PriorMotion {
+  Rigid3d last_from_frame;
+  Matrix6d covariance;  // rad, m; of the left increment, in the frame of the later camera
+};
+
+// Trajectory of another source (a phone, a robot, another SLAM), compared with registration.
+//
+// Model: registered poses and prior poses have white noise and random-walk drift. The body of the
+// prior has a constant offset from the camera, and the scale is 1. The mean squared
+// difference of both motions over n frames is D(n) = n (w_r + w_p) + 2 (v_r + v_p), with the drift
+// variances w and the noise variances v per frame. Only the sums follow from D. Third differences
+// of a trajectory have the variance 6 w + 20 v plus that of the true motion. They bound the drift
+// of each source. Within these bounds, both drifts are equal. All variances are from lower
+// quartiles, so up to three quarters of the prior may be wrong.
+//
+// Stretches of the prior whose motion over 1, 2, 4, ... frames differs by more than eight standard
+// deviations from the registered motion are rejected. Not thread-safe.
+class PriorPoses {
+ public:
+  // `sigma_m`, `sigma_rad`: standard deviation of the drift after 1 s; 0: estimated.
+  PriorPoses(Trajectory world_from_body, double sigma_m, double sigma_rad);
+
+  // Adds the motion to a frame. Without prior poses at both times, or if the motion does not begin
+  // at the last frame, the comparison starts again.
+  void Add(const RegisteredMotion& motion);
+
+  // Motion of the camera between two times. std::nullopt without prior poses at both times, or if
+  // the prior is not trusted. A trusted prior has agreed with at least 32 registered motions, and
+  // with all of the last motions.
+  std::optional<PriorMotion> Trusted(double from_s, double to_s) const;
+  // Motion between two frames that were added, for the pose graph. std::nullopt without a prior
+  // motion for each frame between them, or in a rejected stretch.
+  std::optional<PriorMotion> Accepted(double from_s, double to_s) const;
+
+  // Pose of the camera in the world of the prior. std::nullopt without a prior pose at this time.
+  std::optional<Rigid3d> CameraAt(double stamp_s) const;
+  // Factors of the standard deviations of a registration, at least 1.
+  const Vector6d& registration_scale() const { return registration_scale_; }
+  // Covariance of the motion between two registered poses.
+  Matrix6d RegisteredCovariance(double seconds) const;
+  // Covariance of the noise of one registered pose.
+  Matrix6d RegistrationNoise() const;
+
+  // Counts a frame whose pose includes the prior.
+  void CountUse() { ++used_; }
+  PriorPoseSummary Summary() const;
+
+  const Rigid3d& body_from_camera() const { return body_from_camera_; }
+
+ private:
+  struct Sample {
+    double from_s, to_s;
+    int run;                         // motions without interruption have the same number
+    Rigid3d camera, body;            // pose after the motion, since the beginning of the run
+    std::array<double, 2> variance;  // of the registration, rad^2 and m^2
+  };
+  struct Interval {
+    int begin, end;  // samples
+  };
+  // Variances per frame and component: rad^2 or m^2.
+  struct Noise {
+    std::vector<double> spread;  // D(1), D(2), D(4), ...
+    double prior_drift = 0, prior_noise = 0;
+    double registered_drift = 0, registered_noise = 0;
+  };
+
+  std::optional<Rigid3d> BodyMotion(double from_s, double to_s) const;
+  Matrix6d PriorCovariance(double seconds) const;
+  bool IsOneRun(int begin, int end) const;
+  Rigid3d CameraOver(int begin, int end) const;
+  Rigid3d BodyOver(int begin, int end) const;
+  Vector6d Difference(int begin, int end, const Rigid3d& body_from_camera) const;
+  Rigid3d PriorOver(int begin, int end) const;
+  bool IsPriorRougher(int begin, int end, int channel) const;
+  bool Contradicts(int begin, int end) const;
+  double Spread(const Noise& noise, int scale) const;
+  void Fit();
+  void FitMount();
+  void MeasureNoise();
+  void ScaleRegistration();
+  double ThirdDifference(int channel, bool is_prior) const;
+  std::vector<int> WindowsOf(int length, int step) const;
+  double MountCost(const Rigid3d& mount, const std::vector<int>& windows, int length) const;
+  Rigid3d RefinedMount(Rigid3d mount, const std::vector<int>& windows, int length) const;
+  std::vector<Rigid3d> MountCandidates(const std::vector<int>& windows, int length) const;
+  void UpdateTrust();
+  const std::vector<Interval>& Rejected() const;
+
+  Trajectory world_from_body_;
+  std::array<double, 2> stated_;  // variance of the drift per second; 0: estimated
+  std::vector<Sample> samples_;
+  Rigid3d body_from_camera_;
+  std::array<Noise, 2> noise_;  // rotation, translation
+  double frame_s_ = 0;          // median time of a motion
+  Vector6d registration_scale_ = Vector6d::Ones();
+  int next_fit_ = 0;
+  bool is_trusted_ = false;
+  int checked_from_ = 0;  // first sample of the present check
+  int needed_ = 0;        // samples that must agree
+  int used_ = 0, without_ = 0;
+  mutable std::vector<Interval> rejected_;
+  mutable std::size_t rejected_at_ = 0;  // number of samples of `rejected_`
+};
+
+}  // namespace surfit

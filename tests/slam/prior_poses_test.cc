@@ -1,0 +1,168 @@
+#include "tracking/motion/prior_poses.h"
+
+#include <ceres/ceres.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "cost_functions/pose.h"
+#include "cost_functions/pose_manifold.h"
+#include "cost_functions/pose_prior.h"
+#include "slam/simulated_sequence.h"
+#include "surfit/core/error.h"
+#include "testing/matchers.h"
+#include "tracking/motion/motion_prior.h"
+
+namespace surfit::testing {
+namespace {
+
+constexpr double kPriorFrame_s = 1. / 30;
+constexpr int kPriorFrames = 300;
+
+// True camera poses: a walk with turns about all axes.
+Rigid3d CameraOfWalk(int frame) {
+  const double s = frame * kPriorFrame_s;
+  const Eigen::Vector3d turn(0.3 * std::sin(0.9 * s), 0.5 * std::sin(0.7 * s),
+                             0.2 * std::sin(1.3 * s));
+  return {QuaternionExp<double>(turn),
+          Eigen::Vector3d(0.4 * s, 0.1 * std::sin(2 * s), 0.2 * std::cos(s))};
+}
+
+Vector6d PoseNoise(double sigma_rad, double sigma_m, std::mt19937_64* rng) {
+  std::normal_distribution<double> normal;
+  Vector6d v;
+  for (int i = 0; i < 6; ++i) v[i] = (i < 3 ? sigma_rad : sigma_m) * normal(*rng);
+  return v;
+}
+
+// Adds the motions of a camera with registration noise of 0.5 mm and 0.5 mrad.
+PriorPoses Compared(const Trajectory& prior, std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
+  PriorPoses poses(prior, 0, 0);
+  Rigid3d last;
+  for (int i = 0; i < kPriorFrames; ++i) {
+    const Rigid3d registered =
+        CameraOfWalk(i) * LeftIncrement<double>(PoseNoise(5e-4, 5e-4, &rng), {});
+    if (i > 0) {
+      poses.Add({(i - 1) * kPriorFrame_s, i * kPriorFrame_s, last.Inverse() * registered,
+                 Matrix6d::Identity() * 1e8});
+    }
+    last = registered;
+  }
+  return poses;
+}
+
+// Prior of a body, with random-walk drift per frame.
+Trajectory DriftingPrior(const Rigid3d& body_from_camera, double sigma_rad, double sigma_m,
+                         std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
+  Trajectory prior;
+  Rigid3d drift;
+  for (int i = 0; i < kPriorFrames; ++i) {
+    drift = drift * LeftIncrement<double>(PoseNoise(sigma_rad, sigma_m, &rng), {});
+    prior.push_back({i * kPriorFrame_s, CameraOfWalk(i) * drift * body_from_camera.Inverse()});
+  }
+  return prior;
+}
+
+TEST(PriorPoses, EstimatesOffsetOfRobotBody) {
+  Eigen::Matrix3d axes;  // body: x forward, z up; camera: z forward, y down
+  axes << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  const Rigid3d body_from_camera(axes, Eigen::Vector3d(0.2, -0.1, 0.3));
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const PriorPoses poses = Compared(DriftingPrior(body_from_camera, 1e-4, 2e-4, seed), seed);
+    EXPECT_THAT(poses.body_from_camera(), RigidNear(body_from_camera, 0.02, 0.01)) << seed;
+    EXPECT_EQ(poses.Summary().frames_rejected, 0) << seed;
+    EXPECT_TRUE(poses.Trusted(298 * kPriorFrame_s, 299 * kPriorFrame_s)) << seed;
+  }
+}
+
+TEST(PriorPoses, EstimatesDrift) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const PriorPoseSummary summary = Compared(DriftingPrior({}, 1e-3, 2e-3, seed), seed).Summary();
+    const double frames_per_s = 1 / kPriorFrame_s;
+    // Both sources share the drift equally: a factor of 0.71. The variance of the largest scale is
+    // from 8 windows, with a standard deviation of about 0.35. Two of them give 0.71 sqrt(0.3).
+    EXPECT_GT(summary.sigma_m, 0.39 * 2e-3 * std::sqrt(frames_per_s)) << seed;
+    EXPECT_LT(summary.sigma_m, 1.3 * 2e-3 * std::sqrt(frames_per_s)) << seed;
+    EXPECT_GT(summary.sigma_rad, 0.39 * 1e-3 * std::sqrt(frames_per_s)) << seed;
+    EXPECT_LT(summary.sigma_rad, 1.3 * 1e-3 * std::sqrt(frames_per_s)) << seed;
+    EXPECT_EQ(summary.frames_rejected, 0) << seed;
+  }
+}
+
+TEST(PriorPoses, RejectsOnlyTheMotionOfAJump) {
+  Trajectory prior = DriftingPrior({}, 1e-4, 2e-4, 4);
+  for (int i = 150; i < kPriorFrames; ++i) prior[i].world_from_camera.translation.x() += 0.2;
+  const PriorPoses poses = Compared(prior, 4);
+  EXPECT_EQ(poses.Summary().rejected.size(), 1U);
+  EXPECT_LE(poses.Summary().frames_rejected, 2);
+  EXPECT_FALSE(poses.Accepted(140 * kPriorFrame_s, 160 * kPriorFrame_s));
+  EXPECT_TRUE(poses.Accepted(120 * kPriorFrame_s, 140 * kPriorFrame_s));
+  EXPECT_TRUE(poses.Accepted(160 * kPriorFrame_s, 180 * kPriorFrame_s));
+}
+
+TEST(PriorPoses, RejectsSlowDriftOfSecondHalf) {
+  Trajectory prior = DriftingPrior({}, 1e-4, 2e-4, 5);
+  for (int i = 150; i < kPriorFrames; ++i) {
+    prior[i].world_from_camera.translation.x() += 0.2 * (i - 150) / 150;
+  }
+  const PriorPoses poses = Compared(prior, 5);
+  EXPECT_GT(poses.Summary().frames_rejected, 130);
+  EXPECT_FALSE(poses.Trusted(298 * kPriorFrame_s, 299 * kPriorFrame_s));
+  EXPECT_TRUE(poses.Accepted(100 * kPriorFrame_s, 120 * kPriorFrame_s));
+}
+
+TEST(PriorPoses, HasNoMotionWithoutPriorPosesAtItsTimes) {
+  Trajectory prior = DriftingPrior({}, 1e-4, 2e-4, 6);
+  prior.resize(100);
+  const PriorPoses poses = Compared(prior, 6);
+  EXPECT_EQ(poses.Summary().frames_compared, 99);
+  EXPECT_EQ(poses.Summary().frames_without, 200);
+  EXPECT_FALSE(poses.Trusted(150 * kPriorFrame_s, 151 * kPriorFrame_s));
+  EXPECT_FALSE(poses.Accepted(90 * kPriorFrame_s, 110 * kPriorFrame_s));
+}
+
+// Both forms of the solver: the update in closed form, and Ceres with the functor of the prior. The
+// closed form is of first order: its error is about the squared rotation between both
+// poses, 2.5e-7.
+TEST(PriorPoses, CeresGivesTheSamePoseAsTheClosedForm) {
+  std::mt19937_64 rng(7);
+  for (int i = 0; i < 20; ++i) {
+    const Rigid3d expected = CameraOfWalk(i);
+    const Rigid3d registered = LeftIncrement<double>(PoseNoise(3e-4, 3e-4, &rng), expected);
+    const Matrix6d covariance = Variances(1e-3, 2e-3);
+    Matrix6d rows;
+    for (int k = 0; k < 6; ++k) rows.row(k) = PoseNoise(1e3, 1e3, &rng);
+    const Matrix6d information = rows.transpose() * rows;
+    const ExpectedPose likely = MostLikely({expected, covariance}, registered, information, 1e9);
+    double block[kPoseSize];
+    PoseToBlock(expected, block);
+    LeftPoseManifold manifold;
+    ceres::Problem::Options options;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    ceres::Problem problem(options);
+    problem.AddParameterBlock(block, kPoseSize, &manifold);
+    for (const PosePrior& prior :
+         {PosePrior(expected, covariance.inverse()), PosePrior(registered, information)}) {
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<PosePrior, 6, kPoseSize>(new PosePrior(prior)), nullptr,
+          block);
+    }
+    ceres::Solver::Options solver;
+    solver.function_tolerance = solver.gradient_tolerance = solver.parameter_tolerance = 1e-15;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem, &summary);
+    EXPECT_THAT(PoseFromBlock(block), RigidNear(likely.target_from_source, 1e-6, 1e-6)) << i;
+  }
+}
+
+TEST(SlamPriorPoses, RejectsFewerThanTwoPoses) {
+  Slam slam({SimulatedCamera(), {}}, SlamOptions(), {});
+  EXPECT_THROW(slam.UsePriorPoses({{0, Rigid3d()}}), InputError);
+}
+
+}  // namespace
+}  // namespace surfit::testing
