@@ -17,11 +17,17 @@ namespace {
 struct Options {
   std::string run;
   RefineRunOptions refine;
+  std::vector<std::string> fix;
 
   void Visit(OptionVisitor& v) {
     v.Group("run");
     v.Add(run, SharedOption("run", Everyday()));
     v.AddPart(refine, "refine", "refinement");
+    v.Group("refinement");
+    v.Add(fix, "fix",
+          "parameters that are not estimated, separated by commas: intrinsics, depth_offset, "
+          "depth_field (variation of the inverse depth error over the image), readout",
+          AsFlag(), Everyday());
   }
 };
 
@@ -84,8 +90,24 @@ void PrintOutcome(const RefineRunSummary& s, const std::string& output) {
             << "the scale is fixed: it is not observable" << std::endl;
 }
 
+RefineRunOptions WithFixedParameters(const Options& given) {
+  RefineRunOptions options = given.refine;
+  RefinementOptions& r = options.refinement;
+  const std::map<std::string, bool*> estimated = {{"intrinsics", &r.estimate_intrinsics},
+                                                  {"depth_offset", &r.estimate_depth_offset},
+                                                  {"depth_field", &r.estimate_depth_field},
+                                                  {"readout", &r.estimate_readout}};
+  for (const std::string& name : given.fix) {
+    const auto found = estimated.find(name);
+    ThrowIf(found == estimated.end(), "--fix contains '", name,
+            "', must be intrinsics, depth_offset, depth_field or readout");
+    *found->second = false;
+  }
+  return options;
+}
+
 int Run(const Options& given) {
-  const RefineRunOptions& options = given.refine;
+  const RefineRunOptions options = WithFixedParameters(given);
   const RefineRunSummary summary =
       RunRefinement(options, [](const std::string& line) { std::cerr << line << std::endl; });
   if (!summary.refinement.Succeeded()) {

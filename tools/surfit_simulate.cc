@@ -123,7 +123,7 @@ SurfaceSampler JoinParts(const SimulateOptions& options, const SequenceWriter& w
     const int images = writer.LinkImages(folder), needed = writer.ImagesPerFrame() * (past - first);
     if (images != needed) {
       throw InputError(Concat(folder, " has ", images, " images, must have ", needed,
-                              ": render it again with --part=", part, " and the flags of --join"));
+                              ": render it again with --part=", part, "/", options.parts));
     }
   }
   return surface;
@@ -169,13 +169,6 @@ int Run(const SimulateOptions& options) {
     throw InputError(
         "--write_imu is true, must be false with --image_y_up, which replaces timestamps by frame "
         "numbers");
-  }
-  if (options.part > options.parts) {
-    throw InputError(
-        Concat("--part is ", options.part, ", must be at most --parts, ", options.parts));
-  }
-  if (options.part > 0 && options.join) {
-    throw InputError("--join is true, must be false with --part");
   }
   const ThreadLimit limit(options.threads);
   const Scene scene = MakeScene(options.scene, options.seed, options.building);

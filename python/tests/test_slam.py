@@ -80,12 +80,12 @@ def test_threads_do_not_change_the_digest(room, program, threads):
 
 def test_options_reach_the_pipeline(room, tmp_path):
     options = surfit.SlamOptions(tracking="frame_to_frame")
-    options.icp.max_iterations = 3
-    options.fusion.weighting = "uniform"
+    options.icp.gates.max_distance_m = 0.07
+    options.icp.residual = "point_to_plane"
     sequence = surfit.Sequence(room, rectify=surfit.RectifyOptions(downsample=2), stride=2)
     slam = slam_over(sequence, surfit.Slam(options))
     summary = run_surfit_slam(room, tmp_path / "out", "--tracking=frame_to_frame",
-                              "--max_iterations=3", "--weighting=uniform", "--downsample=2",
+                              "--max_distance_m=0.07", "--residual=point_to_plane", "--downsample=2",
                               "--stride=2")
     assert slam.digest == summary["digest"]
 

@@ -1,6 +1,7 @@
 #include <charconv>
 #include <sstream>
 
+#include "core/shared_options.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
@@ -46,6 +47,34 @@ class FlagCollector final : public OptionVisitor {
   void Visit(const Option& option, const OptionValue& value) override {
     if (!option.flag.empty()) values[option.flag] = FlagText(option, value);
   }
+};
+
+class OptionRecorder final : public OptionVisitor {
+ public:
+  std::map<std::string, std::string> values;
+
+ private:
+  void Visit(const Option& option, const OptionValue& value) override {
+    if (!option.flag.empty()) {
+      values[option.flag] = FlagText(option, value);
+      return;
+    }
+    Option in_its_unit = option;
+    in_its_unit.name.clear();
+    values[path_ + option.name] = FlagText(in_its_unit, value);
+  }
+  bool Enter(const Option& part, const std::type_info&, void*) override {
+    lengths_.push_back(path_.size());
+    path_ += part.name + ".";
+    return true;
+  }
+  void Leave() override {
+    path_.resize(lengths_.back());
+    lengths_.pop_back();
+  }
+
+  std::string path_;
+  std::vector<std::size_t> lengths_;
 };
 
 }  // namespace
@@ -115,6 +144,12 @@ std::map<std::string, std::string> TableFlags(const OptionTable& table) {
   FlagCollector collector;
   table(collector);
   return std::move(collector.values);
+}
+
+std::map<std::string, std::string> RecordedValues(const OptionTable& table) {
+  OptionRecorder recorder;
+  table(recorder);
+  return std::move(recorder.values);
 }
 
 }  // namespace surfit

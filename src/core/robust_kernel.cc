@@ -33,7 +33,7 @@ static void OptionFromText(const std::string& text, RobustKernelType* type) {
 
 void RobustKernel::Visit(OptionVisitor& v) {
   v.Add(type, "type", "robust kernel", OneOf(RobustKernelNames()), AsFlag("kernel"));
-  v.Add(width, "width", "width of the robust kernel in sigmas", Positive(), AsFlag("kernel_width"));
+  v.Add(width, "width", "width of the robust kernel in sigmas", Positive());
 }
 
 }  // namespace surfit

@@ -63,8 +63,6 @@ constexpr std::array kRenamedOptions = {
 
 const std::vector<Option>& SharedOptions() {
   static const std::vector<Option> kOptions = {
-      {"color_latency_s", "latency of colour in addition to the latency of depth", Between(-1, 1),
-       InUnit("s")},
       {"downsample", "keep every n-th column and row", Between(1, 16)},
       {"estimate", "estimated trajectory, TUM format"},
       {"fit_mount",
@@ -77,17 +75,12 @@ const std::vector<Option>& SharedOptions() {
        "sequence"},
       {"inverse_depth_sigma", "noise of the depth sensor: standard deviation of inverse depth",
        AtLeast(0), Below(1), InUnit("1/m")},
-      {"latency_s",
-       "time from the middle of exposure and readout of the depth image to its timestamp",
-       Between(-1, 1), InUnit("s")},
       {"map", "map: a PLY or PCD file with points or surfels"},
       {"max_keyframes",
        "maximum number of keyframes; the keyframe distance and angle grow to satisfy this limit",
        ZeroIs("no limit")},
       {"output", "folder or file for the results; created if missing"},
       {"pictures", "write images of the map and the trajectory"},
-      {"readout_s", "readout time of a rolling shutter, from the top row to the bottom row",
-       Between(0, 1), InUnit("s")},
       {"run", "output folder of surfit_slam"},
       {"seed", "seed of the random numbers"},
       {"sequence",

@@ -29,8 +29,7 @@ void LoopOptions::Visit(OptionVisitor& v) {
         AsFlag("loop_closure"), Everyday());
   v.Add(relocalization, "relocalization",
         "relocalise a lost camera anywhere in the map, and start a submap if that fails; "
-        "loop_closure implies it",
-        AsFlag());
+        "loop_closure implies it");
   v.AddPart(keyframes, "keyframes", "selection of keyframes", NoFlags());
   v.AddPart(views, "views", "stored views of keyframes", NoFlags());
   v.AddPart(places, "places", "place recognition", NoFlags());

@@ -22,14 +22,14 @@ void MeshOptions::Visit(OptionVisitor& v) {
         AsFlag(), Everyday());
   v.Add(normal_noise_rad, "normal_noise_rad",
         "smooth surfels until the noise of their normals is about this", ZeroIs("no smoothing"),
-        Below(M_PI / 2), AsFlag());
+        Below(M_PI / 2));
   v.Add(
       support_radii, "support_radii",
       "maximum extent of the surface beside surfels, in surfel radii; for maps without radii only "
       "trim_distance_m applies",
-      Positive(), AsFlag());
+      Positive());
   v.Add(trim_distance_m, "trim_distance_m",
-        "maximum distance between the surface and the points of the map", Positive(), AsFlag());
+        "maximum distance between the surface and the points of the map", Positive());
 }
 
 void TextureOptions::Visit(OptionVisitor& v) {
@@ -39,14 +39,13 @@ void TextureOptions::Visit(OptionVisitor& v) {
         ZeroIs("vertex colours, no texture"), Between(0, 16384), AsFlag(), Everyday());
   v.Add(max_texture_frames, "max_texture_frames",
         "maximum number of texture frames: the slowest frame in each of this many parts of the run",
-        ZeroIs("all"), AsFlag());
+        ZeroIs("all"));
   v.Add(min_sharpness, "min_sharpness",
-        "minimum sharpness of the frame of a triangle, relative to its sharpest frame", Share(),
-        AsFlag());
+        "minimum sharpness of the frame of a triangle, relative to its sharpest frame", Share());
   v.Add(
       seam_cost, "seam_cost",
       "relative loss of sharpness that is accepted for using the frame of a neighbouring triangle",
-      AtLeast(0), AsFlag());
+      AtLeast(0));
 }
 
 }  // namespace surfit

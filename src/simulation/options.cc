@@ -34,7 +34,7 @@ void ColorOptions::Visit(OptionVisitor& v) {
   v.Add(exposure_s, "exposure_s", "colour exposure time (0: no motion blur)", Between(0, 1),
         InUnit("s"), AsFlag());
   v.Add(exposure_samples, "exposure_samples", "number of rendered images per exposure",
-        Between(1, 1000), AsFlag());
+        Between(1, 1000));
   v.Add(auto_exposure_lag_s, "auto_exposure_lag_s", "time constant of automatic exposure",
         AtLeast(0), ZeroIs("fixed"), AsFlag());
   v.Add(auto_white_balance_lag_s, "auto_white_balance_lag_s",

@@ -8,8 +8,7 @@ namespace surfit {
 
 void SlamOptions::Visit(OptionVisitor& v) {
   v.AddPart(preprocess, "preprocess", "preprocessing of depth images");
-  v.AddPart(icp, "icp", "registration of frames to the map",
-            WithoutFlags({"max_free_space_violation_ratio"}));
+  v.AddPart(icp, "icp", "registration of frames to the map");
   v.AddPart(fusion, "fusion", "fusion of frames into the map");
   v.AddPart(render, "render", "rendering of the map for tracking", NoFlags());
   v.Group("tracking");
@@ -18,19 +17,19 @@ void SlamOptions::Visit(OptionVisitor& v) {
   v.Add(map_period, "map_period",
         "fuse every n-th tracked frame, and render a new model view for every n-th frame; 1: all "
         "frames",
-        AtLeast(1), Everyday());
+        AtLeast(1), AsFlag());
   v.Add(max_view_shift, "max_view_shift",
         "image shift that triggers a new model view and fusion, as a ratio of the image width",
-        AtLeast(0), AsFlag());
+        AtLeast(0));
   v.Add(
       min_turn_eigenvalue, "min_turn_eigenvalue",
       "minimum eigenvalue of a sufficiently constrained frame; a frame after a weakly constrained "
       "frame is fused and registered without subsampling",
-      ZeroIs("never"), AsFlag());
+      ZeroIs("never"));
   v.Add(weakly_constrained_photometric_weight, "weakly_constrained_photometric_weight",
         "photometric weight of weakly constrained frames and of the next frame, if "
         "photometric_weight is 0",
-        ZeroIs("geometric residuals only"), AsFlag());
+        ZeroIs("geometric residuals only"));
   v.Add(motion_model, "motion_model",
         "predicted pose of tracking; so3: last pose with the rotation that aligns small images",
         OneOf({"constant_velocity", "constant_pose", "so3"}), AsFlag());
@@ -39,18 +38,18 @@ void SlamOptions::Visit(OptionVisitor& v) {
         "that the data do not; requires motion_model=constant_velocity",
         ZeroIs("no motion prior"), AsFlag());
   v.Add(angular_acceleration_rad_per_s2, "angular_acceleration_rad_per_s2",
-        "standard deviation of the angular acceleration in the motion prior", Positive(), AsFlag());
+        "standard deviation of the angular acceleration in the motion prior", Positive());
   v.Add(min_inlier_ratio, "min_inlier_ratio",
-        "minimum inlier ratio of a tracked frame; frames below are lost", Share(), AsFlag());
+        "minimum inlier ratio of a tracked frame; frames below are lost", Share());
   v.Add(confident_inlier_ratio, "confident_inlier_ratio",
         "inlier ratio below which global registration (initialize) verifies a frame; 0: only lost "
         "frames",
-        Share(), AsFlag());
+        Share());
   v.Add(max_rmse_m, "max_rmse_m", "maximum residual RMSE of a tracked frame; frames above are lost",
-        Positive(), AsFlag());
+        Positive());
   v.Add(initialize, "initialize",
         "global registration of lost frames to the last tracked frame; identity: none",
-        OneOf(InitializeMethods()), AsFlag());
+        OneOf(InitializeMethods()));
   v.Add(hold_out, "hold_out",
         "exclude every n-th frame from fusion, to evaluate views of the map with surfit_evaluate",
         ZeroIs("none"), AsFlag());
@@ -58,8 +57,7 @@ void SlamOptions::Visit(OptionVisitor& v) {
   v.AddPart(calibration, "calibration", "calibration of the depth camera");
   v.Add(real_time, "real_time",
         "do not wait for loop closure and calibration; the result depends on the machine; always "
-        "on with --offered_fps and cameras",
-        AsFlag());
+        "on with --offered_fps and cameras");
   v.Check([this] {
     if (hold_out == 1) throw InputError("hold_out is 1, must be 0 (none) or at least 2");
     if (acceleration_m_per_s2 > 0 && motion_model != "constant_velocity") {

@@ -12,7 +12,6 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 FRAMES = 160
-SURFELS = int(os.environ.get("SURFIT_SHOWN_SURFELS", "20000"))
 # Folder for screenshots.
 PICTURES = os.environ.get("SURFIT_SCREENSHOTS")
 
@@ -26,7 +25,7 @@ def room(tmp_path_factory):
 def run(room, tmp_path):
     # Browsers without a graphics card render on the CPU. At --offered_fps=10 the run lasts until the
     # page is loaded and its buttons are clicked.
-    served = ServedRun(room, tmp_path / "out", f"--serve_surfels={SURFELS}", "--offered_fps=10")
+    served = ServedRun(room, tmp_path / "out", "--offered_fps=10")
     yield served
     served.end()
 

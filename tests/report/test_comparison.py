@@ -11,9 +11,9 @@ from report_page import frame_drawn, run_tool
 @pytest.fixture(scope="module")
 def output(tmp_path_factory):
     folder = tmp_path_factory.mktemp("comparison")
-    done = run_tool("surfit_compare_solvers", "--synthetic_points=500", "--thread_counts=1,2",
+    done = run_tool("surfit_compare_solvers", "--synthetic_points=500", "--threads=1,2",
                     "--rotations_deg=1,5,170", "--translations_m=0.01,0.1,0.3", f"--output={folder}",
-                    "--solvers=closed_form_ldlt,ceres", "--residuals=point_to_plane,point_to_point")
+                    "--solver=closed_form_ldlt,ceres", "--residual=point_to_plane,point_to_point")
     assert done.returncode == 0, done.stderr
     return folder
 

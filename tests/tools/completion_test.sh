@@ -19,7 +19,7 @@ folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT
 touch "$folder/one file"
 expect "--output=" --outp
-expect "--max_rmse_m=" --sequence = x --max_rm
+expect "--max_map_points=" --sequence = x --max_ma
 expect "$folder/one file" --sequence = "$folder/on"
 expect "" --zzzzzz
 expect "closed_form_ldlt closed_form_lu closed_form_qr" --solver = closed_form

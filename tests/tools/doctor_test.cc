@@ -129,7 +129,7 @@ TEST_F(DoctorTool, DetectsDelayedColor) {
 TEST_F(DoctorTool, DetectsLateStampsByTheGroundTruth) {
   const std::string late = Simulate("late", {"--latency_s=0.05", "--max_step_m=0.03"});
   EXPECT_THAT(Faults(late, {}), ElementsAre("stamps_late"));
-  EXPECT_THAT(result_.out, ContainsRegex("--latency_s=0\\.0(49|5)"));
+  EXPECT_THAT(result_.out, ContainsRegex("latency_s: 0\\.0(49|5)"));
 }
 
 TEST_F(DoctorTool, DetectsUnderOverAndChangingExposure) {

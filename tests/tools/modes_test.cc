@@ -39,21 +39,28 @@ TEST(Modes, ShowHelpOfTheSelectedModeAndOfAll) {
 }
 
 TEST(RemovedFlags, NameTheirReplacement) {
-  ExpectRefused(RunProgram("surfit_record", {"--frames=3"}), "--frames", "--max_frames");
+  ExpectRefused(RunProgram("surfit_record", {"--frames=3"}), "--frames", "--last");
   ExpectRefused(RunProgram("surfit_align", {"--initialize=so3"}), "--initialize", "--start");
   ExpectRefused(RunProgram("surfit_evaluate", {"--what=revisits", "--min_gap=3"}), "--min_gap",
                 "--revisit_gap");
   EXPECT_THAT(Succeeded(RunProgram("surfit_record", {"--help=all"})).out, Not(Names("--frames=")));
 }
 
+TEST(RemovedFlags, NameTheOptionThatReplacesThem) {
+  ExpectRefused(RunProgram("surfit_slam", {"--max_view_shift=0.2"}), "--max_view_shift", "0.2",
+                "SlamOptions::max_view_shift");
+  ExpectRefused(RunProgram("surfit_slam", {"--noreal_time"}), "--real_time",
+                "SlamOptions::real_time");
+  ExpectRefused(RunProgram("surfit_batch", {"--color_latency_s=0.2"}), "--color_latency_s",
+                "camera.yaml");
+  ExpectRefused(RunProgram("surfit_record", {"--device_fps=30"}), "--device_fps", "--device");
+}
+
 TEST(RenamedFlags, WorkWithAWarning) {
-  const ProgramResult refine = RunProgram("surfit_refine", {"--nofree_readout", "--help=words"});
-  EXPECT_EQ(refine.exit_code, 0) << refine.err;
-  EXPECT_THAT(refine.err, HasWarning("--nofree_readout", "--noestimate_readout"));
-  const ProgramResult slam = RunProgram("surfit_slam", {"--max_dormant_frames=7", "--help=words"});
-  EXPECT_EQ(slam.exit_code, 0) << slam.err;
-  EXPECT_THAT(slam.err, HasWarning("--max_dormant_frames", "--max_inactive_frames"));
-  EXPECT_THAT(slam.out, Not(Names("--max_dormant_frames=")));
+  const ProgramResult mesh = RunProgram("surfit_mesh", {"--min_piece_m=0.2", "--help=words"});
+  EXPECT_EQ(mesh.exit_code, 0) << mesh.err;
+  EXPECT_THAT(mesh.err, HasWarning("--min_piece_m", "--min_component_m"));
+  EXPECT_THAT(mesh.out, Not(Names("--min_piece_m=")));
 }
 
 // The new program runs: it names its missing flags and files.

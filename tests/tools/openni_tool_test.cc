@@ -1,6 +1,7 @@
 // surfit_slam and surfit_record with OpenNI2 recordings and a virtual OpenNI2 camera.
 #include <gmock/gmock.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
@@ -65,15 +66,20 @@ class OpenNiTool : public SlamTool {
     return oni;
   }
 
-  static std::string Library() { return "--openni2_library=" + VirtualCamera::library(); }
+  // Programs load the library of the virtual camera.
+  OpenNiTool() {
+    const char* const path = std::getenv("LD_LIBRARY_PATH");
+    const std::string folder = fs::path(VirtualCamera::library()).parent_path();
+    setenv("LD_LIBRARY_PATH", path == nullptr ? folder.c_str() : (folder + ":" + path).c_str(), 1);
+  }
 };
 
 TEST_F(OpenNiTool, RecordingHasTheResultOfTheFolder) {
   const std::string folder = CopyWithStampsOfOni(), oni = Recorded();
   Succeeded(Slam(folder, Output("folder")));
-  Succeeded(Slam(oni, Output("oni"), {Library()}));
+  Succeeded(Slam(oni, Output("oni")));
   const std::string copy = own_.path() + "/recorded";
-  Succeeded(RunProgram("surfit_record", {"--sequence=" + oni, "--output=" + copy, Library()}));
+  Succeeded(RunProgram("surfit_record", {"--sequence=" + oni, "--output=" + copy}));
   Succeeded(Slam(copy, Output("copy")));
   const nlohmann::json expected = Summary(Output("folder"));
   EXPECT_EQ(expected["frames_tracked"], kFrames);
@@ -100,7 +106,7 @@ TEST_F(OpenNiTool, EveryRecordingFormatHasTheResultOfTheFolder) {
       continue;
     }
     const std::string output = Output(fs::path(path).extension());
-    Succeeded(Slam(path, output, {Library(), "--depth_scale=5000"}));
+    Succeeded(Slam(path, output, {"--depth_scale=5000"}));
     EXPECT_EQ(Summary(output)["digest"], expected["digest"]) << path;
     EXPECT_EQ(ReadBytes(output + "/trajectory.txt"),
               ReadBytes(Output("folder") + "/trajectory.txt"));
@@ -122,8 +128,8 @@ TEST_F(OpenNiTool, CameraKeepsItsMapAfterReconnection) {
   const VirtualCamera camera(script, film);
   const ProgramResult result =
       Succeeded(Slam("any", Output(),
-                     {"--format=openni2", Library(), "--device_width=160", "--device_height=120",
-                      "--last=20", "--camera=" + Room() + "/camera.yaml"}));
+                     {"--format=openni2", "--device=160x120@30", "--last=20",
+                      "--camera=" + Room() + "/camera.yaml"}));
   const nlohmann::json summary = Summary(Output());
   EXPECT_EQ(summary["pauses"], 1);
   EXPECT_GE(summary["paused_s"], 0.3);
@@ -138,18 +144,19 @@ TEST_F(OpenNiTool, RecordsACamera) {
   script.period_us = 20000;
   const VirtualCamera camera(script, Film());
   const std::string copy = own_.path() + "/recorded";
-  const ProgramResult result = Succeeded(RunProgram(
-      "surfit_record",
-      {"--sequence=test://1", "--output=" + copy, "--format=openni2", Library(),
-       "--device_width=160", "--device_height=120", "--max_frames=16", "--queue_capacity=1000"}));
+  const ProgramResult result = Succeeded(
+      RunProgram("surfit_record", {"--sequence=test://1", "--output=" + copy, "--format=openni2",
+                                   "--device=160x120@30", "--last=15"}));
   EXPECT_THAT(result.out, Names(16));
   Succeeded(Slam(copy, Output(), {"--camera=" + Room() + "/camera.yaml"}));
   EXPECT_EQ(Summary(Output())["frames_tracked"], 16);
 }
 
 TEST_F(OpenNiTool, RejectsMissingLibrary) {
-  ExpectRefused(Slam("any", Output(), {"--format=openni2", "--openni2_library=libNowhere.so"}),
-                "libNowhere.so", "libopenni2-0");
+  const TempFolder folder;
+  folder.Write("libOpenNI2.so.0", "no library");
+  setenv("LD_LIBRARY_PATH", folder.path().c_str(), 1);
+  ExpectRefused(Slam("any", Output(), {"--format=openni2"}), "libOpenNI2.so.0", "libopenni2-0");
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ TEST_F(RecordTool, ReportsDepthOfLowConfidence) {
 }
 
 TEST_F(RecordTool, StopsAtItsLimits) {
-  Succeeded(Record(Room(), {"--max_frames=7"}));
+  Succeeded(Record(Room(), {"--last=6"}));
   EXPECT_EQ(CountWholeFrames(), 7U);
   fs::remove_all(Copy());
   Succeeded(Record(Room(), {"--seconds=0.34"}));  // the first frame and 10 intervals
@@ -116,7 +116,7 @@ TEST_F(RecordTool, LeavesACompleteRecordingAfterSigkill) {
 }
 
 TEST_F(RecordTool, RejectsExistingOutput) {
-  Succeeded(Record(Room(), {"--max_frames=2"}));
+  Succeeded(Record(Room(), {"--last=1"}));
   ExpectRefused(Record(Room()), "depth.txt");
   ExpectRefused(RunProgram("surfit_record", {"--sequence=" + Room(), "--output=" + Room()}),
                 "--sequence", Room());

@@ -55,8 +55,11 @@ TEST(RefineTool, RefinesASimulatedRunAndWritesReadableFiles) {
 TEST(RefineTool, FindsTheFramesOfTheRunByTheirTimestamps) {
   const TempFolder folder;
   Simulate(folder / "in", 20, 4, 7);
+  RgbdCamera sensor = ReadCameraYaml(folder / "in/camera.yaml");
+  sensor.latency_s = 0.02;
+  WriteCameraYaml(sensor, folder / "in/camera.yaml");
   Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
-                                       "--pictures=false", "--nofinal_map", "--latency_s=0.02"}));
+                                       "--pictures=false", "--nofinal_map"}));
   Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--max_rounds=1"}));
   const std::string refined = folder / "out/refined";
   const Trajectory before = ReadTumTrajectory(folder / "out/trajectory.txt");
@@ -67,21 +70,18 @@ TEST(RefineTool, FindsTheFramesOfTheRunByTheirTimestamps) {
   EXPECT_EQ(ReadCameraYaml(refined + "/camera.yaml").latency_s, 0.02);
 }
 
-TEST(RefineTool, UsesThePriorOfTheSensorUnlessAFlagOverridesIt) {
+TEST(RefineTool, UsesThePriorOfCameraYaml) {
   const TempFolder folder;
   Simulate(folder / "in", 20, 4, 7);
   RgbdCamera sensor = ReadCameraYaml(folder / "in/camera.yaml");
   sensor.prior.focal_relative_sigma = 1e-6;
-  sensor.prior.center_px = 1e-6;
   WriteCameraYaml(sensor, folder / "in/camera.yaml");
   Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
                                        "--pictures=false", "--nofinal_map"}));
-  Succeeded(RunProgram("surfit_refine",
-                       {"--run=" + folder / "out", "--max_rounds=1", "--prior_center_px=3"}));
+  Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--max_rounds=1"}));
   const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
-  EXPECT_EQ(json["options"]["prior_focal_relative_sigma"], "1e-06");
-  EXPECT_EQ(json["options"]["prior_center_px"], "3");
-  EXPECT_EQ(json["options"]["prior_aspect_relative_sigma"], "0.001");
+  EXPECT_EQ(json["options"]["refinement.prior.focal_relative_sigma"], "1e-06");
+  EXPECT_EQ(json["options"]["refinement.prior.aspect_relative_sigma"], "0.001");
   EXPECT_EQ(ReadCameraYaml(folder / "out/refined/camera.yaml").prior.focal_relative_sigma, 1e-6);
 }
 
@@ -91,10 +91,13 @@ TEST(RefineTool, EstimatesTheReadoutTime) {
   for (const int seed : {4, 7, 11}) {
     const TempFolder folder;
     Simulate(folder / "in", 150, 4, seed, 0, {"--readout_s=" + std::to_string(readout_s)});
+    RgbdCamera sensor = ReadCameraYaml(folder / "in/camera.yaml");
+    sensor.prior.readout_s = 0.03;
+    WriteCameraYaml(sensor, folder / "in/camera.yaml");
     Succeeded(RunProgram("surfit_slam",
                          {"--sequence=" + folder / "in", "--nocalibrate",
                           "--output=" + folder / "out", "--pictures=false", "--nofinal_map"}));
-    Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--prior_readout_s=0.03"}));
+    Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out"}));
     const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
     const double found = json["calibration"]["after"]["readout_s"];
     const double sigma = json["calibration"]["standard_deviations"]["readout_s"];
@@ -162,7 +165,7 @@ TEST(RefineTool, EstimatesTheDepthErrorField) {
     Succeeded(
         RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
                                    "--pictures=false", "--nofinal_map", "--nocalibrate"}));
-    Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--estimate_depth_field"}));
+    Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out"}));
     const std::string refined = folder / "out/refined";
     const auto json = nlohmann::json::parse(ReadBytes(refined + "/refinement.json"));
     const double before = json["ate_rmse_m"]["before"], after = json["ate_rmse_m"]["after"];
@@ -184,9 +187,8 @@ TEST(RefineTool, EstimatesTheDepthErrorField) {
 // fx of the depth camera before refinement.
 double GivenFx(const std::string& run, const std::vector<std::string>& more,
                std::string* messages) {
-  std::vector<std::string> flags = {"--run=" + run,          "--max_rounds=1",
-                                    "--cells_across=40",     "--nofree_intrinsics",
-                                    "--nofree_depth_offset", "--nofree_depth_field"};
+  std::vector<std::string> flags = {"--run=" + run, "--max_rounds=1",
+                                    "--fix=intrinsics,depth_offset,depth_field"};
   flags.insert(flags.end(), more.begin(), more.end());
   const ProgramResult result = Succeeded(RunProgram("surfit_refine", flags));
   *messages = result.err;

@@ -100,7 +100,7 @@ TEST_F(SimulateSensorTest, DelaysStampsAndWritesKnownLatency) {
 TEST_F(SimulateSensorTest, RendersRowsOfAMovingCamera) {
   ASSERT_EQ(
       Simulate("moving", {"--readout_s=0.03", "--color_readout_s=0.02", "--color_latency_s=0.01",
-                          "--exposure_s=0.02", "--exposure_samples=3", "--auto_exposure_lag_s=0.1",
+                          "--exposure_s=0.02", "--auto_exposure_lag_s=0.1",
                           "--auto_white_balance_lag_s=0.2", "--channel_gains=1.2,1,0.8"}),
       "");
   RgbdCamera camera = ReadCameraYaml(folder_ / "moving/truth_camera.yaml");

@@ -195,9 +195,9 @@ TEST_F(SimulateTest, JoinedPartsEqualOneSimulation) {
     };
     Succeeded(simulate("whole", {}));
     for (const char* const part : {"2", "1", "3"}) {
-      Succeeded(simulate("parts", {"--parts=3", std::string("--part=") + part}));
+      Succeeded(simulate("parts", {"--part=" + std::string(part) + "/3"}));
     }
-    Succeeded(simulate("parts", {"--parts=3", "--join"}));
+    Succeeded(simulate("parts", {"--part=join/3"}));
     EXPECT_TRUE(Files("whole") == Files("parts"));
     EXPECT_FALSE(std::filesystem::exists(folder_ / "parts.1"));
   }
@@ -215,17 +215,17 @@ TEST_F(SimulateTest, IsRenderedByTheWorkflow) {
 }
 
 TEST_F(SimulateTest, NamesTheMissingPart) {
-  Succeeded(Simulate("parts", {"--parts=2", "--part=2"}));
-  const ProgramResult result = Simulate("parts", {"--parts=2", "--join"});
+  Succeeded(Simulate("parts", {"--part=2/2"}));
+  const ProgramResult result = Simulate("parts", {"--part=join/2"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, Names("parts.1/surface.ply"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "parts.2/surface.ply"));
-  Succeeded(Simulate("parts", {"--parts=2", "--part=1"}));
+  Succeeded(Simulate("parts", {"--part=1/2"}));
   std::filesystem::remove(folder_ / "parts.1/rgb/0.000000.png");
-  EXPECT_THAT(Simulate("parts", {"--parts=2", "--join"}).err, Names("parts.1", 5, 6));
-  Succeeded(Simulate("parts", {"--parts=2", "--part=1"}));
-  Succeeded(Simulate("parts", {"--parts=2", "--join"}));  // succeeds after the failures
-  EXPECT_THAT(Simulate("parts", {"--parts=2", "--part=3"}).err, Names("--part", 3, "--parts", 2));
+  EXPECT_THAT(Simulate("parts", {"--part=join/2"}).err, Names("parts.1", 5, 6));
+  Succeeded(Simulate("parts", {"--part=1/2"}));
+  Succeeded(Simulate("parts", {"--part=join/2"}));  // succeeds after the failures
+  EXPECT_THAT(Simulate("parts", {"--part=3/2"}).err, Names("--part", "3/2", "join/N"));
 }
 
 TEST_F(SimulateTest, ReplacesOnlyFormerSimulations) {

@@ -102,7 +102,11 @@ TEST_F(SlamTool, UsesGroundTruthOnlyForEvaluation) {
 // latency is reported as well.
 TEST_F(SlamTool, PoseStampsSubtractTheLatency) {
   Succeeded(Slam(Room(), Output("plain")));
-  const ProgramResult result = Succeeded(Slam(Room(), Output("late"), {"--latency_s=0.02"}));
+  RgbdCamera camera = ReadCameraYaml(Room() + "/camera.yaml");
+  camera.latency_s = 0.02;
+  WriteCameraYaml(camera, Output("late.yaml"));
+  const ProgramResult result =
+      Succeeded(Slam(Room(), Output("late"), {"--camera=" + Output("late.yaml")}));
   EXPECT_EQ(ReadBytes(Output("plain") + "/map.ply"), ReadBytes(Output("late") + "/map.ply"));
   for (const char* name : {"/trajectory.txt", "/trajectory_online.txt"}) {
     const Trajectory plain = ReadTumTrajectory(Output("plain") + name);
@@ -282,7 +286,6 @@ TEST_F(SlamTool, RejectsBadInputInOneLine) {
         "tiny"}},
       {{"--residual=magic"}, {"point_to_plane"}},
       {{"--association=magic"}, {"projective"}},
-      {{"--weighting=magic"}, {"confidence", "uniform"}},
       {{"--tracking=magic"}, {"frame_to_model", "frame_to_frame"}},
       {{"--motion_model=magic"}, {"constant_velocity", "constant_pose"}},
       {{"--poses=magic"}, {"track", "groundtruth"}},
@@ -292,7 +295,7 @@ TEST_F(SlamTool, RejectsBadInputInOneLine) {
       {{"--format=magic"}, {"format", "magic"}},
       {{"--camera=magic"}, {"camera", "magic"}},
       {{"--first=9999"}, {"first", "9999"}},
-      {{"--max_iterations=0"}, {"max_iterations", "0"}},
+      {{"--max_map_points=-1"}, {"max_map_points", "-1"}},
       {{"--max_normal_angle_deg=-1"}, {"--max_normal_angle_deg", "-1"}},
       {{"--output=/dev/null/x"}, {"/dev/null/x"}},
       {{"--trace=/dev/null/t"}, {"/dev/null/t"}},

@@ -14,11 +14,8 @@ namespace surfit::tools {
 namespace {
 
 // Flags that a camera.yaml replaces.
-constexpr std::array kFlagsOfCamera = {
-    "camera",           "intrinsics",          "distortion",
-    "depth_scale",      "inverse_depth_sigma", "color_intrinsics",
-    "color_distortion", "color_from_depth",    "fps",
-    "latency_s",        "color_latency_s",     "readout_s"};
+constexpr std::array kFlagsOfCamera = {"camera", "intrinsics", "depth_scale",
+                                       "inverse_depth_sigma"};
 
 bool IsOfCamera(const std::string& flag) {
   return std::find(kFlagsOfCamera.begin(), kFlagsOfCamera.end(), flag) != kFlagsOfCamera.end();
@@ -29,6 +26,36 @@ std::string FoundCamera(const std::string& run) {
   const std::string path = run + "/camera.yaml";
   return std::filesystem::is_regular_file(path) ? path : "";
 }
+
+// Former flags of fields of SequenceOptions with another name.
+const std::map<std::string, std::string>& FormerFlags() {
+  static const std::map<std::string, std::string> kFlags = {{"frames_per_second", "fps"}};
+  return kFlags;
+}
+
+// Sets texts without a flag to their recorded values.
+class RecordedTexts final : public OptionVisitor {
+ public:
+  RecordedTexts(const std::map<std::string, std::string>& recorded, std::string summary_json)
+      : recorded_(recorded), summary_json_(std::move(summary_json)) {}
+
+ private:
+  void Visit(const Option& option, const OptionValue& value) override {
+    auto* const* const text = std::get_if<OptionText*>(&value);
+    if (text == nullptr || !option.flag.empty()) return;
+    const auto former = FormerFlags().find(option.name);
+    const std::string old_flag = former == FormerFlags().end() ? option.name : former->second;
+    for (const std::string& name : {"sequence." + option.name, old_flag}) {
+      const auto found = recorded_.find(name);
+      if (found == recorded_.end()) continue;
+      SetText(summary_json_ + ": options: " + name, found->second, *text);
+      return;
+    }
+  }
+
+  const std::map<std::string, std::string>& recorded_;
+  std::string summary_json_;
+};
 
 // True if the program has the flag and the command line does not set it.
 bool IsDefault(const std::string& name) {
@@ -53,7 +80,12 @@ void ApplyRecordedFlags(const std::string& run, const OptionTable& sequence,
                               "', which --", name, " does not accept"));
     }
   }
-  if (!camera.empty()) gflags::SetCommandLineOption("camera", camera.c_str());
+  if (!camera.empty()) {
+    gflags::SetCommandLineOption("camera", camera.c_str());
+  } else {
+    RecordedTexts texts(recorded, summary_json);
+    sequence(texts);
+  }
 }
 
 }  // namespace surfit::tools

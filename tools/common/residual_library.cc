@@ -11,7 +11,7 @@
 namespace surfit::tools {
 
 OptionTable ResidualLibrary::With(const OptionTable& options) {
-  if (!HasFlag(options, "residual") && !HasFlag(options, "residuals")) return options;
+  if (!HasFlag(options, "residual")) return options;
   return [this, options](OptionVisitor& v) {
     options(v);
     v.Group("registration");

@@ -9,8 +9,8 @@ namespace surfit::tools {
 // Shared library with residuals of the user, for programs that register.
 class ResidualLibrary {
  public:
-  // Adds the flag --residual_library to the options of a program that has --residual or
-  // --residuals. Returns other options unchanged. The result refers to this object.
+  // Adds the flag --residual_library to the options of a program that has --residual.
+  // Returns other options unchanged. The result refers to this object.
   OptionTable With(const OptionTable& options);
 
   // Loads the library, if one is set, and calls its function SurfitRegisterResiduals(). Call after

@@ -21,9 +21,15 @@ void VisitSensor(OptionVisitor& v, SimulateOptions* o) {
         "c1,c2,c3,c4,c5: error of 1 / z that camera.yaml does not contain: c1 x + c2 y + c3 x^2 + "
         "c4 x y + c5 y^2 at the ray (x, y, 1)",
         InUnit("1/m"), AsFlag());
-  v.Add(o->latency_s, SharedOption("latency_s"));
-  v.Add(o->color_latency_s, SharedOption("color_latency_s"));
-  v.Add(o->readout_s, SharedOption("readout_s"));
+  v.Add(o->latency_s, "latency_s",
+        "time from the middle of exposure and readout of the depth image to its timestamp",
+        Between(-1, 1), InUnit("s"), AsFlag());
+  v.Add(o->color_latency_s, "color_latency_s",
+        "latency of colour in addition to the latency of depth", Between(-1, 1), InUnit("s"),
+        AsFlag());
+  v.Add(o->readout_s, "readout_s",
+        "readout time of a rolling shutter, from the top row to the bottom row", Between(0, 1),
+        InUnit("s"), AsFlag());
   v.AddPart(o->color, "color", "colour camera");
   v.Add(o->camera_yaml_focal_error, "camera_yaml_focal_error",
         "ex,ey: relative errors of the focal lengths in camera.yaml; 0.01: 1 % too long", AsFlag());
@@ -51,6 +57,38 @@ void VisitImu(OptionVisitor& v, SimulateOptions* o) {
   v.Add(o->camera_yaml_imu, "camera_yaml_imu",
         "camera.yaml contains transform, time offset and noise of the inertial sensor", AsFlag());
 }
+
+// Part I of N as I/N, or join/N to join all parts.
+class PartText final : public OptionText {
+ public:
+  explicit PartText(SimulateOptions* options) : options_(options) {}
+  std::string Get() const override {
+    if (options_->part == 0 && !options_->join) return "";
+    return Concat(options_->join ? "join" : std::to_string(options_->part), "/", options_->parts);
+  }
+  void Set(const std::string& text) override {
+    options_->parts = 1;
+    options_->part = 0;
+    options_->join = false;
+    if (text.empty()) return;
+    const std::string kRule = "I/N with I from 1 to N, or join/N";
+    const std::size_t slash = text.find('/');
+    ThrowIf(slash == std::string::npos, kRule);
+    options_->join = text.substr(0, slash) == "join";
+    const std::string first = options_->join ? "1" : text.substr(0, slash);
+    const std::vector<double> numbers = NumbersFromText(first + "," + text.substr(slash + 1), 2);
+    ThrowIf(!(numbers[0] >= 1 && numbers[0] <= numbers[1] && numbers[1] <= 1e6 &&
+              numbers[0] == std::floor(numbers[0]) && numbers[1] == std::floor(numbers[1])),
+            kRule);
+    options_->parts = static_cast<int>(numbers[1]);
+    options_->part = options_->join ? 0 : static_cast<int>(numbers[0]);
+  }
+  const std::type_info& type() const override { return typeid(PartText); }
+  void* field() override { return options_; }
+
+ private:
+  SimulateOptions* options_;
+};
 
 // The field of view stays. Sizes of 0 stay.
 PinholeCamera Resized(PinholeCamera camera, int width, int height) {
@@ -99,12 +137,13 @@ void SimulateOptions::Visit(OptionVisitor& v) {
   VisitSensor(v, this);
   VisitImu(v, this);
   v.Group("parts");
-  v.Add(parts, "parts", "number of parts that are rendered separately", AtLeast(1), AsFlag());
-  v.Add(part, "part", "render only this part, into the folder OUTPUT.part", ZeroIs("all parts"),
-        AtLeast(0), AsFlag());
-  v.Add(join, "join",
-        "join all parts and delete their folders; the files are the same as without parts",
-        AsFlag());
+  PartText part_text(this);
+  v.AddText(part_text,
+            Option("part",
+                   "I/N: render only part I of N, into the folder OUTPUT.I; join/N: join all parts "
+                   "and delete their folders; the files are the same as without parts; empty: no "
+                   "parts",
+                   AsFlag()));
 }
 
 InverseDepthField DepthErrorOf(const SimulateOptions& options) {

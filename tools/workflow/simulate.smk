@@ -6,7 +6,7 @@ from shlex import quote
 
 PARTS = int(config["parts"])
 PROGRAM = quote(str(Path(config["tools"]) / "surfit_simulate")) if "tools" in config else "surfit_simulate"
-COMMAND = f"{PROGRAM} {config['flags']} --output=sequence --parts={PARTS}".replace("{", "{{").replace("}", "}}")
+COMMAND = f"{PROGRAM} {config['flags']} --output=sequence".replace("{", "{{").replace("}", "}}")
 # A cluster writes its logs there, before a job can create the folder.
 Path("jobs").mkdir(exist_ok=True)
 
@@ -17,11 +17,11 @@ rule all:
 rule part:
     output: "sequence.{part,[0-9]+}/surface.ply"
     resources: mem_mb=1000, minutes=600
-    shell: COMMAND + " --part={wildcards.part} --threads=1"
+    shell: COMMAND + " --part={wildcards.part}/" + str(PARTS) + " --threads=1"
 
 # Joining deletes the parts.
 rule join:
     input: [f"sequence.{part}/surface.ply" for part in range(1, PARTS + 1)]
     output: "sequence/surface.ply"
     resources: mem_mb=1000, minutes=60
-    shell: COMMAND + " --join --threads=1"
+    shell: COMMAND + " --part=join/" + str(PARTS) + " --threads=1"

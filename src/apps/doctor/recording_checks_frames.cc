@@ -140,11 +140,11 @@ RecordingCheck ExposureChanges(const RecordingEvidence& evidence) {
     changes.push_back(
         std::max(a->brightness, b->brightness) / std::min(a->brightness, b->brightness) - 1);
   }
-  return AtMost("exposure_changes", PercentOf(changes, [](double c) { return c > kJump; }),
-                kMaxJumps,
-                Concat("the frames differ in brightness from the previous frame by more than ",
-                       100 * kJump, " %"),
-                "lock exposure and white balance (--device_lock_exposure of surfit_record)");
+  return AtMost(
+      "exposure_changes", PercentOf(changes, [](double c) { return c > kJump; }), kMaxJumps,
+      Concat("the frames differ in brightness from the previous frame by more than ", 100 * kJump,
+             " %"),
+      "lock exposure and white balance (--device=640x480@30,lock_exposure of surfit_record)");
 }
 
 RecordingCheck Blur(const RecordingEvidence& evidence) {

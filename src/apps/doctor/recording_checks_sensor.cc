@@ -163,11 +163,13 @@ std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence) {
   const TrackedRecording& tracked = *evidence.tracked;
   checks.push_back(Calibration(evidence));
   const RgbdCamera& camera = evidence.info.camera;
-  checks.push_back(Latency("color_latency", "colour was captured", tracked.color_latency_s,
-                           "set the colour latency relative to depth: --color_latency_s=",
-                           camera.color_latency_s, kMostLatency_s));
+  checks.push_back(
+      Latency("color_latency", "colour was captured", tracked.color_latency_s,
+              "set the colour latency relative to depth in camera.yaml: color_latency_s: ",
+              camera.color_latency_s, kMostLatency_s));
   checks.push_back(Latency("stamps_late", "by ground truth, depth was captured", tracked.late_s,
-                           "set the depth latency: --latency_s=", camera.latency_s, kMaxLate_s));
+                           "set the depth latency in camera.yaml: latency_s: ", camera.latency_s,
+                           kMaxLate_s));
   if (tracked.imu) checks.push_back(InertialSensor(*tracked.imu));
   checks.push_back(Lost(tracked));
   return checks;

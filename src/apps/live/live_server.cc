@@ -47,21 +47,55 @@ std::string HostOf(const std::string& address) {
   return address.find(':') == std::string::npos ? address : "[" + address + "]";
 }
 
+// Port, or address and port, as in a URL. An IPv6 address is in brackets.
+class ListenText final : public OptionText {
+ public:
+  explicit ListenText(ServeOptions* options) : options_(options) {}
+  std::string Get() const override {
+    if (options_->port < 0) return "";
+    const bool is_default = options_->address == ServeOptions().address;
+    return is_default ? std::to_string(options_->port)
+                      : Concat(HostOf(options_->address), ":", options_->port);
+  }
+  void Set(const std::string& text) override {
+    *options_ = {-1, ServeOptions().address, options_->max_surfels};
+    if (text.empty()) return;
+    const std::size_t colon = text.rfind(':');
+    const std::string port = colon == std::string::npos ? text : text.substr(colon + 1);
+    const bool is_port = !port.empty() && port.size() <= 5 &&
+                         port.find_first_not_of("0123456789") == std::string::npos &&
+                         std::stoi(port) <= 65535;
+    ThrowIf(!is_port || colon == 0, "[ADDRESS:]PORT with a port from 0 to 65535");
+    options_->port = std::stoi(port);
+    if (colon == std::string::npos) return;
+    options_->address = text.substr(0, colon);
+    if (options_->address.front() == '[' && options_->address.back() == ']') {
+      options_->address = options_->address.substr(1, options_->address.size() - 2);
+    }
+  }
+  const std::type_info& type() const override { return typeid(ListenText); }
+  void* field() override { return options_; }
+
+ private:
+  ServeOptions* options_;
+};
+
 }  // namespace
 
 void ServeOptions::Visit(OptionVisitor& v) {
-  v.Add(
-      port, "port",
-      "port of the live web page, whose address is printed on stderr; 0: any free port, -1: no web "
-      "page",
-      Between(-1, 65535), AsFlag("serve"), Everyday());
-  v.Add(
-      address, "address",
-      "with serve: IP address of the web page; 127.0.0.1: this machine only, 0.0.0.0: all network "
-      "interfaces",
-      Required(), AsFlag("serve_address"));
-  v.Add(max_surfels, "max_surfels", "with serve: maximum number of surfels on the web page",
-        Between(1000, 1000000), AsFlag("serve_surfels"));
+  ListenText listen(this);
+  v.AddText(listen,
+            Option("listen",
+                   "[ADDRESS:]PORT of the live web page, whose address is printed on stderr; port "
+                   "0: any free port; address 127.0.0.1: this machine only (default), 0.0.0.0: all "
+                   "network interfaces; empty: no web page",
+                   AsFlag("serve"), Everyday()));
+  v.Add(max_surfels, "max_surfels", "maximum number of surfels on the web page",
+        Between(1000, 1000000));
+  v.Check([this] {
+    ThrowIf(port < -1 || port > 65535, "port is ", port, ", must be from -1 to 65535");
+    ThrowIf(address.empty(), "address is missing, must be set");
+  });
 }
 
 struct LiveServer::Parts {

@@ -20,11 +20,11 @@ void ScanPlanOptions::Visit(OptionVisitor& v) {
   v.Group("sequence");
   v.Add(sequences,
         SharedOption("sequence", InField("sequences"), Required(), Repeatable(), Everyday()));
-  v.AddPart(run, "run", "options of the fragment runs", OptionalPart(),
-            WithoutFlags({"sequence", "loop_closure", "relocalization", "new_map_after",
-                          "calibrate", "refine", "final_map", "pictures", "report", "keep_places",
-                          "session", "continue", "localize", "trace", "dump_failures",
-                          "offered_fps", "real_time", "poses", "initial_pose"}));
+  v.AddPart(
+      run, "run", "options of the fragment runs", OptionalPart(),
+      WithoutFlags({"sequence", "loop_closure", "new_map_after", "calibrate", "refine", "final_map",
+                    "pictures", "report", "keep_places", "session", "continue", "localize", "trace",
+                    "dump_failures", "offered_fps", "poses", "initial_pose"}));
   v.Group("fragments");
   v.Add(fragment_frames, "fragment_frames", "maximum number of frames of a fragment", AtLeast(2),
         AsFlag(), Everyday());
@@ -52,12 +52,10 @@ void CandidatesOptions::Visit(OptionVisitor& v) {
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Group("places");
   v.Add(min_gap, "min_gap", "minimum number of frames between two keyframes of a recording",
-        AtLeast(1), AsFlag());
-  v.Add(max_similar, "max_similar", "maximum number of candidates per keyframe", AtLeast(1),
-        AsFlag());
+        AtLeast(1));
+  v.Add(max_similar, "max_similar", "maximum number of candidates per keyframe", AtLeast(1));
   v.Add(max_index_bytes, "max_index_bytes",
-        "memory limit of the keyframe index; above, only every n-th keyframe is used", AtLeast(1),
-        AsFlag());
+        "memory limit of the keyframe index; above, only every n-th keyframe is used", AtLeast(1));
 }
 
 void LinkOptions::Visit(OptionVisitor& v) {
@@ -81,7 +79,7 @@ void TileOptions::Visit(OptionVisitor& v) {
   v.Add(scan, Scan());
   v.Add(tile, "tile", "name of the tile in graph/tiles.json", Required(), AsFlag(), Everyday());
   v.Add(output, SharedOption("output", Required(), Everyday()));
-  v.Add(margin_m, "margin_m", "margin around the tile that is fused as well", Positive(), AsFlag());
+  v.Add(margin_m, "margin_m", "margin around the tile that is fused as well", Positive());
   v.Add(threads, SharedOption("threads", Everyday()));
 }
 

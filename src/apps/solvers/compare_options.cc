@@ -84,15 +84,16 @@ void CompareOptions::Visit(OptionVisitor& v) {
   v.Add(solvers, "solvers",
         "pose solvers (with run: reduced, ceres), comma-separated; empty: all, but ceres_per_point "
         "only with synthetic_points",
-        Everyday());
+        AsFlag("solver"), Everyday());
   v.Add(linear_solvers, "linear_solvers",
-        "linear solvers of ceres_per_point (with run: of ceres); empty: all", AsFlag());
+        "linear solvers of ceres_per_point (with run: of ceres); empty: all",
+        AsFlag("linear_solver"));
   v.Add(residuals, "residuals", "residuals (with run: planes, planes_and_textures); empty: all",
-        Everyday());
+        AsFlag("residual"), Everyday());
   v.Add(associations, "associations", "data associations; empty: all that the input allows",
-        AsFlag());
-  v.Add(threads, "threads", "numbers of threads, comma-separated; one row per number",
-        AsFlag("thread_counts"), Everyday());
+        AsFlag("association"));
+  v.Add(threads, "threads", "numbers of threads, comma-separated; one row per number", AsFlag(),
+        Everyday());
   v.Add(rotations_deg, "rotations_deg", "rotations of the initial poses relative to the truth",
         AsFlag());
   v.Add(translations_m, "translations_m",
@@ -100,13 +101,12 @@ void CompareOptions::Visit(OptionVisitor& v) {
         AsFlag());
   v.Add(seed, SharedOption("seed"));
   v.Add(max_rotation_error_deg, "max_rotation_error_deg",
-        "maximum rotation error of a converged run", Positive(), AsFlag());
+        "maximum rotation error of a converged run", Positive());
   v.Add(max_translation_error_m, "max_translation_error_m",
-        "maximum translation error of a converged run", Positive(), AsFlag());
+        "maximum translation error of a converged run", Positive());
   v.AddPart(preprocess, "preprocess", "depth preprocessing");
-  v.AddPart(
-      icp, "icp", "registration, except the compared options",
-      WithoutFlags({"solver", "linear_solver", "residual", "association", "min_source_rows"}));
+  v.AddPart(icp, "icp", "registration, except the compared options",
+            WithoutFlags({"solver", "residual", "association"}));
   v.Check([this] { CheckTogether(*this); });
 }
 

@@ -17,8 +17,7 @@ void RefineRunOptions::Visit(OptionVisitor& v) {
   v.Add(keyframe_translation_m, "keyframe_translation_m", "minimum translation between keyframes",
         Positive(), AsFlag());
   v.Add(keyframe_rotation_rad, "keyframe_rotation_rad",
-        "minimum rotation between keyframes; one of both limits is sufficient", Positive(),
-        AsFlag());
+        "minimum rotation between keyframes; one of both limits is sufficient", Positive());
   v.Add(max_keyframes, SharedOption("max_keyframes"));
   v.AddPart(preprocess, "preprocess", "depth preprocessing", NoFlags());
   v.AddPart(refinement, "refinement", "joint refinement");
@@ -72,7 +71,7 @@ void AlignRunOptions::Visit(OptionVisitor& v) {
   v.Add(threads, SharedOption("threads", Everyday()));
   v.AddPart(preprocess, "preprocess", "depth preprocessing");
   v.AddPart(initialize, "initialize", "initial pose");
-  v.AddPart(icp, "icp", "registration", WithoutFlags({"min_source_rows"}));
+  v.AddPart(icp, "icp", "registration");
 }
 
 }  // namespace surfit

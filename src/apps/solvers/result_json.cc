@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/shared_options.h"
 #include "output/output_files.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -130,7 +131,8 @@ void WriteRefinementJson(const RefineRunSummary& s, const RefineRunOptions& opti
   j["map_points"] = s.map_points;
   j["total_s"] = s.total_s;
   j["failure"] = s.failure.empty() ? Json() : Json(s.failure);
-  j["options"] = FlagValues(options);
+  RefineRunOptions recorded = options;
+  j["options"] = RecordedValues(TableOf(&recorded));
   WriteJson(j, path);
 }
 

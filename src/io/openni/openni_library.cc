@@ -20,8 +20,9 @@ OpenNiLibrary::OpenNiLibrary(const std::string& name)
     // RTLD_NODELETE: the library must stay loaded, because its drivers run threads.
     : library_(dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE)) {
   if (library_ == nullptr) {
-    throw InputError("OpenNI2 cannot be loaded (", dlerror(),
-                     "): install the Debian package libopenni2-0, or set openni2_library");
+    throw InputError(
+        "OpenNI2 cannot be loaded (", dlerror(),
+        "): install the Debian package libopenni2-0, or set openni2_library or LD_LIBRARY_PATH");
   }
 #define SURFIT_OPENNI_FIND(call) \
   call = reinterpret_cast<decltype(call)>(Find(library_, #call, name));

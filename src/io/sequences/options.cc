@@ -1,5 +1,8 @@
 #include "surfit/core/options.h"
 
+#include <cstdio>
+#include <sstream>
+
 #include "core/shared_options.h"
 #include "io/sequences/folder.h"
 #include "io/sequences/klg_writer.h"
@@ -14,6 +17,44 @@ std::vector<std::string> Formats() {
   formats.insert(formats.begin(), "auto");
   return formats;
 }
+
+// The mode of a live camera as one text.
+class DeviceText final : public OptionText {
+ public:
+  explicit DeviceText(SequenceOptions* options) : o_(*options) {}
+  std::string Get() const override {
+    return Concat(o_.device_width, "x", o_.device_height, "@", o_.device_fps,
+                  o_.device_registration ? "" : ",unregistered",
+                  o_.device_lock_exposure ? ",lock_exposure" : "");
+  }
+  void Set(const std::string& text) override {
+    o_.device_registration = true;
+    o_.device_lock_exposure = false;
+    std::istringstream parts(text);
+    for (std::string part; std::getline(parts, part, ',');) {
+      if (part == "unregistered") {
+        o_.device_registration = false;
+      } else if (part == "lock_exposure") {
+        o_.device_lock_exposure = true;
+      } else {
+        SetMode(part);
+      }
+    }
+  }
+  const std::type_info& type() const override { return typeid(DeviceText); }
+  void* field() override { return &o_; }
+
+ private:
+  void SetMode(const std::string& mode) {
+    int end = 0;
+    const int numbers = std::sscanf(mode.c_str(), "%5dx%5d@%4d%n", &o_.device_width,
+                                    &o_.device_height, &o_.device_fps, &end);
+    ThrowIf(numbers != 3 || end != static_cast<int>(mode.size()),
+            "WIDTHxHEIGHT@FPS, unregistered or lock_exposure, separated by commas");
+  }
+
+  SequenceOptions& o_;
+};
 
 }  // namespace
 
@@ -46,22 +87,20 @@ void SequenceOptions::Visit(OptionVisitor& v) {
         "the camera in the recording, else the default of the format",
         Everyday());
   v.Add(intrinsics, "intrinsics", "fx,fy,cx,cy of the depth camera", InUnit("px"), AsFlag());
-  v.Add(distortion, "distortion", "k1,k2,p1,p2,k3 of the depth camera", AsFlag());
+  v.Add(distortion, "distortion", "k1,k2,p1,p2,k3 of the depth camera");
   v.Add(depth_units_per_metre, "depth_units_per_metre", "depth image counts per metre",
         AsFlag("depth_scale"));
   v.Add(inverse_depth_sigma, SharedOption("inverse_depth_sigma"));
   v.Add(color_intrinsics, "color_intrinsics", "fx,fy,cx,cy of a separate colour camera",
-        InUnit("px"), AsFlag());
-  v.Add(color_distortion, "color_distortion", "k1,k2,p1,p2,k3 of a separate colour camera",
-        AsFlag());
+        InUnit("px"));
+  v.Add(color_distortion, "color_distortion", "k1,k2,p1,p2,k3 of a separate colour camera");
   v.Add(color_from_depth, "color_from_depth",
-        "transform tx,ty,tz,qx,qy,qz,qw from the depth camera to the colour camera", InUnit("m"),
-        AsFlag());
-  v.Add(frames_per_second, "frames_per_second", "frames per second of sequences without timestamps",
-        AsFlag("fps"));
-  v.Add(latency_s, SharedOption("latency_s"));
-  v.Add(color_latency_s, SharedOption("color_latency_s"));
-  v.Add(readout_s, SharedOption("readout_s"));
+        "transform tx,ty,tz,qx,qy,qz,qw from the depth camera to the colour camera", InUnit("m"));
+  v.Add(frames_per_second, "frames_per_second",
+        "frames per second of sequences without timestamps");
+  v.Add(latency_s, "latency_s", "latency_s of camera.yaml", Between(-1, 1));
+  v.Add(color_latency_s, "color_latency_s", "color_latency_s of camera.yaml", Between(-1, 1));
+  v.Add(readout_s, "readout_s", "readout_s of camera.yaml", Between(0, 1));
   v.Add(confidence, "confidence",
         "use the confidence images of a folder (confidence/ or confidence.txt): depth of low "
         "confidence (0 of 0 to 2, or below 85 of 0 to 255) is missing",
@@ -75,18 +114,22 @@ void SequenceOptions::Visit(OptionVisitor& v) {
   v.Add(color_topic, "color_topic",
         "colour image topic of a ROS bag; none: no colour; empty: the only colour topic, if any",
         AsFlag());
-  v.Add(device_width, "device_width", "image width of a live camera", InUnit("px"), AtLeast(1),
-        AsFlag());
-  v.Add(device_height, "device_height", "image height of a live camera", InUnit("px"), AtLeast(1),
-        AsFlag());
-  v.Add(device_fps, "device_fps", "frames per second of a live camera", AtLeast(1), AsFlag());
+  DeviceText device(this);
+  v.AddText(device,
+            Option("device",
+                   "mode of a live camera: WIDTHxHEIGHT@FPS; ,unregistered: depth is not "
+                   "registered to colour (also for .oni); ,lock_exposure: lock exposure and white "
+                   "balance after 60 images",
+                   AsFlag()));
+  v.Add(device_width, "device_width", "image width of a live camera", InUnit("px"), AtLeast(1));
+  v.Add(device_height, "device_height", "image height of a live camera", InUnit("px"), AtLeast(1));
+  v.Add(device_fps, "device_fps", "frames per second of a live camera", AtLeast(1));
   v.Add(device_registration, "device_registration",
-        "register depth to colour in the live camera; .oni: the recording has registered depth",
-        AsFlag());
+        "register depth to colour in the live camera; .oni: the recording has registered depth");
   v.Add(device_lock_exposure, "device_lock_exposure",
-        "lock exposure and white balance of a live camera after 60 images", AsFlag());
+        "lock exposure and white balance of a live camera after 60 images");
   v.Add(openni2_library, "openni2_library",
-        "OpenNI2 library to load, for example the library of a vendor with its drivers", AsFlag());
+        "OpenNI2 library to load, for example the library of a vendor with its drivers");
   v.Add(first, "first", "index of the first frame to read", AtLeast(0), Everyday());
   v.Add(last, "last", "index of the last frame to read, inclusive; -1: all frames", AtLeast(-1),
         Everyday());
@@ -99,7 +142,7 @@ void SequenceOptions::Visit(OptionVisitor& v) {
 }
 
 void KlgOptions::Visit(OptionVisitor& v) {
-  v.Add(compress_depth, "compress_depth", "compress depth in .klg files", AsFlag());
+  v.Add(compress_depth, "compress_depth", "compress depth in .klg files");
   v.Add(jpeg_quality, "jpeg_quality", "JPEG quality of colour in .klg files", Between(0, 100),
         ZeroIs("raw"), AsFlag());
 }

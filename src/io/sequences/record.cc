@@ -154,12 +154,11 @@ void RecordOptions::Visit(OptionVisitor& v) {
   v.AddPart(sequence, "sequence", "sequence to record");
   v.Group("recording");
   v.Add(output, SharedOption("output", Required(), Everyday()));
-  v.Add(max_frames, "max_frames", "maximum number of frames", AtLeast(0), ZeroIs("no limit"),
-        Everyday());
+  v.Add(max_frames, "max_frames", "maximum number of frames", AtLeast(0), ZeroIs("no limit"));
   v.Add(max_seconds, "max_seconds", "maximum duration by the timestamps", InUnit("s"), AtLeast(0),
         ZeroIs("no limit"), AsFlag("seconds"), Everyday());
   v.Add(queue_capacity, "queue_capacity",
-        "maximum number of frames of a live camera that wait for writing", AtLeast(1), AsFlag());
+        "maximum number of frames of a live camera that wait for writing", AtLeast(1));
   v.Check([this] {
     const RectifyOptions as_they_come;
     if (sequence.rectify.downsample == as_they_come.downsample &&

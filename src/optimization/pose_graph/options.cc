@@ -49,12 +49,12 @@ void PoseGraphOptions::Visit(OptionVisitor& v) {
         "M-estimators; auto: best of several methods and starts",
         OneOf(LoopRobustnessNames()), AsFlag());
   v.Add(max_loop_squared_error, "max_loop_squared_error",
-        "maximum error e^T information e of an inlier loop closure", Positive(), AsFlag());
+        "maximum error e^T information e of an inlier loop closure", Positive());
   v.Add(max_iterations, "max_iterations",
         "maximum number of Levenberg-Marquardt iterations, per round of gnc", AtLeast(1),
         AsFlag("max_graph_iterations"));
   v.Add(min_relative_cost_change, "min_relative_cost_change",
-        "relative cost change below which iterations end", AtLeast(0), AsFlag());
+        "relative cost change below which iterations end", AtLeast(0));
   v.Add(max_round_iterations, "max_round_iterations",
         "maximum number of Levenberg-Marquardt iterations of a round of gnc before the final round",
         AtLeast(1));

@@ -9,17 +9,13 @@ namespace surfit {
 void PriorOptions::Visit(OptionVisitor& v) {
   v.Add(focal_relative_sigma, "focal_relative_sigma",
         "relative standard deviation of the input fx and fy, 0: unknown; empty: prior of the "
-        "sensor, also for the following options",
-        AsFlag("prior_focal_relative_sigma"));
+        "sensor, also for the following options");
   v.Add(aspect_relative_sigma, "aspect_relative_sigma",
-        "relative standard deviation of the input fx / fy", AsFlag("prior_aspect_relative_sigma"));
-  v.Add(center_px, "center_px", "standard deviation of the input cx and cy", InUnit("px"),
-        AsFlag("prior_center_px"));
+        "relative standard deviation of the input fx / fy");
+  v.Add(center_px, "center_px", "standard deviation of the input cx and cy", InUnit("px"));
   v.Add(inverse_depth_sigma, "inverse_depth_sigma",
-        "standard deviation of the input correction of inverse depth", InUnit("1/m"),
-        AsFlag("prior_inverse_depth"));
-  v.Add(readout_s, "readout_s", "standard deviation of the input readout", InUnit("s"),
-        AsFlag("prior_readout_s"));
+        "standard deviation of the input correction of inverse depth", InUnit("1/m"));
+  v.Add(readout_s, "readout_s", "standard deviation of the input readout", InUnit("s"));
   v.Check([this] { Validate(Over({})); });
 }
 
@@ -43,18 +39,16 @@ void PriorOptions::Complete(const CalibrationPrior& sensor) {
 
 void RefinementOptions::Visit(OptionVisitor& v) {
   v.Group("refinement");
-  v.Add(estimate_intrinsics, "estimate_intrinsics", "estimate fx fy cx cy", Everyday());
-  v.Add(estimate_depth_offset, "estimate_depth_offset", "estimate an offset of inverse depth",
-        Everyday());
+  v.Add(estimate_intrinsics, "estimate_intrinsics", "estimate fx fy cx cy");
+  v.Add(estimate_depth_offset, "estimate_depth_offset", "estimate an offset of inverse depth");
   v.Add(estimate_depth_field, "estimate_depth_field",
-        "estimate the variation of the inverse depth error over the image: a quadratic polynomial",
-        Everyday());
+        "estimate the variation of the inverse depth error over the image: a quadratic polynomial");
   v.Add(estimate_readout, "estimate_readout",
-        "estimate the rolling-shutter readout, if the camera moves", Everyday());
+        "estimate the rolling-shutter readout, if the camera moves");
   v.AddPart(prior, "prior", "prior of the input calibration");
   v.Add(cells_across, "cells_across",
         "number of columns of square cells of a keyframe image, with at most one surfel per cell",
-        AtLeast(1), AsFlag());
+        AtLeast(1));
   v.Add(min_observations, "min_observations", "minimum number of keyframes that observe a surfel",
         AtLeast(2));
   v.Add(observation_distance_m, "observation_distance_m",
@@ -64,7 +58,7 @@ void RefinementOptions::Visit(OptionVisitor& v) {
   v.Add(max_slant_rad, "max_slant_rad", "maximum angle between surface normal and viewing ray",
         Positive(), Below(M_PI / 2));
   v.AddPart(error_model, "error_model", "error model and robust kernels",
-            OnlyFlags({"photometric_weight", "intensity_sigma"}));
+            OnlyFlags({"photometric_weight"}));
   v.Add(
       motion_sigma_m, "motion_sigma_m",
       "standard deviation of the motion prior between keyframes, if the input calibration is kept",
@@ -87,10 +81,10 @@ void RefinementOptions::Visit(OptionVisitor& v) {
   v.Add(solver, "solver",
         "solver of a round; reduced: Schur complement of the surfels; ceres: ceres::Problem with "
         "one residual block per observation",
-        OneOf(RefinementSolverNames()), AsFlag("refinement_solver"));
+        OneOf(RefinementSolverNames()), AsFlag());
   v.Add(linear_solver, "linear_solver",
         "linear solver of ceres: sparse factorisation or conjugate gradients",
-        OneOf(RefinementLinearSolverNames()), AsFlag("refinement_linear_solver"));
+        OneOf(RefinementLinearSolverNames()), AsFlag());
   v.Add(max_rounds, "max_rounds", "maximum number of rounds, which select surfels and solve",
         Between(1, 1000), AsFlag());
   v.Add(max_iterations, "max_iterations",

@@ -62,7 +62,7 @@ void ReportOptions::Visit(OptionVisitor& v) {
   v.Add(output, SharedOption("output", Required()));
   v.Add(max_points, "max_points",
         "maximum number of surfels of all runs together; larger maps are sampled evenly",
-        AtLeast(1000), AsFlag());
+        AtLeast(1000));
 }
 
 std::vector<ReportedMap> WriteReport(const ReportOptions& options) {

@@ -34,18 +34,16 @@ void ErrorModel::Visit(OptionVisitor& v) {
   v.Add(
       floor_sigma_m, "floor_sigma_m",
       "standard deviation of the errors of map, normals and calibration, added to the depth noise",
-      Positive(), AsFlag());
+      Positive());
   v.AddPart(kernel, "kernel", "robust kernel of the residuals");
   v.Add(
       estimate_scale, "estimate_scale",
       "scale the width of the robust kernel by the residuals' standard deviation (MAD) instead of "
-      "the noise model's",
-      AsFlag());
+      "the noise model's");
   v.Add(photometric_weight, "photometric_weight", "weight of photometric residuals",
         ZeroIs("geometric residuals only"), AsFlag());
   v.Add(intensity_sigma, "intensity_sigma",
-        "standard deviation of photometric residuals, for intensities from 0 to 1", Positive(),
-        AsFlag());
+        "standard deviation of photometric residuals, for intensities from 0 to 1", Positive());
   v.AddPart(intensity_kernel, "intensity_kernel", "robust kernel of photometric residuals",
             NoFlags());
 }
@@ -54,7 +52,7 @@ void ObservabilityOptions::Visit(OptionVisitor& v) {
   v.Add(min_eigenvalue, "min_eigenvalue",
         "minimum eigenvalue of an observable direction, unitless; the pose does not move along "
         "other directions",
-        AtLeast(0), Below(1), AsFlag());
+        AtLeast(0), Below(1));
   v.Add(
       min_information_ratio, "min_information_ratio",
       "minimum ratio of the information along an observable direction to the spurious information "
@@ -76,14 +74,14 @@ void IcpOptions::Visit(OptionVisitor& v) {
   v.Add(solver, "solver", "pose solver (svd for point_to_point only)", OneOf(PoseSolverNames()),
         Everyday());
   v.Add(linear_solver, "linear_solver", "linear solver of ceres_per_point",
-        OneOf(LinearSolverNames()), AsFlag());
+        OneOf(LinearSolverNames()));
   v.Add(residual, "residual", "residual to minimise", OneOf(ResidualTypeNames()), Everyday());
   v.Add(association, "association", "method of data association", OneOf(AssociationNames()),
         AsFlag());
   v.Add(middle_levels, "middle_levels",
         "register on all levels, not only on the coarsest and the finest");
   v.Add(max_iterations, "max_iterations", "maximum number of ICP iterations per level",
-        Between(1, 1000), AsFlag());
+        Between(1, 1000));
   v.AddPart(gates, "gates", "association gates on the finest level");
   v.Add(gate_growth, "gate_growth", "factor of the distance gate per coarser level", AtLeast(1));
   v.Add(kernel_growth, "kernel_growth", "factor of the robust kernel width per coarser level",
@@ -92,23 +90,22 @@ void IcpOptions::Visit(OptionVisitor& v) {
   v.Add(min_source_rows, "min_source_rows",
         "minimum number of image rows on the finest level; every n-th row is used, with the "
         "largest n for this number",
-        ZeroIs("all"), AsFlag());
+        ZeroIs("all"));
   v.Add(min_coarse_step_px, "min_coarse_step_px",
         "step size at which a coarser level ends, in pixels of the level", AtLeast(0));
   v.Add(min_relative_rmse_change, "min_relative_rmse_change",
-        "relative change of the RMSE at which a level ends", AtLeast(0), AsFlag());
+        "relative change of the RMSE at which a level ends", AtLeast(0));
   v.Add(min_increment, "min_increment", "step size at which a level ends, rad and m", AtLeast(0));
   v.Add(stop_at_rmse_increase, "stop_at_rmse_increase",
         "end a level at the previous pose if the RMSE rises and the number of inliers does not");
   v.Add(min_inliers, "min_inliers",
         "minimum number of correspondences on the finest level, halved on each coarser level",
-        AtLeast(6), AsFlag());
+        AtLeast(6));
   v.Add(min_inlier_ratio, "min_inlier_ratio",
         "minimum ratio of correspondences to valid source points", Share());
   v.AddPart(observability, "observability", "thresholds for observable directions");
   v.Add(max_free_space_violation_ratio, "max_free_space_violation_ratio",
-        "maximum ratio of points that violate the free space of the other view; 1 = off", Share(),
-        AsFlag());
+        "maximum ratio of points that violate the free space of the other view; 1 = off", Share());
   // Throws InputError for unknown names and invalid combinations.
   v.Check([this] { MakePoseSolver(SolverOptions(*this, error_model)); });
 }
@@ -155,7 +152,7 @@ void InitializeOptions::Visit(OptionVisitor& v) {
 void CloudNormalOptions::Visit(OptionVisitor& v) {
   v.Group("clouds");
   v.Add(radius_m, "radius_m", "minimum radius of the neighbourhood of a normal",
-        ZeroIs("from the point spacing"), AsFlag("normal_radius_m"));
+        ZeroIs("from the point spacing"));
   v.Add(max_growth, "max_growth", "maximum growth factor of the radius", Between(1, 1000));
   v.Add(min_neighbors, "min_neighbors", "minimum number of points for a normal, including its own",
         AtLeast(4));
@@ -204,14 +201,12 @@ void CloudStartOptions::Visit(OptionVisitor& v) {
 void RegisterCloudsOptions::Visit(OptionVisitor& v) {
   v.Group("clouds");
   v.AddPart(icp, "icp", "ICP options; image options are not used",
-            WithoutFlags({"photometric_weight", "intensity_sigma", "min_source_rows",
-                          "max_free_space_violation_ratio"}));
-  v.Add(reciprocal, "reciprocal", "accept only mutual nearest neighbours on the finest level",
-        Everyday());
+            WithoutFlags({"photometric_weight"}));
+  v.Add(reciprocal, "reciprocal", "accept only mutual nearest neighbours on the finest level");
   v.Add(levels, "levels",
         "number of levels; each has a quarter of the source points of the next finer one, but at "
         "least 1000",
-        Between(1, 10), AsFlag());
+        Between(1, 10));
   v.Check([this] {
     if (icp.association == "kd_tree") return;
     throw InputError("association is '", icp.association, "', must be 'kd_tree' for clouds");

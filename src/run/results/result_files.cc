@@ -297,7 +297,8 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["residual"] = options.slam.icp.residual;
   j["association"] = options.slam.icp.association;
   j["solver"] = options.slam.icp.solver;
-  j["options"] = FlagValues(options);
+  SlamRunOptions recorded = options;
+  j["options"] = RecordedValues(TableOf(&recorded));
   j["digest"] = s.digest;
   WriteJson(j, path);
 }
