@@ -1,6 +1,7 @@
 // surfit_slam and surfit_record with OpenNI2 recordings and a virtual OpenNI2 camera.
 #include <gmock/gmock.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>

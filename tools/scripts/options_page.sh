@@ -32,7 +32,7 @@ In C++ and Python, the options have more fields than there are flags: see the he
 `tools/scripts/options_page.sh build/release/tools > docs/options.md` creates this page. A test compares the page with
 the help of the programs.
 END
-  print_help | awk -v most=180 '
+  print_help | awk -v most=165 '
     # Wraps words to 84 columns, with an indent of 30.
     function wrapped(text, column,    words, count, i, lines) {
       count = split(text, words, " ")
