@@ -205,6 +205,20 @@ TEST_F(RegisterTool, EstimatesNormalsIfAllAreEqualOrNotFinite) {
   }
 }
 
+TEST_F(RegisterTool, RegistersCloudsInMillimetres) {
+  for (const auto& [path, metres] :
+       {std::pair(Source(), MovedCorner(1)), std::pair(Target(), Corner(2))}) {
+    PointCloud cloud = metres;
+    for (Eigen::Vector3f& point : cloud.points) point *= 1000;
+    WritePly(cloud, path);
+  }
+  const ProgramResult result = Succeeded(Register(Source(), Target()));
+  EXPECT_THAT(result.out, ::testing::HasSubstr("coordinates should be in metres"));
+  Rigid3d pose = ParseTransform(ReadBytes(Output("transform.txt")));
+  pose.translation /= 1000;
+  EXPECT_THAT(pose, RigidNear(Truth(), kTolerance_m, kTolerance_rad));
+}
+
 TEST_F(RegisterTool, RejectsBadInputInOneLine) {
   const std::string empty = folder_ / "empty.ply";
   WritePly({}, empty);
