@@ -65,6 +65,11 @@ GreyPyramid GreyOf(const ColoredView& view) {
       Reduced(view.color, view.color.width() / SmallLevel(view.pyramid).camera.width));
 }
 
+// Pixel of a point relative to the principal point, px.
+Eigen::Vector2d OffsetOf(const Eigen::Vector3d& point, const PinholeCamera& camera) {
+  return {camera.fx * point.x() / point.z(), camera.fy * point.y() / point.z()};
+}
+
 // Returns false without depth.
 bool AddPoint(const FrameLevel& surface, const Eigen::Vector2f& at, const ErrorModel& error_model,
               FeaturePoints* points) {
@@ -125,8 +130,7 @@ void FeatureWatch::Follow(const ColoredView& view, const std::optional<Rigid3d>&
   const auto pixel_from = [&](const Rigid3d& world_from_here) {
     const Rigid3d here_from_first = world_from_here.Inverse() * last_->world_from_camera;
     return [here_from_first, camera](const Eigen::Vector3d& point) {
-      const Eigen::Vector3d here = here_from_first * point;
-      return Eigen::Vector2d(camera.fx * here.x() / here.z(), camera.fy * here.y() / here.z());
+      return OffsetOf(here_from_first * point, camera);
     };
   };
   const auto before = pixel_from(world_from_followed_), after = pixel_from(world_from_next);
@@ -139,8 +143,14 @@ void FeatureWatch::Follow(const ColoredView& view, const std::optional<Rigid3d>&
 }
 
 FeatureMotion FeatureWatch::Compare(const FrameLevel& surface, const MovingPose& frame) const {
+  const Rigid3d here_from_first = frame.world_from_camera.Inverse() * last_->world_from_camera;
+  const auto expected = [&](const CornerTracks::Track& track) {
+    const Eigen::Vector3d here = here_from_first * points_.points[track.corner];
+    const Eigen::Vector2d centre(surface.camera.cx, surface.camera.cy);
+    return Eigen::Vector2f((OffsetOf(here, surface.camera) + centre).cast<float>());
+  };
   FeaturePoints source, target;
-  for (const CornerTracks::Track& track : tracks_.Lasting()) {
+  for (const CornerTracks::Track& track : tracks_.Lasting(expected)) {
     if (!AddPoint(surface, track.last, error_model_, &target)) continue;
     source.points.push_back(points_.points[track.corner]);
     source.sigmas_m.push_back(points_.sigmas_m[track.corner]);

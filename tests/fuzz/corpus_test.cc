@@ -14,9 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string> KeptFiles(const std::string& target) {
-  std::vector<std::string> files;
-  for (const auto& entry : fs::directory_iterator(Concat(SURFIT_FUZZ_CORPUS, "/", target))) {
+std::vector<std::string> KeptFiles(const FuzzTarget& target) {
+  std::vector<std::string> files = target.seeds;
+  const std::string folder = Concat(SURFIT_FUZZ_CORPUS, "/", target.name);
+  if (!fs::exists(folder)) return files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
     files.push_back(ReadBytes(entry.path().string()));
   }
   std::sort(files.begin(), files.end());
@@ -29,7 +31,7 @@ class FuzzCorpus : public ::testing::TestWithParam<FuzzTarget> {
  protected:
   // A mutation is read or rejected, and the memory stays proportional to its size.
   void ReadMutations(int count) const {
-    const std::vector<std::string> files = KeptFiles(GetParam().name);
+    const std::vector<std::string> files = KeptFiles(GetParam());
     const FuzzedReader reader(GetParam());
     Random random(7);
     int taken = 0;
@@ -52,7 +54,7 @@ TEST(FuzzTargets, AreListedInCMake) {
 // Mutations are useful only if one file of the corpus is valid.
 TEST_P(FuzzCorpus, ContainsValidFile) {
   const FuzzedReader reader(GetParam());
-  const std::vector<std::string> files = KeptFiles(GetParam().name);
+  const std::vector<std::string> files = KeptFiles(GetParam());
   int taken = 0;
   std::size_t size = 0;
   for (const std::string& bytes : files) {

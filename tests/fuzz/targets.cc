@@ -203,6 +203,7 @@ const std::vector<FuzzTarget>& FuzzTargets() {
   static const auto* const targets = [] {
     auto* const all = new std::vector<FuzzTarget>(SequenceTargets());
     for (FuzzTarget& target : ResultTargets()) all->push_back(std::move(target));
+    for (FuzzTarget& target : DeviceTargets()) all->push_back(std::move(target));
     return all;
   }();
   return *targets;

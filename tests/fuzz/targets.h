@@ -7,15 +7,20 @@
 
 namespace surfit::testing {
 
-// Reader of untrusted files.
+// Reader of untrusted files. The initial inputs are `seeds`, and the files of the folder `name` in
+// tests/fuzz/corpus, if it exists.
 struct FuzzTarget {
-  std::string name;                           // also the name of the folder in tests/fuzz/corpus
+  std::string name;
   std::string file;                           // name of the fuzzed file in the folder
   void (*prepare)(const TempFolder& folder);  // writes the other files of the folder
   void (*read)(const std::string& folder);    // throws InputError for invalid files
+  std::vector<std::string> seeds = {};        // valid files
 };
 
 const std::vector<FuzzTarget>& FuzzTargets();
+// The targets of phones, Matroska, OpenEXR, NumPy and inertial sensors. They are a part of
+// FuzzTargets().
+std::vector<FuzzTarget> DeviceTargets();
 
 // Reads bytes as one of the targets, in a temporary folder.
 class FuzzedReader {

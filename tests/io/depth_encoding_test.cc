@@ -53,6 +53,38 @@ TEST(DepthEncoding, CorrectsSwappedBytes) {
   EXPECT_THAT(warnings, ElementsAre(Names("depth.png", "bytes")));
 }
 
+// Depth in steps of `step` counts, with equal values in columns of 10 px.
+Image<std::uint16_t> Stairs(int frame, int step) {
+  Image<std::uint16_t> depth(kSlantedWidth, kSlantedHeight);
+  for (int v = 0; v < kSlantedHeight; ++v) {
+    for (int u = 0; u < kSlantedWidth; ++u)
+      depth(u, v) = static_cast<std::uint16_t>(12000 + 3 * frame + step * (u / 10 + v % 7));
+  }
+  return depth;
+}
+
+TEST(DepthEncoding, CorrectsSwappedBytesOfWallsAndCoarseSteps) {
+  for (const int step : {1, 20, 100}) {
+    const auto images = FirstImages([&](int i) {
+      return Changed(Stairs(i, step), [](int count) { return count << 8 | count >> 8; });
+    });
+    std::vector<std::string> warnings;
+    EXPECT_EQ(Decoded(images, 5000, &warnings), Stairs(0, step)) << step;
+    EXPECT_THAT(warnings, ElementsAre(Names("depth.png", "bytes")));
+    warnings.clear();
+    EXPECT_TRUE(DetectDepthEncoding(FirstImages([&](int i) { return Stairs(i, step); }),
+                                    CameraOf(5000), &warnings)
+                    .IsPlain());
+  }
+}
+
+TEST(DepthEncoding, KeepsImagesOfEightBitsInTheHighByte) {
+  const auto images = FirstImages(
+      [](int i) { return Changed(SlantedDepth(i), [](int count) { return (count >> 4) << 8; }); });
+  std::vector<std::string> warnings;
+  EXPECT_TRUE(DetectDepthEncoding(images, CameraOf(16000), &warnings).IsPlain());
+}
+
 TEST(DepthEncoding, CorrectsRotatedBits) {
   const auto images = FirstImages([](int i) {
     return Changed(SlantedDepth(i), [](int count) { return count << 3 | count >> 13; });

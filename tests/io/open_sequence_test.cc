@@ -49,6 +49,14 @@ TEST_F(OpenSequenceTest, FirstLastAndStrideChooseFrames) {
   EXPECT_THAT(Indices(), ElementsAre(9));
 }
 
+TEST_F(OpenSequenceTest, NamesACompleteRecordingIfNoFrameIsLeft) {
+  options_.first = 10;
+  ExpectInputError([&] { OpenSequence(options_); },
+                   HasSubstr(options_.path + " is complete: it has 10 frames"));
+  options_.first = 11;
+  ExpectError("first", 11, 10);
+}
+
 // z = 31 px * 0.1 m * 1000 counts per px / 1000 counts.
 TEST_F(OpenSequenceTest, DisparitiesReachTheFramesAsDepth) {
   std::string yaml = SmallCameraYaml();

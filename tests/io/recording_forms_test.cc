@@ -110,8 +110,13 @@ TEST_F(FolderTest, TellsThatTheCameraOfSevenScenesIsGuessedByNames) {
 TEST_F(FolderTest, RejectsIntrinsicsThatAreRatiosOfTheImageSize) {
   WriteFrames("depth", "color");
   SequenceOptions options = Options(folder_);
-  options.intrinsics = {0.8, 1.1, 0.5, 0.5};
-  ExpectInputError([&] { OpenSequence(options); }, Names("fx", 0.8, 1.1, 0.5, 80, 60));
+  const std::array<double, 4> refused[] = {
+      {0.8, 1.1, 0.5, 0.5}, {0.8, 1.1, 39.5, 29.5}, {70, 70, 0.5, 0.5}, {1.2, 1.2, 0, 0}};
+  for (const auto& intrinsics : refused) {
+    options.intrinsics = intrinsics;
+    ExpectInputError([&] { OpenSequence(options); },
+                     Names("fx", intrinsics[0], intrinsics[1], intrinsics[2], 80, 60));
+  }
 }
 
 TEST_F(FolderTest, NamesAnImageFormatThatIsNotSupported) {

@@ -37,14 +37,14 @@ Eigen::Vector2f WhereItWas(const CornerTracks::Track& track) { return track.last
 
 TEST(CornerTracks, FollowMotionWithBrightnessChange) {
   CornerTracks tracks = TracksOf(Pattern(0));
-  const std::size_t count = tracks.Lasting().size();
+  const std::size_t count = tracks.Lasting(WhereItWas).size();
   ASSERT_GE(count, 40u);
   double shift_px = 0;
   for (int i = 1; i <= 4; ++i) {
     shift_px += 3.3;
     tracks.Follow(MakeGreyPyramid(Pattern(shift_px, 1 - 0.05 * i, 5 * i)), WhereItWas);
   }
-  const std::vector<CornerTracks::Track> lasting = tracks.Lasting();
+  const std::vector<CornerTracks::Track> lasting = tracks.Lasting(WhereItWas);
   ASSERT_GE(lasting.size(), count / 2);
   int right = 0;
   for (const CornerTracks::Track& track : lasting) {
@@ -57,9 +57,47 @@ TEST(CornerTracks, FollowMotionWithBrightnessChange) {
 TEST(CornerTracks, LoseCornersThatDisappear) {
   CornerTracks tracks = TracksOf(Pattern(0));
   tracks.Follow(MakeGreyPyramid(Pattern(0, 1, 0, kWidth / 2)), WhereItWas);
-  for (const CornerTracks::Track& track : tracks.Lasting()) {
+  for (const CornerTracks::Track& track : tracks.Lasting(WhereItWas)) {
     EXPECT_LT(track.first.x(), kWidth / 2 + 9);
   }
+}
+
+// Tiles with a period of 16 px, and a weak pattern that is not periodic.
+Image<Rgb8> Tiles(double shift_px) {
+  Image<Rgb8> image = Pattern(shift_px, 0.2, 40);
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const double wave = std::sin(2 * M_PI * (u - shift_px) / 16) * std::sin(2 * M_PI * v / 16.);
+      const auto value = static_cast<std::uint8_t>(image(u, v).r + std::lround(60 + 60 * wave));
+      image(u, v) = {value, value, value};
+    }
+  }
+  return image;
+}
+
+TEST(CornerTracks, ThatJumpBetweenTilesReturnToTheExpectedPlace) {
+  constexpr float kShift_px = 5, kPeriod_px = 16;
+  const GreyPyramid next = MakeGreyPyramid(Tiles(kShift_px));
+  const auto at = [](float shift_px) {
+    return [shift_px](const CornerTracks::Track& track) {
+      return Eigen::Vector2f(track.first + Eigen::Vector2f(shift_px, 0));
+    };
+  };
+  const auto right_ratio = [](const std::vector<CornerTracks::Track>& lasting) {
+    EXPECT_GE(lasting.size(), 20u);
+    return std::count_if(lasting.begin(), lasting.end(),
+                         [](const CornerTracks::Track& track) {
+                           return std::abs(track.last.x() - track.first.x() - kShift_px) < 1;
+                         }) /
+           static_cast<double>(lasting.size());
+  };
+  CornerTracks jumped = TracksOf(Tiles(0)), right = jumped;
+  jumped.Follow(next, at(kShift_px - kPeriod_px));
+  EXPECT_LT(right_ratio(jumped.Lasting(WhereItWas)), 0.2);
+  EXPECT_GT(right_ratio(jumped.Lasting(at(kShift_px + 0.7f))), 0.9);
+  // A wrong expectation does not replace a better match.
+  right.Follow(next, at(kShift_px));
+  EXPECT_GT(right_ratio(right.Lasting(at(kShift_px - kPeriod_px))), 0.9);
 }
 
 TEST(FindCorners, FindsCornersOnlyWithDepthAndTexture) {
@@ -81,7 +119,7 @@ TEST(CornerTracks, AreEmptyForImagesSmallerThanPatch) {
   const GreyPyramid grey = MakeGreyPyramid(Image<Rgb8>(8, 6, Rgb8{90, 90, 90}));
   CornerTracks tracks(grey, {Eigen::Vector2f(4, 3)});
   tracks.Follow(grey, WhereItWas);
-  EXPECT_TRUE(tracks.Lasting().empty());
+  EXPECT_TRUE(tracks.Lasting(WhereItWas).empty());
 }
 
 }  // namespace

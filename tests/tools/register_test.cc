@@ -190,6 +190,34 @@ TEST_F(RegisterTool, EstimatesNormalsIfAllAreZeroAndCountsEqualPoints) {
               RigidNear(Truth(), kTolerance_m, kTolerance_rad));
 }
 
+TEST_F(RegisterTool, EstimatesNormalsIfAllAreEqualOrNotFinite) {
+  PointCloud source = MovedCorner(1);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const Eigen::Vector3f& normal : {Eigen::Vector3f(0, 0, 1), Eigen::Vector3f(nan, nan, nan)}) {
+    source.normals.assign(source.points.size(), normal);
+    WritePly(source, Source());
+    const ProgramResult result = Succeeded(Register(Source(), Target()));
+    EXPECT_THAT(result.out,
+                ::testing::ContainsRegex("source: 12000 points, normals from a radius"));
+    EXPECT_THAT(ParseTransform(ReadBytes(Output("transform.txt"))),
+                RigidNear(Truth(), kTolerance_m, kTolerance_rad));
+  }
+}
+
+TEST_F(RegisterTool, RegistersCloudsInMillimetres) {
+  for (const auto& [path, metres] :
+       {std::pair(Source(), MovedCorner(1)), std::pair(Target(), Corner(2))}) {
+    PointCloud cloud = metres;
+    for (Eigen::Vector3f& point : cloud.points) point *= 1000;
+    WritePly(cloud, path);
+  }
+  const ProgramResult result = Succeeded(Register(Source(), Target()));
+  EXPECT_THAT(result.out, ::testing::HasSubstr("coordinates should be in metres"));
+  Rigid3d pose = ParseTransform(ReadBytes(Output("transform.txt")));
+  pose.translation /= 1000;
+  EXPECT_THAT(pose, RigidNear(Truth(), kTolerance_m, kTolerance_rad));
+}
+
 TEST_F(RegisterTool, RejectsBadInputInOneLine) {
   const std::string empty = folder_ / "empty.ply";
   WritePly({}, empty);

@@ -70,6 +70,10 @@ TEST_F(SessionTool, StoresARunAndContinuesIt) {
   // With the same flags, the run skips the frames of the session.
   Succeeded(Keep("second", {"--continue"}));
   EXPECT_EQ(CountPoses(Output("second") + "/trajectory.txt"), kFrames - 12);
+  const ProgramResult complete = Keep("complete", {"--continue"});
+  EXPECT_EQ(complete.exit_code, 1);
+  EXPECT_THAT(complete.err, HasError(Room(), kFrames));
+  EXPECT_THAT(complete.err, HasSubstr("is complete: it has"));
   Succeeded(Tool("export", {"--output=" + Output("exported")}));
   EXPECT_EQ(CountPoses(Output("exported") + "/trajectory.txt"), kFrames);
   EXPECT_EQ(CountPoses(Output("exported") + "/run-2.txt"), kFrames - 12);

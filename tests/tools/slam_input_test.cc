@@ -259,19 +259,71 @@ TEST_F(SlamTool, ReportsALostSequenceWithExitCode2) {
   EXPECT_EQ(CountPoses(Output() + "/trajectory.txt"), 1);
 }
 
-TEST_F(SlamTool, NamesTheReasonIfNoFrameCanBeginTheMap) {
-  const std::string tiny = Output("tiny");
-  fs::create_directories(tiny + "/depth");
+// A folder with three depth images, and a camera whose field of view does not depend on the size.
+std::string WriteDepth(const std::string& folder, const cv::Mat& depth) {
+  fs::create_directories(folder + "/depth");
   for (int i = 0; i < 3; ++i) {
-    const cv::Mat depth(7, 10, CV_16UC1, cv::Scalar(1000 + i));
-    cv::imwrite(tiny + "/depth/" + std::to_string(i) + ".png", depth);
+    cv::imwrite(folder + "/depth/" + std::to_string(i) + ".png", depth + cv::Scalar(i));
   }
-  std::ofstream(tiny + "/camera.yaml")
-      << "depth_camera: { width: 10, height: 7, fx: 9, fy: 9, cx: 4.5, cy: 3 }\n"
-         "depth_units_per_metre: 1000\n";
-  const ProgramResult result = Slam(tiny, Output("run"));
+  std::ofstream(folder + "/camera.yaml")
+      << "depth_camera: { width: " << depth.cols << ", height: " << depth.rows
+      << ", fx: " << 0.9 * depth.cols << ", fy: " << 0.9 * depth.cols
+      << ", cx: " << 0.5 * depth.cols - 0.5 << ", cy: " << 0.5 * depth.rows - 0.5
+      << " }\ndepth_units_per_metre: 1000\n";
+  return folder;
+}
+
+TEST_F(SlamTool, NamesTheReasonIfNoFrameCanBeginTheMap) {
+  for (const cv::Size size : {cv::Size(10, 7), cv::Size(8, 8)}) {
+    const cv::Mat depth(size, CV_16UC1, cv::Scalar(1000));
+    const std::string name = std::to_string(size.width);
+    const ProgramResult result = Slam(WriteDepth(Output(name), depth), Output(name + "_run"));
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.err, HasWarning(size.width, size.height, 200, "100 %", "normal"));
+  }
+}
+
+TEST_F(SlamTool, NamesMissingRowsIfNoFrameCanBeginTheMap) {
+  const std::string copy = CopyOfRoom();
+  for (const auto& entry : fs::directory_iterator(copy + "/depth")) {
+    cv::Mat depth = cv::imread(entry.path(), cv::IMREAD_UNCHANGED);
+    for (int v = 1; v < depth.rows; v += 2) depth.row(v) = 0;
+    cv::imwrite(entry.path(), depth);
+  }
+  const ProgramResult result = Slam(copy, Output());
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasWarning(10, 7, 200, 100));
+  EXPECT_THAT(result.err, HasWarning(160, 120));
+  EXPECT_THAT(result.err, HasSubstr("needs depth in the rows and columns beside its pixel"));
+}
+
+// Covers the left half of each depth image with a box at a distance of 0.3 m, which moves with the
+// camera.
+TEST_F(SlamTool, NamesABoxThatCoversHalfOfTheView) {
+  const std::string room = Simulate("half", {"--sensor=ideal", "--downsample=2", "--frames=12"});
+  for (const auto& entry : fs::directory_iterator(room + "/depth")) {
+    cv::Mat depth = cv::imread(entry.path(), cv::IMREAD_UNCHANGED);
+    depth.colRange(0, depth.cols / 2) = 1500;
+    cv::imwrite(entry.path(), depth);
+  }
+  const ProgramResult result = Succeeded(Slam(room, Output(), {"--nofinal_map"}));
+  EXPECT_THAT(result.err, HasSubstr("moving objects cover more than 10 % of the view"));
+  EXPECT_EQ(Summary(Output())["frames_tracked"], 12);
+}
+
+// Depth in whole millimetres, as most recordings have it.
+TEST_F(SlamTool, WarnsOfNothingInAStaticExactRoom) {
+  const std::string room =
+      Simulate("exact", {"--seed=4", "--frames=40", "--sensor=ideal", "--downsample=2"});
+  EXPECT_THAT(Succeeded(Slam(room, Output("fine"), {"--nofinal_map"})).err, Not(HasWarning()));
+  for (const auto& entry : fs::directory_iterator(room + "/depth")) {
+    cv::Mat depth = cv::imread(entry.path(), cv::IMREAD_UNCHANGED);
+    depth.convertTo(depth, CV_16U, 0.2);  // 5000 units per metre before
+    cv::imwrite(entry.path(), depth);
+  }
+  const ProgramResult result =
+      Succeeded(Slam(room, Output(), {"--depth_scale=1000", "--nofinal_map"}));
+  EXPECT_THAT(result.err, Not(HasWarning("motion")));
+  EXPECT_LT(Summary(Output())["ate_rmse_m"], 0.0015);
 }
 
 TEST_F(SlamTool, RejectsBadInputInOneLine) {

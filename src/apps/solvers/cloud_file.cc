@@ -1,5 +1,6 @@
 #include "apps/solvers/cloud_file.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -35,9 +36,26 @@ void Normalize(std::vector<Eigen::Vector3f>* normals) {
   }
 }
 
-bool AllZero(const std::vector<Eigen::Vector3f>& normals) {
-  return std::all_of(normals.begin(), normals.end(),
-                     [](const Eigen::Vector3f& normal) { return normal.isZero(0); });
+// True if all normals are zero, or if all other normals are equal although the points are in no
+// plane. Some programs write a constant instead of normals.
+bool AreUnset(const std::vector<Eigen::Vector3f>& normals,
+              const std::vector<Eigen::Vector3f>& points) {
+  constexpr double kMaxThickness = 0.01;  // of a plane, relative to the size of the cloud
+  const auto is_set = [](const Eigen::Vector3f& normal) { return !normal.isZero(0); };
+  const auto first = std::find_if(normals.begin(), normals.end(), is_set);
+  if (first == normals.end()) return true;
+  if (std::any_of(first, normals.end(), [&](const Eigen::Vector3f& normal) {
+        return is_set(normal) && normal != *first;
+      })) {
+    return false;
+  }
+  Eigen::AlignedBox3f box;
+  Eigen::AlignedBox1f along;
+  for (const Eigen::Vector3f& point : points) {
+    box.extend(point);
+    along.extend(Eigen::Matrix<float, 1, 1>(first->dot(point)));
+  }
+  return along.sizes()[0] > kMaxThickness * box.sizes().norm();
 }
 
 // Index of the first equal point, for each point.
@@ -73,7 +91,7 @@ PointSet MakePointSet(const CloudSensor& sensor, const CloudNormalOptions& norma
   for (const std::uint32_t i : used) set.points.push_back(cloud->points[i]);
   set.sigma_m.assign(set.size(), static_cast<float>(floor_sigma_m));
   Normalize(&cloud->normals);
-  if (AllZero(cloud->normals)) {
+  if (AreUnset(cloud->normals, cloud->points)) {
     CloudSensor local = sensor;
     local.viewpoint -= cloud->origin;
     const CloudNormals estimated = EstimateCloudNormals(set.points, local, normals);

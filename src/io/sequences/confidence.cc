@@ -207,10 +207,11 @@ int ConfidenceRange(const Image<std::uint8_t>& confidence) {
   return is_byte ? kByteRange : kPhoneRange;
 }
 
-// Depth of medium confidence has the weight of other depth. On phone_lidar_walk, its inverse depth
-// scatters 3.9 times as much as that of high confidence between neighbouring frames, and 2.9 times
-// as much over 5 frames. But it is 4 % of the depth: without it, the ATE is 32.0 mm instead of
-// 32.2 mm. In two simulated rooms of this sensor, the ATE without it is 1.6 and 1.9 times as large.
+// Depth of medium confidence has the weight of other depth. Measured on phone_lidar_walk:
+// - Scatter of inverse depth relative to high confidence: 3.9 between neighbouring frames, and 2.9
+//   over 5 frames.
+// - Medium confidence is 4 % of the depth. The ATE is 32.2 mm with it and 32.0 mm without it.
+// In two simulated rooms of this sensor, the ATE without it is 1.6 and 1.9 times as large.
 void RemoveLowConfidence(const FrameFiles& files, FrameImages* images) {
   const std::string& path = files.confidence_path;
   const Image<std::uint8_t> confidence = ReadConfidenceImage(path);

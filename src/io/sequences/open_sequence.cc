@@ -75,9 +75,11 @@ std::optional<std::string> TruthWarning(const Recording& frames, const Trajector
 
 std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
   ThrowIf(count == 0, options.path, " lists no frames");
-  ThrowIf(options.first >= count, "first is ", options.first, ", must be below ", count,
-          ", the number of frames of ", options.path,
-          options.first == count ? ": a session that is continued has all frames already" : "");
+  ThrowIf(options.first == count, options.path, " is complete: it has ", count,
+          " frames, and first is ", count,
+          ". If a session is continued, it already contains all frames");
+  ThrowIf(options.first > count, "first is ", options.first, ", must be below ", count,
+          ", the number of frames of ", options.path);
   const int last = options.last == -1 ? count - 1 : std::min(options.last, count - 1);
   std::vector<int> indices;
   for (int i = options.first; i <= last; i += options.stride) indices.push_back(i);

@@ -61,12 +61,15 @@ void CompleteCamera(const FrameImages& first, const Image<Rgb8>& color, Sequence
 }
 
 // Throws InputError for intrinsics that are ratios of the image size, as some programs write them.
+// A focal length below kMaxFocal_px is a field of view of at least 150 degrees. A principal point
+// below 1 px is the corner of the image.
 void RequirePixelUnits(const PinholeCamera& camera, const char* whose, const std::string& from) {
-  constexpr double kMaxRatio = 4;   // focal length of a telephoto lens, relative to the width
+  constexpr double kMaxFocal_px = 4;
   constexpr int kMinWidth_px = 32;  // smaller images can have focal lengths of a few px
-  const double largest = std::max(
-      {std::abs(camera.fx), std::abs(camera.fy), std::abs(camera.cx), std::abs(camera.cy)});
-  if (largest > kMaxRatio || camera.width < kMinWidth_px) return;
+  if (camera.width < kMinWidth_px) return;
+  const auto is_ratio = [](double center) { return center > 0 && center < 1; };
+  const bool has_focal_px = std::max(std::abs(camera.fx), std::abs(camera.fy)) > kMaxFocal_px;
+  if (has_focal_px && !(is_ratio(camera.cx) && is_ratio(camera.cy))) return;
   throw InputError("the intrinsics of ", whose, " (", from, ") are fx ", camera.fx, ", fy ",
                    camera.fy, ", cx ", camera.cx, ", cy ", camera.cy, ", must be in px of the ",
                    camera.width, " x ", camera.height,

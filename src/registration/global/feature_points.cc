@@ -427,12 +427,14 @@ void CornerTracks::Follow(GreyPyramid next, const Expect& expect) {
   last_ = std::move(next);
 }
 
-std::vector<CornerTracks::Track> CornerTracks::Lasting() const {
+std::vector<CornerTracks::Track> CornerTracks::Lasting(const Expect& expect) const {
   std::vector<Track> lasting;
   for (const Track& track : tracks_) {
-    const auto found = FindPatch(first_[0], track.first, last_[0], track.last);
-    if (found && found->alike > kMinCorrelationFirst)
-      lasting.push_back({track.corner, track.first, found->at});
+    auto found = FindPatch(first_[0], track.first, last_[0], track.last);
+    if (!found || found->alike <= kMinCorrelationFirst) continue;
+    const auto expected = FindPatch(first_[0], track.first, last_[0], expect(track));
+    if (expected && expected->alike > found->alike) found = expected;
+    lasting.push_back({track.corner, track.first, found->at});
   }
   return lasting;
 }

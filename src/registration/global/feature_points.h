@@ -101,9 +101,10 @@ class CornerTracks {
   // have the size of the first image. `expect` is called from several threads and must not be null.
   void Follow(GreyPyramid next, const Expect& expect);
 
-  // Corners whose patches still match the first image, refined by that match. Lost corners are
-  // not removed.
-  std::vector<Track> Lasting() const;
+  // Corners whose patches still match the first image, refined by that match. A second match starts
+  // at `expect(track)`, and the better match is used, because tracks can jump between repetitions
+  // of a texture. Lost corners are not removed.
+  std::vector<Track> Lasting(const Expect& expect) const;
 
  private:
   GreyPyramid first_, last_;
