@@ -83,6 +83,27 @@ double PriorDrift(const NoiseStatistics& statistics, double drift_of_both, doubl
   return std::clamp(drift, kLeastRatio * guess, bound);
 }
 
+// Spread of the registration alone.
+double RegisteredSpread(const NoiseStatistics& statistics, const SourceNoise& noise, int scale) {
+  const double frames = std::ldexp(1, scale);
+  return std::max(0.,
+                  statistics.spread[scale] - frames * noise.prior_drift - 2 * noise.prior_noise);
+}
+
+// The spread grows with a power of the number of frames, up to the age of the map. The exponent is
+// that of the largest scales. Without an age, the drift is that of the largest scale.
+double RegisteredDrift(const NoiseStatistics& statistics, const SourceNoise& noise) {
+  constexpr int kScales = 2;  // of the exponent
+  const int last = static_cast<int>(statistics.spread.size()) - 1;
+  const double frames = std::ldexp(1, last);
+  const double spread =
+      std::max(2 * noise.registered_noise, RegisteredSpread(statistics, noise, last));
+  const double age = std::max(frames, statistics.model_age_frames);
+  const double before = last >= kScales ? RegisteredSpread(statistics, noise, last - kScales) : 0;
+  const double exponent = before > 0 ? std::clamp(std::log2(spread / before) / kScales, 0., 1.) : 1;
+  return spread * std::pow(age / frames, exponent) / age;
+}
+
 }  // namespace
 
 SourceNoise EstimateNoise(const NoiseStatistics& statistics) {
@@ -95,13 +116,10 @@ SourceNoise EstimateNoise(const NoiseStatistics& statistics) {
                           ? statistics.stated_drift
                           : PriorDrift(statistics, drift, noise.prior_noise);
   noise.prior_drift = std::max(statistics.smallest, noise.prior_drift);
-  const double frames = std::ldexp(1, static_cast<int>(statistics.spread.size()) - 1);
-  const double registered_spread =
-      statistics.spread.back() - frames * noise.prior_drift - 2 * noise.prior_noise;
-  noise.registered_bounded = std::max(noise.registered_noise, registered_spread / 2);
-  noise.registered_drift = statistics.model_age_frames > 0
-                               ? noise.registered_bounded / statistics.model_age_frames
-                               : std::max(0., drift - noise.prior_drift);
+  const int last = static_cast<int>(statistics.spread.size()) - 1;
+  noise.registered_bounded =
+      std::max(noise.registered_noise, RegisteredSpread(statistics, noise, last) / 2);
+  noise.registered_drift = RegisteredDrift(statistics, noise);
   return noise;
 }
 

@@ -28,14 +28,15 @@ struct NoiseStatistics {
 //
 // The prior has random-walk drift w and white noise v. Its spread over n frames is n w + 2 v. A
 // registered pose has an error relative to the map, with the variance b. The error is correlated
-// over some frames, so its spread grows to 2 b. The map adds drift: each surfel has the error of
-// the frame that saw it first. Over the age of the visible surfels, the drift is one such error.
+// over some frames. The map adds drift: each surfel has the error of the frame that saw it first.
+// So the spread grows up to the age of the visible surfels. The drift per frame is the spread at
+// this age, divided by the age.
 struct SourceNoise {
   std::vector<double> spread;  // as in NoiseStatistics
   double prior_drift = 0, prior_noise = 0;
   double registered_noise = 0;    // of consecutive frames
   double registered_bounded = 0;  // b
-  double registered_drift = 0;    // b per age of the map
+  double registered_drift = 0;
 };
 
 // The sum of both drifts follows from a fit of the spread. Third differences of motions over n
