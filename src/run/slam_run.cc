@@ -46,6 +46,10 @@ using ProgressCall = std::function<void(const SlamRunProgress&)>;
 Trajectory ReadPrior(const std::string& path, const SequenceInfo& info) {
   Trajectory prior = ReadEstimate(path, info);
   ThrowIf(prior.size() < 2, path, " has ", prior.size(), " poses, must have at least 2");
+  for (std::size_t i = 1; i < prior.size(); ++i) {
+    ThrowIf(prior[i].stamp_s == prior[i - 1].stamp_s, path, " has two poses with the timestamp ",
+            std::to_string(prior[i].stamp_s), ", timestamps must differ");
+  }
   return prior;
 }
 

@@ -327,7 +327,7 @@ void Slam::UsePriorEdges() {
     const std::optional<PriorMotion> motion = prior.Accepted(from_s, to_s);
     if (!motion) return std::nullopt;
     return PriorEdge{*prior.CameraAt(from_s), *prior.CameraAt(to_s), motion->covariance,
-                     prior.RegisteredCovariance(to_s - from_s), prior.RegistrationNoise()};
+                     prior.RegisteredDrift(to_s - from_s), prior.RegistrationNoise()};
   });
 }
 

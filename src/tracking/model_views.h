@@ -10,7 +10,8 @@ namespace surfit {
 struct ReferenceView {
   ColoredView view;  // colours only with photometric residuals
   Rigid3d world_from_view;
-  Image<float> grey;  // brightness per ViewGrid cell, 0: unknown; may be empty
+  Image<float> grey;            // brightness per ViewGrid cell, 0: unknown; may be empty
+  double mean_first_seen = -1;  // frame index, of the visible surfels; -1: not a view of the map
 
   bool has_intensities() const { return !view.pyramid.levels.front().intensity.empty(); }
 };

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "frame/rolling_shutter.h"
-#include "registration/solvers/decompositions.h"
 #include "tracking/pose_validation.h"
 
 namespace surfit {
@@ -16,24 +15,6 @@ namespace {
 constexpr std::size_t kReadoutLevel = 3;
 // Minimum inlier ratio of a pose that is certain by depth alone.
 constexpr double kCertainInliers = 0.6;
-// Maximum squared difference of a registered pose from prior poses, in standard deviations. A
-// chi-square variable with 6 degrees of freedom exceeds it with a probability of 4e-7.
-constexpr double kMaxPriorDifference = 40;
-// Bounds the influence of outliers of the registration.
-constexpr double kMaxPriorSigmas = 3;
-
-// Distance of two poses: translation plus 2 m times the rotation angle.
-double DistanceOf(const Rigid3d& a, const Rigid3d& b) {
-  const Rigid3d motion = a.Inverse() * b;
-  return motion.translation.norm() + 2 * RotationAngle(motion.rotation);
-}
-
-// A registered pose agrees with the inertial prediction within these bounds. The bounds of a
-// certain prediction are those of AreOnePlace().
-constexpr double kImuShift_m = 0.05, kMaxImuShift_m = 0.15, kMaxImuTurn_rad = 0.05;
-// Information of a given pose: 0.1 mrad and 0.1 mm.
-constexpr double kGivenInformation = 1e8;
-
 }  // namespace
 
 Tracker::Tracker(const TrackingOptions& options, const Rigid3d& world_from_first_camera,
@@ -160,17 +141,6 @@ Tracked Tracker::Track(const PreprocessedFrame& frame, const Prediction& predict
   return CheckFeatures(frame, RegisterOrSearch(frame, prediction, std::move(tracked)));
 }
 
-// A registration that differs from the prior is an outlier, unless the prior differs more from the
-// motion of the last frame.
-bool Tracker::AgreesWithPrior(const Tracked& tracked, const Prediction& prediction) const {
-  if (!tracked.has_pose() || tracked.verdict != Verdict::kAccepted) return false;
-  if (tracked.prior_squared_difference < kMaxPriorDifference) return true;
-  const std::optional<Rigid3d> smooth = motion_model_.PredictPose(state_, last_.world_from_view);
-  if (!smooth) return false;
-  return DistanceOf(*smooth, prediction.world_from_camera) <
-         DistanceOf(*smooth, tracked.world_from_registered);
-}
-
 Tracked Tracker::TrackFirst(const PreprocessedFrame& frame) {
   Tracked tracked;
   tracked.state = HasEnoughDepth(frame, options_.icp) ? FrameState::kFirst : FrameState::kLost;
@@ -213,7 +183,8 @@ Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Predicti
   }
   if (std::optional<Tracked> confirmed = CompareWithTentative(frame, &tracked)) {
     tracked = *std::move(confirmed);
-  } else if (!AgreesWithImu(tracked) && IsUncertain(frame, prediction, tracked)) {
+  } else if (!AgreesWithImu(tracked) && !IsHeldByPrior(tracked) &&
+             IsUncertain(frame, prediction, tracked)) {
     tracked = search_.Search(
         frame, {state_, last_, SecondsTo(frame), submap_, lost_with_depth_, ExpectedPose()},
         std::move(tracked));
@@ -245,84 +216,6 @@ Tracked Tracker::Register(const PreprocessedFrame& frame, const ReferenceView& r
                           const Rigid3d& world_from_predicted) const {
   return registration_.Register(frame, reference, world_from_predicted, IcpOptionsInUse(),
                                 PredictedUncertainty(frame));
-}
-
-std::optional<ImuTracking::Prediction> Tracker::PredictByImu(double stamp_s) const {
-  if (!imu_ || !state_.is_localised || state_.IsTentative()) return std::nullopt;
-  return imu_->Predict(stamp_s);
-}
-
-// Uncertainty of the prediction: of the prior poses, else of the inertial sensor, else of the
-// motion model.
-std::optional<MotionUncertainty> Tracker::PredictedUncertainty(
-    const PreprocessedFrame& frame) const {
-  MotionUncertainty motion;
-  if (prior_motion_) {
-    motion.covariance = last_covariance_ + prior_motion_->covariance;
-    motion.registration_scale = prior_poses_->registration_scale();
-    motion.max_sigmas = kMaxPriorSigmas;
-    return motion;
-  }
-  if (imu_prediction_ && imu_prediction_->covariance) {
-    motion.covariance = *imu_prediction_->covariance;
-    motion.registration_noise = imu_prediction_->pose_noise;
-    return motion;
-  }
-  const auto covariance = motion_model_.PriorCovariance(state_, SecondsTo(frame));
-  if (!covariance) return std::nullopt;
-  motion.covariance = *covariance;
-  return motion;
-}
-
-// The inertial sensor loses no frame: a pose that is not accepted is registered again without the
-// inertial prior.
-Tracked Tracker::WithoutImu(const PreprocessedFrame& frame, const Prediction& prediction,
-                            Tracked tracked) {
-  const bool is_accepted = tracked.has_pose() && tracked.verdict == Verdict::kAccepted;
-  if (prior_motion_ || !imu_prediction_ || !imu_prediction_->covariance || is_accepted) {
-    return tracked;
-  }
-  const std::optional<ImuTracking::Prediction> predicted = std::exchange(imu_prediction_, {});
-  Tracked again = ByDepthAlone(
-      frame, prediction, Register(frame, *prediction.reference, prediction.world_from_camera));
-  if (again.has_pose() && again.verdict == Verdict::kAccepted) return again;
-  imu_prediction_ = predicted;
-  return tracked;
-}
-
-// An accepted pose that agrees with the prediction of both inertial sensors needs no search: two
-// independent measurements agree.
-bool Tracker::AgreesWithImu(const Tracked& tracked) const {
-  if (!imu_prediction_ || !imu_prediction_->covariance || !tracked.has_pose() ||
-      tracked.verdict != Verdict::kAccepted) {
-    return false;
-  }
-  const Rigid3d error =
-      imu_prediction_->world_from_camera.Inverse() * tracked.world_from_registered;
-  const Matrix6d& covariance = *imu_prediction_->covariance;
-  const double sigma_m = LargestSigma(covariance.bottomRightCorner<3, 3>());
-  return error.translation.norm() <= std::min(kImuShift_m + 3 * sigma_m, kMaxImuShift_m) &&
-         RotationAngle(error.rotation) <= kMaxImuTurn_rad;
-}
-
-void Tracker::AddToImu(const PreprocessedFrame& frame, const Tracked& tracked) {
-  if (!imu_) return;
-  TrackedPose pose;
-  pose.frame = frame.images.index;
-  pose.stamp_s = frame.images.stamp_s;
-  pose.world_from_camera = pose.registered = tracked.world_from_camera;
-  if (tracked.state == FrameState::kGiven) {
-    pose.information = kGivenInformation * Matrix6d::Identity();
-  } else if (!tracked.registered_information.isZero(0)) {
-    pose.registered = tracked.world_from_registered;
-    pose.information = tracked.registered_information;
-  }
-  const bool changes_submap = tracked.submap && *tracked.submap != submap_;
-  // A pose from a search that agrees with the prediction needs no new start.
-  const bool is_expected = !tracked.found_by_search || AgreesWithImu(tracked);
-  pose.continues = state_.HasStarted() && state_.is_localised && is_expected && !changes_submap;
-  imu_->Add(pose, imu_prediction_);
-  imu_prediction_.reset();
 }
 
 // Accepts a pose that brightness contradicts, if it is certain by depth.
@@ -464,26 +357,6 @@ void Tracker::Update(PreprocessedFrame frame, Tracked tracked) {
   last_.world_from_view = tracked.world_from_camera;
   state_ = Next(state_, tracked.found_by_search ? TrackingEvent::kFound : TrackingEvent::kPose,
                 tracked.quality);
-}
-
-// Also keeps the covariance of the pose: the prior's motion to the next frame adds to it.
-void Tracker::ComparePrior(const PreprocessedFrame& frame, const Tracked& tracked) {
-  const bool is_registered = !tracked.registered_information.isZero(0);
-  const Rigid3d registered =
-      is_registered ? tracked.world_from_registered : tracked.world_from_camera;
-  const bool is_next = state_.HasLastPose() && !tracked.found_by_search && !tracked.submap;
-  if (is_next) {
-    prior_poses_->Add({last_stamp_s_, frame.images.stamp_s,
-                       world_from_registered_.Inverse() * registered,
-                       tracked.icp.trusted_information});
-  }
-  if (prior_motion_ && tracked.motion_covariance && is_next) {
-    prior_poses_->CountUse();
-    last_covariance_ = *tracked.motion_covariance;
-  } else {
-    last_covariance_ = Matrix6d::Zero();
-  }
-  world_from_registered_ = registered;
 }
 
 void Tracker::PredictAhead(bool has_color) {

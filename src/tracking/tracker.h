@@ -137,11 +137,14 @@ class Tracker {
   Prediction PredictAt(const PreprocessedFrame& frame);
   bool AgreesWithPrior(const Tracked& tracked, const Prediction& prediction) const;
   void ComparePrior(const PreprocessedFrame& frame, const Tracked& tracked);
+  // Mean age of the visible surfels, s. 0: unknown.
+  double ModelAge(const RgbdFrame& frame);
   // Poses are predicted by the inertial sensor if it is in use.
   std::optional<ImuTracking::Prediction> PredictByImu(double stamp_s) const;
   std::optional<MotionUncertainty> PredictedUncertainty(const PreprocessedFrame& frame) const;
   Tracked WithoutImu(const PreprocessedFrame& frame, const Prediction& prediction, Tracked tracked);
   bool AgreesWithImu(const Tracked& tracked) const;
+  bool IsHeldByPrior(const Tracked& tracked) const;
   void AddToImu(const PreprocessedFrame& frame, const Tracked& tracked);
   std::optional<Rigid3d> PredictedPose() const;
   std::optional<Rigid3d> ExpectedPose() const;
@@ -174,6 +177,11 @@ class Tracker {
   std::optional<PriorMotion> prior_motion_;      // to the present frame; std::nullopt: not used
   Rigid3d world_from_registered_;                // last pose by registration alone
   Matrix6d last_covariance_ = Matrix6d::Zero();  // of the last pose; only with prior poses
+  struct FrameTime {
+    int index;
+    double stamp_s;
+  };
+  std::optional<FrameTime> first_frame_;  // that was compared with the prior
   Image<float> last_depth_m_;
 };
 

@@ -18,8 +18,6 @@ constexpr double kGateSigmas = 8;
 constexpr int kMinSmoothWindow = 32;
 // Smallest standard deviations: rounding of pose files.
 constexpr std::array<double, 2> kSmallest = {1e-5, 1e-5};  // rad, m
-// A chi-square variable of three degrees of freedom is below this value with probability 0.25.
-constexpr double kLowerQuartile = 1.2125;
 
 // Windows of the fit of the offset.
 constexpr double kMountWindow_s = 0.5;
@@ -29,13 +27,6 @@ constexpr double kMountSigmaRad = 1, kMountSigmaM = 1;  // weak prior: unobserva
 // The offset changes only if the cost of the fit decreases by this amount. Noise decreases it by
 // half of a chi-square variable with 6 degrees of freedom, which is below 11 with 99.9 %.
 constexpr double kMountGain = 15;
-
-double QuartileVariance(std::vector<double> squares) {
-  if (squares.empty()) return 0;
-  const auto quartile = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 4);
-  std::nth_element(squares.begin(), quartile, squares.end());
-  return *quartile / kLowerQuartile;
-}
 
 double SquareOf(const Vector6d& v, int channel) { return v.segment<3>(3 * channel).squaredNorm(); }
 
@@ -93,7 +84,8 @@ void PriorPoses::Add(const RegisteredMotion& motion) {
                    0,
                    motion.from_camera_to_camera,
                    *body,
-                   MeanVariances(motion.information)};
+                   MeanVariances(motion.information),
+                   motion.model_age_s};
   if (follows) {
     sample.run = samples_.back().run;
     sample.camera = samples_.back().camera * sample.camera;
@@ -137,7 +129,7 @@ Vector6d PriorPoses::Difference(int begin, int end, const Rigid3d& body_from_cam
 }
 
 // Beyond the largest measured scale, the difference is a random walk.
-double PriorPoses::Spread(const Noise& noise, int scale) const {
+double PriorPoses::Spread(const SourceNoise& noise, int scale) const {
   const int last = static_cast<int>(noise.spread.size()) - 1;
   const double spread = scale <= last
                             ? noise.spread[scale]
@@ -284,24 +276,35 @@ void PriorPoses::FitMount() {
   needed_ = kMinAgreeingMotions;
 }
 
-// Quartile of the squared third differences of the positions or rotations.
-double PriorPoses::ThirdDifference(int channel, bool is_prior) const {
-  const auto motion = [&](int i) {
-    if (!is_prior) return AsVector(CameraOver(i, i + 1));
-    return AsVector(PriorOver(i, i + 1));
-  };
-  std::vector<double> squares;
-  for (const int i : WindowsOf(3, 1)) {
-    squares.push_back(SquareOf(motion(i) - 2 * motion(i + 1) + motion(i + 2), channel));
+void PriorPoses::AddThirdDifferences(int channel, NoiseStatistics* statistics) const {
+  for (const int stride : {1, 2}) {
+    const auto third = [&](int i, const auto& motion) -> Eigen::Vector3d {
+      const Vector6d v = AsVector(motion(i, i + stride)) -
+                         2 * AsVector(motion(i + stride, i + 2 * stride)) +
+                         AsVector(motion(i + 2 * stride, i + 3 * stride));
+      return v.segment<3>(3 * channel);
+    };
+    std::vector<Eigen::Vector3d> prior, registered;
+    std::vector<double> of_prior;
+    for (const int i : WindowsOf(3 * stride, 1)) {
+      prior.push_back(third(i, [&](int from, int to) { return PriorOver(from, to); }));
+      registered.push_back(third(i, [&](int from, int to) { return CameraOver(from, to); }));
+      of_prior.push_back(prior.back().squaredNorm());
+    }
+    (stride == 1 ? statistics->part : statistics->part_of_two) =
+        MeasurePriorPart(prior, registered);
+    if (stride == 1) statistics->prior_third = QuartileVariance(std::move(of_prior));
   }
-  return QuartileVariance(std::move(squares));
 }
 
 void PriorPoses::MeasureNoise() {
+  double age_s = 0;
+  for (const Sample& sample : samples_) age_s += sample.model_age_s / samples_.size();
   for (const int channel : {0, 1}) {
-    Noise noise;
-    const double smallest = kSmallest[channel] * kSmallest[channel];
-    double drift = 0;
+    NoiseStatistics statistics;
+    statistics.smallest = kSmallest[channel] * kSmallest[channel];
+    statistics.stated_drift = stated_[channel] * frame_s_;
+    statistics.model_age_frames = age_s / frame_s_;
     for (int scale = 0; scale < kScales; ++scale) {
       const int length = 1 << scale;
       std::vector<double> squares;
@@ -310,25 +313,12 @@ void PriorPoses::MeasureNoise() {
       }
       const std::size_t independent = squares.size() * std::max(1, length / 4) / length;
       if (scale > 0 && independent < kMinWindows) break;
-      const double spread = std::max(smallest, QuartileVariance(std::move(squares)));
-      noise.spread.push_back(spread);
-      drift = scale == 0 ? spread : std::min(drift, spread / length);
+      statistics.spread.push_back(
+          std::max(statistics.smallest, QuartileVariance(std::move(squares))));
+      statistics.windows.push_back(static_cast<double>(std::max<std::size_t>(1, independent)));
     }
-    const double white = std::max(0., (noise.spread[0] - drift) / 2);
-    const double of_prior = ThirdDifference(channel, true);
-    const double of_registered = ThirdDifference(channel, false);
-    const double registered_noise =
-        std::clamp((white + (of_registered - of_prior) / 20) / 2, 0., white);
-    noise.registered_noise = std::max(smallest, registered_noise);
-    noise.prior_noise = white - registered_noise;
-    const double half = drift / 2;
-    const double registered_drift =
-        of_prior / 6 < half ? drift - of_prior / 6 : std::min(half, of_registered / 6);
-    noise.prior_drift =
-        stated_[channel] > 0 ? stated_[channel] * frame_s_ : drift - registered_drift;
-    noise.prior_drift = std::max(smallest, noise.prior_drift);
-    noise.registered_drift = std::max(0., drift - noise.prior_drift);
-    noise_[channel] = std::move(noise);
+    AddThirdDifferences(channel, &statistics);
+    noise_[channel] = EstimateNoise(statistics);
   }
 }
 
@@ -428,14 +418,13 @@ void PriorPoses::ScaleRegistration() {
   }
 }
 
-Matrix6d PriorPoses::RegisteredCovariance(double seconds) const {
+Matrix6d PriorPoses::RegisteredDrift(double seconds) const {
   const double frames = seconds / frame_s_;
-  return FromVariances(frames * noise_[0].registered_drift + 2 * noise_[0].registered_noise,
-                       frames * noise_[1].registered_drift + 2 * noise_[1].registered_noise);
+  return FromVariances(frames * noise_[0].registered_drift, frames * noise_[1].registered_drift);
 }
 
 Matrix6d PriorPoses::RegistrationNoise() const {
-  return FromVariances(noise_[0].registered_noise, noise_[1].registered_noise);
+  return FromVariances(noise_[0].registered_bounded, noise_[1].registered_bounded);
 }
 
 PriorPoseSummary PriorPoses::Summary() const {

@@ -9,6 +9,7 @@
 #include "surfit/geometry/trajectory.h"
 #include "surfit/registration/normal_system.h"
 #include "surfit/tracking/tracking.h"
+#include "tracking/motion/prior_noise.h"
 
 namespace surfit {
 
@@ -17,6 +18,7 @@ struct RegisteredMotion {
   double from_s = 0, to_s = 0;
   Rigid3d from_camera_to_camera;            // camera frame at `to_s` to that at `from_s`, m
   Matrix6d information = Matrix6d::Zero();  // of the later registration
+  double model_age_s = 0;  // mean age of the surfels that the later frame is registered to
 };
 
 // Motion of the camera between two frames by the prior poses.
@@ -27,13 +29,9 @@ struct PriorMotion {
 
 // Trajectory of another source (a phone, a robot, another SLAM), compared with registration.
 //
-// Model: registered poses and prior poses have white noise and random-walk drift. The body of the
-// prior has a constant offset from the camera, and the scale is 1. The mean squared
-// difference of both motions over n frames is D(n) = n (w_r + w_p) + 2 (v_r + v_p), with the drift
-// variances w and the noise variances v per frame. Only the sums follow from D. Third differences
-// of a trajectory have the variance 6 w + 20 v plus that of the true motion. They bound the drift
-// of each source. Within these bounds, both drifts are equal. All variances are from lower
-// quartiles, so up to three quarters of the prior may be wrong.
+// The body of the prior has a constant offset from the camera, and the scale is 1. SourceNoise is
+// the model of the errors. Variances are from lower quartiles, so up to three quarters of the prior
+// may be wrong.
 //
 // Stretches of the prior whose motion over 1, 2, 4, ... frames differs by more than eight standard
 // deviations from the registered motion are rejected. Not thread-safe.
@@ -58,9 +56,9 @@ class PriorPoses {
   std::optional<Rigid3d> CameraAt(double stamp_s) const;
   // Factors of the standard deviations of a registration, at least 1.
   const Vector6d& registration_scale() const { return registration_scale_; }
-  // Covariance of the motion between two registered poses.
-  Matrix6d RegisteredCovariance(double seconds) const;
-  // Covariance of the noise of one registered pose.
+  // Covariance of the drift between two registered poses.
+  Matrix6d RegisteredDrift(double seconds) const;
+  // Covariance of the error of one registered pose relative to the map.
   Matrix6d RegistrationNoise() const;
 
   // Counts a frame whose pose includes the prior.
@@ -75,17 +73,11 @@ class PriorPoses {
     int run;                         // motions without interruption have the same number
     Rigid3d camera, body;            // pose after the motion, since the beginning of the run
     std::array<double, 2> variance;  // of the registration, rad^2 and m^2
+    double model_age_s;
   };
   struct Interval {
     int begin, end;  // samples
   };
-  // Variances per frame and component: rad^2 or m^2.
-  struct Noise {
-    std::vector<double> spread;  // D(1), D(2), D(4), ...
-    double prior_drift = 0, prior_noise = 0;
-    double registered_drift = 0, registered_noise = 0;
-  };
-
   std::optional<Rigid3d> BodyMotion(double from_s, double to_s) const;
   Matrix6d PriorCovariance(double seconds) const;
   bool IsOneRun(int begin, int end) const;
@@ -95,12 +87,12 @@ class PriorPoses {
   Rigid3d PriorOver(int begin, int end) const;
   bool IsPriorRougher(int begin, int end, int channel) const;
   bool Contradicts(int begin, int end) const;
-  double Spread(const Noise& noise, int scale) const;
+  double Spread(const SourceNoise& noise, int scale) const;
   void Fit();
   void FitMount();
   void MeasureNoise();
   void ScaleRegistration();
-  double ThirdDifference(int channel, bool is_prior) const;
+  void AddThirdDifferences(int channel, NoiseStatistics* statistics) const;
   std::vector<int> WindowsOf(int length, int step) const;
   double MountCost(const Rigid3d& mount, const std::vector<int>& windows, int length) const;
   Rigid3d RefinedMount(Rigid3d mount, const std::vector<int>& windows, int length) const;
@@ -112,8 +104,8 @@ class PriorPoses {
   std::array<double, 2> stated_;  // variance of the drift per second; 0: estimated
   std::vector<Sample> samples_;
   Rigid3d body_from_camera_;
-  std::array<Noise, 2> noise_;  // rotation, translation
-  double frame_s_ = 0;          // median time of a motion
+  std::array<SourceNoise, 2> noise_;  // rotation, translation
+  double frame_s_ = 0;                // median time of a motion
   Vector6d registration_scale_ = Vector6d::Ones();
   int next_fit_ = 0;
   bool is_trusted_ = false;
