@@ -81,9 +81,9 @@ struct FrameReport {
   // Pose relative to this keyframe and the covariance (rad, m) of its left perturbation, in the
   // camera frame of the keyframe. It is the sum of the registration covariances of the keyframe,
   // this frame and the fused frames between. Each fused frame moves the map by its error. Priors
-  // and errors of the sensor that are common to more than a tenth of the image width are not
-  // included. std::nullopt without keyframe, or if a
-  // direction of one of these frames is unobservable.
+  // are not included. Errors of the sensor over more than a tenth of the image width are not
+  // included. std::nullopt without keyframe, or if a direction of one of these frames is
+  // unobservable.
   Rigid3d keyframe_from_camera;
   std::optional<Matrix6d> covariance;
   FusionReport fusion;                  // if fused
