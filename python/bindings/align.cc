@@ -26,8 +26,12 @@ GlobalRegistrationResult Align(const Frame& source, const Frame& target,
   Validate(initialize);
   Validate(icp);
   const bool with_intensities = icp.error_model.UsesIntensities();
-  return RegisterGlobally(ViewOfFrame(source, preprocess, with_intensities),
-                          ViewOfFrame(target, preprocess, with_intensities), initialize, icp);
+  const ColoredView source_view = ViewOfFrame(source, preprocess, with_intensities);
+  const ColoredView target_view = ViewOfFrame(target, preprocess, with_intensities);
+  GlobalRegistrationResult result = RegisterGlobally(source_view, target_view, initialize, icp);
+  result.icp.covariance =
+      CovarianceOfViews(source_view.pyramid, target_view.pyramid, result.icp, icp);
+  return result;
 }
 
 }  // namespace

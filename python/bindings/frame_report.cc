@@ -53,6 +53,17 @@ void BindFrameReport(py::module_& module) {
       .def_readonly(FIELD(FrameReport, found_by_search),
                     "True if the frame was tracked after a jump")
       .def_readonly(FIELD(FrameReport, icp), "registration of a tracked or lost frame")
+      .def_property_readonly(
+          "keyframe",
+          [](const FrameReport& report) {
+            return report.keyframe < 0 ? std::nullopt : std::optional<int>(report.keyframe);
+          },
+          "index of the last keyframe before this frame; None without keyframe")
+      .def_readonly(FIELD(FrameReport, keyframe_from_camera),
+                    "4 x 4, metres; identity without keyframe")
+      .def_readonly(FIELD(FrameReport, covariance),
+                    "6 x 6 of keyframe_from_camera, for the left perturbation (rotation, "
+                    "translation), rad^2, m^2; None if unknown")
       .def_readonly(FIELD(FrameReport, fusion), "result of the fusion")
       .def_readonly(FIELD(FrameReport, times), "times of the stages");
 }

@@ -248,14 +248,46 @@ FrameReport Slam::Integrate(PreprocessedFrame frame, Tracked tracked, StageTimes
     return report;
   }
   report.confirmed = AddConfirmed(tracked);
+  const std::size_t keyframes = keeper() ? keeper()->poses().keyframes().size() : 0;
+  if (keyframes > 0) SetCovariance(tracked, &report);
   PreprocessedFrame rest = preprocessor_->WithoutMovingObjects(std::move(frame), tracked.moving);
   if (keeper()) {
     keeper()->AddFrame(rest.measured, tracked.world_from_camera, tracked.icp, rest.view.pyramid);
   }
+  const bool is_keyframe = keeper() && keeper()->poses().keyframes().size() > keyframes;
   report.is_held_out = IsHeldOut(tracked);
   Fuse(rest, tracked, &report, times);
+  UpdateCovarianceOfMap(tracked, is_keyframe, report);
   tracker_->Update(std::move(rest), std::move(tracked));
   return report;
+}
+
+// With the errors f of this frame and k of the keyframe as right perturbations of their poses, the
+// left perturbation of the relative pose is Ad f - k. Both are independent: each frame has noise of
+// its own.
+void Slam::SetCovariance(const Tracked& tracked, FrameReport* report) const {
+  if (tracked.found_by_search || tracked.state == FrameState::kNewMap) return;
+  const PoseStore& poses = keeper()->poses();
+  const PosedFrame& keyframe = poses.FrameOf(static_cast<int>(poses.keyframes().size()) - 1);
+  report->keyframe = keyframe.index;
+  report->keyframe_from_camera = keyframe.world_from_camera.Inverse() * tracked.world_from_camera;
+  if (!tracked.registered_covariance || !covariance_of_map_) return;
+  const Matrix6d transform = IncrementTransform(report->keyframe_from_camera);
+  report->covariance =
+      *covariance_of_map_ + transform * *tracked.registered_covariance * transform.transpose();
+}
+
+// The error of the map is a random walk: the next view shows mainly the last fused frames.
+void Slam::UpdateCovarianceOfMap(const Tracked& tracked, bool is_keyframe,
+                                 const FrameReport& report) {
+  if (is_keyframe) {
+    covariance_of_map_ = tracked.registered_covariance;
+    if (tracked.state == FrameState::kFirst || tracked.state == FrameState::kNewMap) {
+      covariance_of_map_ = Matrix6d(Matrix6d::Zero());
+    }
+  } else if (report.is_fused) {
+    covariance_of_map_ = report.covariance;
+  }
 }
 
 // Adds the tentative frame whose pose is now confirmed. This frame is not fused.

@@ -182,6 +182,12 @@ Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target
         ValidateRegistration(tracked.icp, views, moving, options_) == Verdict::kAccepted;
   }
   if (tracked.verdict == Verdict::kRejected) return tracked;
+  if (const std::optional<Matrix6d> covariance = CovarianceByBlocks(
+          tracked.moving.empty() ? frame.view.pyramid : Without(frame.view.pyramid, tracked.moving),
+          model, best.registered, target.icp)) {
+    tracked.registered_covariance =
+        In(best.registered.Inverse(), {Rigid3d(), *covariance}).covariance;
+  }
   tracked.state =
       tracked.icp.degenerate_directions.empty() ? FrameState::kTracked : FrameState::kDegenerate;
   return tracked;

@@ -54,6 +54,10 @@ struct Tracked {
   // the identity in the camera frame. Zero information: not registered.
   Rigid3d world_from_registered;
   Matrix6d registered_information = Matrix6d::Zero();
+  // Covariance (rad, m) of the registered pose without any prior: left perturbation of the identity
+  // in the camera frame, relative to the map. See CovarianceByBlocks(). std::nullopt if not
+  // registered, or if a direction is unobservable.
+  std::optional<Matrix6d> registered_covariance;
   // Covariance of the motion to this frame, in the camera frame. Only with a motion prior.
   std::optional<Matrix6d> motion_covariance;
   // Squared difference of the registered from the predicted pose, in standard deviations. 0 without

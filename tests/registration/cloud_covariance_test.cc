@@ -6,7 +6,13 @@
 #include <string>
 
 #include "registration/solvers/decompositions.h"
+#include "simulation/sensors/correlated_noise.h"
+#include "surfit/frame/preprocess.h"
+#include "surfit/registration/icp.h"
 #include "surfit/registration/register_clouds.h"
+#include "surfit/simulation/camera_path.h"
+#include "surfit/simulation/render.h"
+#include "surfit/simulation/scene.h"
 #include "testing/random_pose.h"
 
 namespace surfit::testing {
@@ -111,6 +117,93 @@ TEST(CloudCovarianceSweep, AgreesWithErrorsForEachResidual) {
       const double nees = MeanNees(residual, points, 60);
       EXPECT_GT(nees, 4) << residual;
       EXPECT_LT(nees, 9) << residual;
+    }
+  }
+}
+
+// Kinect v1 (Khoshelham and Elberink 2012).
+constexpr double kInverseDepthSigma = 0.0015;
+
+struct NoisyViews {
+  std::string residual = "point_to_plane";
+  std::string association = "projective";
+  int width = 160;            // px
+  double correlation_px = 0;  // of the noise
+};
+
+// Mean normalised estimation error squared of pairs of views in a room. They are up to 5 cm and 3
+// degrees apart.
+double MeanNeesOfViews(const NoisyViews& views, int runs) {
+  PinholeCamera camera;
+  camera.width = views.width, camera.height = views.width * 3 / 4;
+  camera.fx = camera.fy = 0.82 * camera.width;
+  camera.cx = (camera.width - 1) / 2., camera.cy = (camera.height - 1) / 2.;
+  const Scene scene = MakeScene("room", 1);
+  const Trajectory path = MakePath(scene, 900, 1);
+  std::mt19937_64 rng(3);
+  std::uniform_int_distribution<int> frame(0, 899);
+  std::uint64_t seed = 0;
+  const auto view = [&](const Rigid3d& world_from_camera) {
+    Image<float> depth_m = RenderGeometry(scene, camera, world_from_camera).depth_m;
+    const Image<float> noise =
+        CorrelatedNoise(camera.width, camera.height, views.correlation_px, ++seed);
+    for (int v = 0; v < camera.height; ++v) {
+      for (int u = 0; u < camera.width; ++u) {
+        float& z = depth_m(u, v);
+        if (z > 0) z = static_cast<float>(1 / (1 / z + kInverseDepthSigma * noise(u, v)));
+      }
+    }
+    return PreprocessDepth(depth_m, {camera, {}}, PreprocessOptions());
+  };
+  IcpOptions options;
+  options.residual = views.residual;
+  options.association = views.association;
+  double sum = 0;
+  int stated = 0;
+  for (int run = 0; run < runs; ++run) {
+    const Rigid3d world_from_target = path[frame(rng)].world_from_camera;
+    const Rigid3d truth = RandomPose(0.03, 0.03, &rng);
+    const FramePyramid source = view(world_from_target * truth), target = view(world_from_target);
+    IcpResult icp = Register(source, target, Rigid3d(), options);
+    icp.covariance = CovarianceOfViews(source, target, icp, options);
+    if (!icp.covariance) continue;
+    ++stated;
+    sum += Nees(icp, truth);
+  }
+  EXPECT_GT(stated, 0.8 * runs);
+  std::printf("views, %s, %s, %d columns, correlation %g px: NEES %.2f of %d runs\n",
+              views.residual.c_str(), views.association.c_str(), views.width, views.correlation_px,
+              sum / stated, stated);
+  return sum / stated;
+}
+
+// The covariance of independent residuals gives 20 or more.
+TEST(CovarianceOfViews, AgreesWithErrors) {
+  const double nees = MeanNeesOfViews({}, 30);
+  EXPECT_GT(nees, 4);
+  EXPECT_LT(nees, 9);
+}
+
+// Rotations do not change the residuals of projective point_to_point.
+TEST(CovarianceOfViews, IsEmptyForProjectivePointToPoint) {
+  const Scene scene = MakeScene("room", 1);
+  const PinholeCamera camera = {160, 120, 131, 131, 79.5, 59.5, {}};
+  const FramePyramid view = PreprocessDepth(
+      RenderGeometry(scene, camera, MakePath(scene, 1, 1)[0].world_from_camera).depth_m,
+      {camera, {}}, PreprocessOptions());
+  IcpOptions options;
+  options.residual = "point_to_point";
+  const IcpResult icp = Register(view, view, Rigid3d(), options);
+  ASSERT_TRUE(icp.Succeeded());
+  EXPECT_FALSE(CovarianceOfViews(view, view, icp, options));
+}
+
+TEST(CovarianceOfViewsSweep, AgreesWithErrorsAtEachResolution) {
+  for (const char* residual : {"point_to_plane", "symmetric_point_to_plane", "plane_to_plane"}) {
+    for (const int width : {160, 320, 640}) {
+      const double nees = MeanNeesOfViews({residual, "projective", width}, 60);
+      EXPECT_GT(nees, 4) << residual << ", " << width << " columns";
+      EXPECT_LT(nees, 9) << residual << ", " << width << " columns";
     }
   }
 }

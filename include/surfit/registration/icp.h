@@ -83,7 +83,8 @@ struct IcpResult {
   Matrix6d information = Matrix6d::Zero();  // of the left perturbation (1/rad^2, 1/m^2), robust
   Matrix6d trusted_information = Matrix6d::Zero();  // see ConservativeInformation()
   // Covariance (rad, m): the inverse of `information`, times the variance factor of the residuals.
-  // Assumes independent residuals. std::nullopt if a direction is unobservable.
+  // Assumes independent residuals, so it is too small for images: see CovarianceOfViews().
+  // RegisterClouds() states its own. std::nullopt if a direction is unobservable.
   std::optional<Matrix6d> covariance;
   NormalSystem system;  // for Observe() with other thresholds than those of the options
   Vector6d eigenvalues = Vector6d::Zero();  // of Observability: ascending, dimensionless
@@ -118,5 +119,23 @@ IcpResult Register(const FramePyramid& source, const FramePyramid& target,
 IcpResult RegisterWithPrior(const FramePyramid& source, const FramePyramid& target,
                             const Rigid3d& target_from_source_initial, const PriorTerm& prior,
                             const IcpOptions& options);
+
+// Covariance (rad, m) of the left perturbation of a registration by Register(), with the same views
+// and options. It accounts for errors that neighbouring pixels share and for noise of normals:
+// gradients of image blocks are the independent samples. It does not contain systematic errors of
+// the sensor. The finest level with at most 400 columns represents all levels.
+//
+// std::nullopt if a direction is unobservable, for few correspondences, and for a failed
+// registration. Also for projective point_to_point: both points of a correspondence are on one ray,
+// so rotations do not change the residuals. Takes about as long as the registration.
+std::optional<Matrix6d> CovarianceOfViews(const FramePyramid& source, const FramePyramid& target,
+                                          const IcpResult& icp, const IcpOptions& options);
+
+// Fast version of CovarianceOfViews() for tracking, with projective association. Uses the
+// Gauss-Newton Hessian without NormalSystem::SpuriousInformation() instead of numerical
+// derivatives, on the finest level with at most 200 columns. Requires common levels.
+std::optional<Matrix6d> CovarianceByBlocks(const FramePyramid& source, const FramePyramid& target,
+                                           const Rigid3d& target_from_source,
+                                           const IcpOptions& options);
 
 }  // namespace surfit

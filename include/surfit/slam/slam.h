@@ -77,7 +77,17 @@ struct FrameReport {
   bool has_two_motions = false;
   Image<std::uint8_t> moving;  // cells with moving objects: not 0; empty without moving objects
   IcpResult icp;               // last registration of a tracked or lost frame
-  FusionReport fusion;         // if fused
+  // Last keyframe before this frame, as frame index; -1: none, or pose by search.
+  int keyframe = -1;
+  // Pose relative to this keyframe and the covariance (rad, m) of its left perturbation, in the
+  // camera frame of the keyframe. It is the sum of the registration covariances of the keyframe,
+  // this frame and the fused frames between. Each fused frame moves the map by its error. Priors
+  // are not included. Errors of the sensor over more than a tenth of the image width are not
+  // included. std::nullopt without keyframe, or if a direction of one of these frames is
+  // unobservable.
+  Rigid3d keyframe_from_camera;
+  std::optional<Matrix6d> covariance;
+  FusionReport fusion;                  // if fused
   std::optional<PosedFrame> confirmed;  // lost frame with a pose that this frame confirms
   StageTimes times;
 
@@ -195,6 +205,8 @@ class Slam {
   void Fuse(const PreprocessedFrame& frame, const Tracked& tracked, FrameReport* report,
             StageTimes* times);
   bool IsHeldOut(const Tracked& tracked) const;
+  void SetCovariance(const Tracked& tracked, FrameReport* report) const;
+  void UpdateCovarianceOfMap(const Tracked& tracked, bool is_keyframe, const FrameReport& report);
   // Back end that stores frames. Null without loops and calibration, and in localisation.
   Backend* keeper() const { return use_ == StateUse::kLocalize ? nullptr : backend_.get(); }
 
@@ -208,6 +220,9 @@ class Slam {
   std::unique_ptr<Relocalizer> relocalizer_;  // null without loops
   int frame_count_ = 0;
   std::function<void(const FrameReport&)> on_pose_;
+  // Sum of Tracked::registered_covariance of the last keyframe and the fused frames since, in the
+  // camera frame of the keyframe. The first frame of a map has none.
+  std::optional<Matrix6d> covariance_of_map_;
   KeyframeCall on_keyframe_;  // stored for a back end that replaces the present one
 };
 

@@ -8,57 +8,86 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "registration/icp/icp_level.h"
 #include "registration/icp/own_residuals.h"
 #include "registration/icp/residual_rows.h"
+#include "surfit/core/options.h"
+#include "surfit/registration/icp.h"
 
 namespace surfit {
 namespace {
 
 constexpr std::size_t kLeastCells = 12;
 
-struct PairGradient {
-  std::array<std::int64_t, 3> cell;
-  Vector6d gradient;
+using ErrorCell = std::array<std::int64_t, 3>;
+
+ErrorCell ErrorCellOf(const Eigen::Vector3d& point, const CloudErrorScales& scales) {
+  Eigen::Vector3d at = point;
+  if (scales.camera != nullptr) at << scales.camera->Project(point), 0;
+  at /= scales.cell;
+  ErrorCell cell;
+  for (int axis = 0; axis < 3; ++axis) {
+    cell[axis] = static_cast<std::int64_t>(std::floor(at[axis]));
+  }
+  return cell;
+}
+
+// Sums over the points of a cell.
+struct CellSums {
+  Vector6d gradient = Vector6d::Zero();  // of 1/2 sum of w |r|^2, with fixed weights w
+  Matrix6d hessian = Matrix6d::Zero();   // Gauss-Newton
+
+  // Adds the rows (Jacobian, residual) of a correspondence.
+  template <typename Rows>
+  void Add(const Rows& rows, double information, const RobustKernel& kernel) {
+    double s = 0;
+    for (const auto& row : rows) s += row[6] * row[6];
+    const double weight = information * EvaluateKernel(kernel, information * s).slope;
+    for (const auto& row : rows) {
+      const Vector6d slope = Vector6d::Map(&row[0]);
+      gradient += weight * row[6] * slope;
+      hessian += weight * slope * slope.transpose();
+    }
+  }
 };
 
-// Gradients of 1/2 sum of w |r|^2 with fixed weights, per pair.
-std::vector<PairGradient> GradientsOf(const PairBuffer& pairs, ResidualType residual,
-                                      const RobustKernel& kernel, double cell_m) {
-  std::vector<PairGradient> gradients(pairs.size);
-  const auto add = [&](int i, const auto& rows) {
-    double s = 0;
-    Vector6d sum = Vector6d::Zero();
-    for (const auto& row : rows) {
-      s += row[6] * row[6];
-      for (int k = 0; k < 6; ++k) sum[k] += row[k] * row[6];
-    }
-    const double information = pairs.information[i];
-    gradients[i].gradient = information * EvaluateKernel(kernel, information * s).slope * sum;
-    for (int axis = 0; axis < 3; ++axis) {
-      gradients[i].cell[axis] = static_cast<std::int64_t>(std::floor(pairs.p(i)[axis] / cell_m));
+// Sums of all cells of size `scales.cell` with points, in the order of their indices.
+std::vector<CellSums> SumsOfCells(const PairBuffer& pairs, ResidualType residual,
+                                  const RobustKernel& kernel, const CloudErrorScales& scales) {
+  std::vector<std::pair<ErrorCell, int>> order(pairs.size);
+  for (int i = 0; i < pairs.size; ++i)
+    order[i] = {ErrorCellOf(pairs.p(i).cast<double>(), scales), i};
+  std::sort(order.begin(), order.end());
+  std::vector<CellSums> cells;
+  const auto add_all = [&](const auto& rows_of) {
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      if (k == 0 || order[k].first != order[k - 1].first) cells.emplace_back();
+      const int i = order[k].second;
+      cells.back().Add(rows_of(i), pairs.information[i], kernel);
     }
   };
   if (const OwnResidual* const own = OwnResidualOf(residual)) {
     const int rows_of_pair = own->row_count();
     RawVector<float> rows(static_cast<std::size_t>(rows_of_pair) * kRowColumns * pairs.size);
     own->FillRows(pairs, 0, pairs.size, rows.data());
-    for (int i = 0; i < pairs.size; ++i) {
+    add_all([&](int i) {
       std::vector<std::array<double, kRowColumns>> row(rows_of_pair);
       for (int r = 0; r < rows_of_pair; ++r) {
         for (int k = 0; k < kRowColumns; ++k) {
           row[r][k] = rows[static_cast<std::size_t>(r * kRowColumns + k) * pairs.size + i];
         }
       }
-      add(i, row);
-    }
-    return gradients;
+      return row;
+    });
+    return cells;
   }
   WithRowsOf(residual, [&](auto type) {
     using Rows = decltype(type);
-    for (int i = 0; i < pairs.size; ++i) {
+    add_all([&](int i) {
       PairValues<double> pair;
       for (int k = 0; k < 3; ++k) {
         pair.p[k] = pairs.p(i)[k];
@@ -66,32 +95,35 @@ std::vector<PairGradient> GradientsOf(const PairBuffer& pairs, ResidualType resi
         pair.n[k] = pairs.n(i)[k];
         pair.m[k] = pairs.m(i)[k];
       }
-      double rows[Rows::kRows][kRowColumns];
-      Rows::Evaluate(pair, rows);
-      add(i, rows);
-    }
+      double evaluated[Rows::kRows][kRowColumns];
+      Rows::Evaluate(pair, evaluated);
+      std::array<std::array<double, kRowColumns>, Rows::kRows> rows;
+      for (int r = 0; r < Rows::kRows; ++r) {
+        std::copy(evaluated[r], evaluated[r] + kRowColumns, rows[r].begin());
+      }
+      return rows;
+    });
     return 0;
   });
-  return gradients;
+  return cells;
 }
 
-// Sum over the cells of g g^T, with the correction C / (C - 6) for C cells and 6 estimated
-// parameters. Zero if there are too few cells.
-Matrix6d SpreadOf(std::vector<PairGradient>* gradients) {
-  std::stable_sort(gradients->begin(), gradients->end(),
-                   [](const PairGradient& a, const PairGradient& b) { return a.cell < b.cell; });
+// Sum over the cells of h h^T with h = (I - H_c H^-1)^-1 g_c, where H_c is the Gauss-Newton Hessian
+// of cell c and H the sum of all cells. This is the jackknife estimate CR3 (Bell and McCaffrey
+// 2002). It corrects for the influence of a cell on the minimum, which makes its own gradient
+// small. Zero if there are too few cells.
+Matrix6d SpreadOf(const std::vector<CellSums>& cells) {
+  if (cells.size() < kLeastCells) return Matrix6d::Zero();
+  Matrix6d hessian = Matrix6d::Zero();
+  for (const CellSums& cell : cells) hessian += cell.hessian;
+  const Eigen::LDLT<Matrix6d> all(hessian);
   Matrix6d sum = Matrix6d::Zero();
-  std::size_t cells = 0;
-  for (std::size_t i = 0; i < gradients->size(); ++cells) {
-    Vector6d of_cell = Vector6d::Zero();
-    const std::size_t first = i;
-    for (; i < gradients->size() && (*gradients)[i].cell == (*gradients)[first].cell; ++i) {
-      of_cell += (*gradients)[i].gradient;
-    }
-    sum += of_cell * of_cell.transpose();
+  for (const CellSums& cell : cells) {
+    const Matrix6d share = all.solve(cell.hessian).transpose();  // H_c H^-1
+    const Vector6d corrected = (Matrix6d::Identity() - share).partialPivLu().solve(cell.gradient);
+    sum += corrected * corrected.transpose();
   }
-  if (cells < kLeastCells) return Matrix6d::Zero();
-  return sum * (static_cast<double>(cells) / static_cast<double>(cells - 6));
+  return sum;
 }
 
 // Steps of numerical derivatives, in standard deviations of the residuals. The robust kernel is
@@ -134,7 +166,7 @@ CloudCovariance CovarianceOfClouds(const Association& association,
                                    const RobustKernel& kernel, const CloudErrorScales& scales) {
   CloudCovariance result;
   const NormalSystem system = Linearize(association, target_from_source, residual, kernel);
-  if (!(system.weight_sum > 0) || !(scales.noise_m > 0) || !(scales.cell_m > 0)) return result;
+  if (!(system.weight_sum > 0) || !(scales.noise_m > 0) || !(scales.cell > 0)) return result;
   const Eigen::Vector3d center = system.point_sum / system.weight_sum;
   const double radius2 =
       system.point_product_sum.trace() / system.weight_sum - center.squaredNorm();
@@ -157,15 +189,85 @@ CloudCovariance CovarianceOfClouds(const Association& association,
     if (!result.degenerate_directions.empty()) return result;
   }
 
-  std::vector<PairGradient> gradients =
-      GradientsOf(association.Collect(target_from_source), residual, kernel, scales.cell_m);
-  const Matrix6d spread = SpreadOf(&gradients);
+  const Matrix6d spread =
+      SpreadOf(SumsOfCells(association.Collect(target_from_source), residual, kernel, scales));
   if (spread.isZero(0)) return result;
   const Matrix6d inverse = motions * derivative.inverse() * motions.transpose();
   const Matrix6d covariance = inverse * spread * inverse.transpose();
   result.covariance = 0.5 * (covariance + covariance.transpose());
   result.step_to_minimum = inverse * system.right_side;
   return result;
+}
+
+namespace {
+
+// Image blocks per image width. Blocks of the default levels have 16 px or more, which is more than
+// the filter window and the window of the normals together.
+constexpr int kBlocksPerWidth = 10;
+
+CloudErrorScales ScalesOf(const PinholeCamera& camera, double noise_m) {
+  return {noise_m, static_cast<double>(camera.width) / kBlocksPerWidth, &camera};
+}
+
+// Levels of CovarianceOfViews() and CovarianceByBlocks().
+constexpr int kMaxColumns = 400, kMaxFastColumns = 200;
+
+// Finest level with at most `max_columns` columns, or the coarsest common level.
+std::size_t LevelOfCovariance(const FramePyramid& source, const FramePyramid& target,
+                              int max_columns) {
+  const std::size_t levels = std::min(source.levels.size(), target.levels.size());
+  std::size_t level = 0;
+  while (level + 1 < levels && target.levels[level].camera.width > max_columns) ++level;
+  return level;
+}
+
+}  // namespace
+
+std::optional<Matrix6d> CovarianceByBlocks(const FramePyramid& source, const FramePyramid& target,
+                                           const Rigid3d& target_from_source,
+                                           const IcpOptions& options) {
+  const std::size_t level = LevelOfCovariance(source, target, kMaxFastColumns);
+  const FrameLevel& from = source.levels[level];
+  const FrameLevel& to = target.levels[level];
+  const ResidualType residual = ResidualTypeFromName(options.residual);
+  const RobustKernel& kernel = options.error_model.kernel;
+  const ProjectiveAssociation association(from, to, options.gates, options.error_model,
+                                          NormalsNeededBy(residual));
+  const NormalSystem system = Linearize(association, target_from_source, residual, kernel);
+  if (Observe(system, options.observability).Degenerate()) return std::nullopt;
+  const Matrix6d spread = SpreadOf(SumsOfCells(association.Collect(target_from_source), residual,
+                                               kernel, ScalesOf(to.camera, 0)));
+  if (spread.isZero(0)) return std::nullopt;
+  const Eigen::LDLT<Matrix6d> derivative(system.hessian - system.SpuriousInformation());
+  if (!derivative.isPositive() || derivative.rcond() < 1e-12) return std::nullopt;
+  const Matrix6d inverse = derivative.solve(Matrix6d::Identity());
+  const Matrix6d covariance = inverse * spread * inverse.transpose();
+  return Matrix6d(0.5 * (covariance + covariance.transpose()));
+}
+
+std::optional<Matrix6d> CovarianceOfViews(const FramePyramid& source, const FramePyramid& target,
+                                          const IcpResult& icp, const IcpOptions& options) {
+  Validate(options);
+  if (!icp.Succeeded() || source.levels.empty() || target.levels.empty()) return std::nullopt;
+  const ResidualType residual = ResidualTypeFromName(options.residual);
+  const bool is_projective = options.association == "projective";
+  if (is_projective && residual == ResidualType::kPointToPoint) return std::nullopt;
+  const std::size_t level = LevelOfCovariance(source, target, kMaxColumns);
+  const FrameLevel& from = source.levels[level];
+  const FrameLevel& to = target.levels[level];
+  std::unique_ptr<Association> association;
+  if (is_projective) {
+    association = std::make_unique<ProjectiveAssociation>(
+        from, to, options.gates, options.error_model, NormalsNeededBy(residual));
+  } else {
+    association = std::make_unique<KdTreeAssociation>(
+        SearchablePoints(PointSetOf(from, options.error_model)),
+        SearchablePoints(PointSetOf(to, options.error_model)),
+        KdTreeAssociationOptions{options.gates, NormalsNeededBy(residual)});
+  }
+  return CovarianceOfClouds(*association, icp.target_from_source, residual,
+                            options.error_model.kernel, ScalesOf(to.camera, icp.rmse_m))
+      .covariance;
 }
 
 }  // namespace surfit

@@ -11,10 +11,13 @@
 
 namespace surfit {
 
-// Length scales of CovarianceOfClouds(), m.
+// Scales of CovarianceOfClouds().
 struct CloudErrorScales {
   double noise_m = 0;  // standard deviation of the residuals
-  double cell_m = 0;   // points in one cell have correlated errors
+  // Points in one cell have correlated errors. Cells are cubes of this size in m. With a camera of
+  // the target, cells are square blocks of this size in px in its image.
+  double cell = 0;
+  const PinholeCamera* camera = nullptr;
 };
 
 // Covariance of a pose, or the directions (rad, m) that the clouds do not constrain.
@@ -30,11 +33,12 @@ struct CloudCovariance {
 
 // Covariance of the pose that minimises the cost of the clouds, for the left perturbation (rad, m).
 // This is the sandwich estimator (Huber 1967; White 1980; for cells: Liang and Zeger 1986)
-//   C = J^-1 B J^-T,  B = sum over the cells c of g_c g_c^T,
-// with g_c the gradient of the points in cell c. B contains the noise of points and normals, and
-// errors that points in a cell share. J is the derivative of the gradient. It is numerical, with
-// new correspondences at each pose. So J is small along directions in which the correspondences
-// move with the pose, and does not contain information from noise of normals.
+//   C = J^-1 B J^-T,  B = sum over the cells c of h_c h_c^T,
+// with h_c the gradient of the points in cell c, corrected by the jackknife (Bell and McCaffrey
+// 2002). B contains the noise of points and normals, and errors that points in a cell share. J is
+// the derivative of the gradient. It is numerical, with new correspondences at each pose. So J is
+// small along directions in which the correspondences move with the pose, and does not contain
+// information from noise of normals.
 //
 // Directions in which J is at most 3e-4 of its largest eigenvalue are degenerate. They are tested
 // over the extent of the noise too, because a local slope of noise is no constraint. There is no

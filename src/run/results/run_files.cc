@@ -4,7 +4,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iomanip>
+#include <optional>
 #include <sstream>
+#include <string>
 #include <utility>
 
 #include "core/files.h"
@@ -81,11 +83,35 @@ StampedPose RunTrajectory::InSourceConvention(StampedPose pose) const {
   return pose;
 }
 
+namespace {
+
+// Names of the upper triangle of FrameReport::covariance, row by row. Each begins with a comma.
+std::string CovarianceNames() {
+  std::string names;
+  for (int i = 0; i < 6; ++i) {
+    for (int j = i; j < 6; ++j) names += Concat(",cov_", i, j);
+  }
+  return names;
+}
+
+void AppendCovariance(const std::optional<Matrix6d>& covariance, std::ostringstream* row) {
+  *row << std::scientific << std::setprecision(6);
+  for (int i = 0; i < 6; ++i) {
+    for (int j = i; j < 6; ++j) {
+      *row << ',';
+      if (covariance) *row << (*covariance)(i, j);
+    }
+  }
+}
+
+}  // namespace
+
 FrameTable::FrameTable(const std::string& folder) : path_(folder + "/frames.csv"), file_(path_) {
   file_.Append(
       "index,stamp_s,state,fused,termination,iterations,inliers,inlier_ratio,rmse_m,"
       "smallest_eigenvalue,moving_ratio,two_motions,points,merged_points,merged,added,removed,"
-      "read_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,correct_ms,frame_ms\n");
+      "read_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,correct_ms,frame_ms,keyframe" +
+      CovarianceNames() + '\n');
 }
 
 void FrameTable::Add(const FrameReport& report, double read_ms, double frame_ms) {
@@ -101,7 +127,10 @@ void FrameTable::Add(const FrameReport& report, double read_ms, double frame_ms)
       << report.fusion.added << ',' << report.fusion.removed << ',' << std::setprecision(3)
       << read_ms << ',' << report.times.preprocess_ms << ',' << report.times.predict_ms << ','
       << report.times.track_ms << ',' << report.times.fuse_ms << ',' << report.times.correct_ms
-      << ',' << frame_ms << '\n';
+      << ',' << frame_ms << ',';
+  if (report.keyframe >= 0) row << report.keyframe;
+  AppendCovariance(report.covariance, &row);
+  row << '\n';
   file_.Append(row.str());
 }
 
@@ -109,7 +138,9 @@ void FrameTable::AddSkipped(const ReadResult& result, double frame_ms) {
   std::ostringstream row;
   row << result.index << ',' << std::fixed << std::setprecision(6) << result.stamp_s
       << ",skipped,0,,0,0,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.read_ms
-      << ",0,0,0,0,0," << frame_ms << '\n';
+      << ",0,0,0,0,0," << frame_ms << ',';
+  AppendCovariance(std::nullopt, &row);
+  row << '\n';
   file_.Append(row.str());
 }
 

@@ -52,7 +52,9 @@ class RunTrajectory {
 };
 
 // Writes frames.csv, one row per frame. All functions throw InputError with the path if writing
-// fails. Times are in ms.
+// fails. Times are in ms. `keyframe` and cov_00 to cov_55 are FrameReport::keyframe and the upper
+// triangle of FrameReport::covariance, in the order rotation (rad), translation (m). They are empty
+// if they are unknown.
 class FrameTable {
  public:
   // Creates or replaces frames.csv in the folder.
