@@ -77,8 +77,8 @@ TEST(RecordedRuns, OfficeWithoutNoiseWithin124MicrometresAnd300FromFrameToFrame)
   EXPECT_LE(AteOf(options, 200), 0.0003);
 }
 
-// Without the confidence images, tracking is lost at glass walls after half of the frames. The bound
-// is 1.3 times the measured ATE of 32.2 mm.
+// Without the confidence images, tracking is lost at glass walls after half of the frames. The
+// bound is 1.3 times the measured ATE of 32.2 mm.
 TEST(RecordedRuns, PhoneWalkPastGlassWithin42Millimetres) {
   SURFIT_REQUIRE_SHARED_DATA("phone_lidar_walk");
   EXPECT_LE(AteOf(Options("phone_lidar_walk", -1), 216), 0.042);
@@ -106,8 +106,8 @@ TEST(RecordedRuns, DeskOfTumWithin11Millimetres) {
   EXPECT_TRUE(summary.calibration);
 }
 
-// The camera rotates by up to 17 degrees between two of these frames. The measured ATE of every third
-// frame is 13.1 mm.
+// The camera rotates by up to 17 degrees between two of these frames. The measured ATE of every
+// third frame is 13.1 mm.
 TEST(RecordedRuns, EveryThirdFrameOfTheDeskWithin17MillimetresAndEveryFifthWithin100) {
   SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk");
   SlamRunOptions options = Options("tum_fr1_desk", -1);
