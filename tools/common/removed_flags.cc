@@ -99,7 +99,6 @@ constexpr std::array kRemovedFlags = {
     RemovedFlag{"", "max_inactive_frames", "FusionOptions::max_inactive_frames"},
     RemovedFlag{"", "max_iterations", "IcpOptions::max_iterations"},
     RemovedFlag{"", "max_rmse_m", "SlamOptions::max_rmse_m"},
-    RemovedFlag{"", "max_spacing_m", "FusionOptions::max_spacing_m"},
     RemovedFlag{"", "linear_solver", "IcpOptions::linear_solver"},
     RemovedFlag{"", "max_view_shift", "SlamOptions::max_view_shift"},
     RemovedFlag{"", "merge_angle_deg", "FusionOptions::merge_angle_rad"},
