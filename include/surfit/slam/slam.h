@@ -83,7 +83,7 @@ struct FrameReport {
   // camera frame of the keyframe. It is the sum of the registration covariances of the keyframe,
   // this frame and the fused frames between. Each fused frame moves the map by its error. Priors
   // are not included. Errors of the sensor over more than a tenth of the image width are not
-  // included. std::nullopt without keyframe, or if a direction of one of these frames is
+  // included. Empty without a keyframe, and if a direction of one of these frames is
   // unobservable.
   Rigid3d keyframe_from_camera;
   std::optional<Matrix6d> covariance;

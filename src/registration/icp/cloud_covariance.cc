@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -58,23 +59,26 @@ struct CellSums {
 // Sums of all cells of size `scales.cell` with points, in the order of their indices.
 std::vector<CellSums> SumsOfCells(const PairBuffer& pairs, ResidualType residual,
                                   const RobustKernel& kernel, const CloudErrorScales& scales) {
-  std::vector<std::pair<ErrorCell, int>> order(pairs.size);
-  for (int i = 0; i < pairs.size; ++i)
-    order[i] = {ErrorCellOf(pairs.p(i).cast<double>(), scales), i};
-  std::sort(order.begin(), order.end());
-  std::vector<CellSums> cells;
+  std::map<ErrorCell, CellSums> cells;
   const auto add_all = [&](const auto& rows_of) {
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      if (k == 0 || order[k].first != order[k - 1].first) cells.emplace_back();
-      const int i = order[k].second;
-      cells.back().Add(rows_of(i), pairs.information[i], kernel);
+    CellSums* sums = nullptr;
+    ErrorCell last = {};
+    for (int i = 0; i < pairs.size; ++i) {
+      const ErrorCell cell = ErrorCellOf(pairs.p(i).cast<double>(), scales);
+      // Most points are in the cell of the previous point.
+      if (sums == nullptr || cell != last) sums = &cells[cell];
+      last = cell;
+      sums->Add(rows_of(i), pairs.information[i], kernel);
     }
+    std::vector<CellSums> all;
+    for (const auto& [cell_index, sums_of_cell] : cells) all.push_back(sums_of_cell);
+    return all;
   };
   if (const OwnResidual* const own = OwnResidualOf(residual)) {
     const int rows_of_pair = own->row_count();
     RawVector<float> rows(static_cast<std::size_t>(rows_of_pair) * kRowColumns * pairs.size);
     own->FillRows(pairs, 0, pairs.size, rows.data());
-    add_all([&](int i) {
+    return add_all([&](int i) {
       std::vector<std::array<double, kRowColumns>> row(rows_of_pair);
       for (int r = 0; r < rows_of_pair; ++r) {
         for (int k = 0; k < kRowColumns; ++k) {
@@ -83,11 +87,10 @@ std::vector<CellSums> SumsOfCells(const PairBuffer& pairs, ResidualType residual
       }
       return row;
     });
-    return cells;
   }
-  WithRowsOf(residual, [&](auto type) {
+  return WithRowsOf(residual, [&](auto type) {
     using Rows = decltype(type);
-    add_all([&](int i) {
+    return add_all([&](int i) {
       PairValues<double> pair;
       for (int k = 0; k < 3; ++k) {
         pair.p[k] = pairs.p(i)[k];
@@ -103,9 +106,7 @@ std::vector<CellSums> SumsOfCells(const PairBuffer& pairs, ResidualType residual
       }
       return rows;
     });
-    return 0;
   });
-  return cells;
 }
 
 // Sum over the cells of h h^T with h = (I - H_c H^-1)^-1 g_c, where H_c is the Gauss-Newton Hessian
