@@ -42,11 +42,14 @@ Matrix6d WithNoise(const Matrix6d& information, const Rigid3d& reference_from_ca
 
 }  // namespace
 
+int CountNormals(const PreprocessedFrame& frame, const CellMask& moving) {
+  const Image<float> normal_z = Without(frame.surface().normal.z, moving);
+  return static_cast<int>(
+      std::count_if(normal_z.begin(), normal_z.end(), [](float z) { return z < 0; }));
+}
+
 bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_options) {
-  const Image<float>& normal_z = frame.surface().normal.z;
-  const auto points =
-      std::count_if(normal_z.begin(), normal_z.end(), [](float z) { return z < 0; });
-  return points >= icp_options.min_inliers;
+  return CountNormals(frame) >= icp_options.min_inliers;
 }
 
 Tracked FrameRegistration::Register(const PreprocessedFrame& frame, const ReferenceView& reference,

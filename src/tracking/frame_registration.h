@@ -12,6 +12,9 @@
 
 namespace surfit {
 
+// Returns the number of pixels with a normal outside of `moving`.
+int CountNormals(const PreprocessedFrame& frame, const CellMask& moving = {});
+
 // Returns whether at least IcpOptions::min_inliers pixels have a normal.
 bool HasEnoughDepth(const PreprocessedFrame& frame, const IcpOptions& icp_options);
 

@@ -80,6 +80,17 @@ bool IsMasked(const CellMask& mask, double scale, int u, int v) {
   return mask(x, y) != 0;
 }
 
+Image<float> DepthOfCells(const FrameLevel& frame) {
+  const ViewGrid grid(frame.camera);
+  Image<float> depth_m(grid.width, grid.height);
+  for (int v = 0; v < grid.height; ++v) {
+    for (int u = 0; u < grid.width; ++u) {
+      depth_m(u, v) = frame.vertex.z(grid.Pixel(u), grid.Pixel(v));
+    }
+  }
+  return depth_m;
+}
+
 struct FreeSpaceCount {
   int seen = 0;     // visible and not occluded
   int through = 0;  // observed as free space
@@ -228,16 +239,10 @@ void MovingRegions::Remember(const FrameLevel& frame, const CellMask& moving,
   const bool is_due =
       past_views_.empty() || stamp_s >= past_views_.back().stamp_s + kBetweenViews_s;
   last_.reset();
+  followed_.reset();
   if (!is_due && moving.empty()) return;
-  const ViewGrid grid(frame.camera);
-  PastView past_view = {
-      stamp_s, world_from_camera, frame.camera, frame.noise, Image<float>(grid.width, grid.height),
-      {}};
-  for (int v = 0; v < grid.height; ++v) {
-    for (int u = 0; u < grid.width; ++u) {
-      past_view.depth_m(u, v) = frame.vertex.z(grid.Pixel(u), grid.Pixel(v));
-    }
-  }
+  PastView past_view = {stamp_s,     world_from_camera,   frame.camera,
+                        frame.noise, DepthOfCells(frame), {}};
   if (!moving.empty()) {
     last_ = std::make_unique<PastView>(past_view);
     last_->moving = moving;
@@ -247,9 +252,55 @@ void MovingRegions::Remember(const FrameLevel& frame, const CellMask& moving,
   past_views_.push_back(std::move(past_view));
 }
 
+void MovingRegions::Follow(const FrameLevel& frame) {
+  constexpr int kReach = 3;             // cells per frame
+  constexpr float kSameObject = 0.04f;  // of the depth
+  const PastView* earlier = followed_ ? followed_.get() : last_.get();
+  if (!earlier) return;
+  auto now = std::make_unique<PastView>();
+  now->depth_m = DepthOfCells(frame);
+  const int width = now->depth_m.width(), height = now->depth_m.height();
+  now->moving = CellMask(width, height, kNone);
+  // The object enters a cell whose depth changes. Static surfaces beside the object keep their
+  // depth between two frames.
+  const auto is_object = [&](int u, int v, float depth_m) {
+    const float before_m = earlier->depth_m(u, v);
+    const bool is_same = std::abs(before_m - depth_m) <= kSameObject * depth_m;
+    if (is_same) return earlier->moving(u, v) == kCore;
+    for (int y = std::max(0, v - kReach); y <= std::min(height - 1, v + kReach); ++y) {
+      for (int x = std::max(0, u - kReach); x <= std::min(width - 1, u + kReach); ++x) {
+        if (earlier->moving(x, y) != kCore) continue;
+        if (std::abs(earlier->depth_m(x, y) - depth_m) <= kSameObject * depth_m) return true;
+      }
+    }
+    return false;
+  };
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const float depth_m = now->depth_m(u, v);
+      if (depth_m > 0 && is_object(u, v, depth_m)) now->moving(u, v) = kCore;
+    }
+  }
+  followed_ = std::move(now);
+}
+
+CellMask MovingRegions::Followed() const {
+  if (!followed_) return {};
+  const CellMask& core = followed_->moving;
+  std::vector<int> cells;
+  for (int i = 0; i < static_cast<int>(core.size()); ++i) {
+    if (core[i] == kCore) cells.push_back(i);
+  }
+  if (cells.empty()) return {};
+  CellMask moving(core.width(), core.height(), kNone);
+  Mark(cells, core, &moving);
+  return moving;
+}
+
 void MovingRegions::Forget() {
   past_views_.clear();
   last_.reset();
+  followed_.reset();
 }
 
 void MovingRegions::Move(const Rigid3d& new_from_old_world) {

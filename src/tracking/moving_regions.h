@@ -31,6 +31,11 @@ class MovingRegions {
   // that moved stays detected in the next frame.
   void Remember(const FrameLevel& frame, const CellMask& moving, const Rigid3d& world_from_camera,
                 double stamp_s);
+  // Follows the moving cells of the last frame with a pose through a lost frame, by depth and
+  // position in the image. Call for each lost frame with enough depth.
+  void Follow(const FrameLevel& frame);
+  // Returns the moving cells in the last followed frame; empty: none.
+  CellMask Followed() const;
   // Forgets all stored views. Call if the world frame changes without a known correction.
   void Forget();
   // Applies a correction of the world frame to the stored poses.
@@ -48,7 +53,8 @@ class MovingRegions {
              const CellMask& moved, const Rigid3d& world_from_camera) const;
 
   std::deque<PastView> past_views_;
-  std::unique_ptr<PastView> last_;  // last frame with its moving cells; null if there are none
+  std::unique_ptr<PastView> last_;      // last frame with its moving cells; null if there are none
+  std::unique_ptr<PastView> followed_;  // last lost frame with moving cells since the last pose
 };
 
 // Sets the depth, vertices and normals of moving cells to 0, at any resolution. An empty mask

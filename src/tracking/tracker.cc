@@ -317,15 +317,20 @@ Rigid3d Tracker::WithMeasuredMotion(const PreprocessedFrame& frame, const Tracke
 
 std::optional<Tracked> Tracker::InNewSubmap(const PreprocessedFrame& frame,
                                             const Tracked& tracked) {
-  if (!relocalizer_ || tracked.tentative || !HasEnoughDepth(frame, options_.icp))
-    return std::nullopt;
+  if (!relocalizer_ || !HasEnoughDepth(frame, options_.icp)) return std::nullopt;
+  regions_.Follow(frame.surface());
+  if (tracked.tentative) return std::nullopt;
+  CellMask moving = regions_.Followed();
+  // A third of the view must be static, so that the moving object does not become the map.
+  const int points = CountNormals(frame, moving);
+  if (points < options_.icp.min_inliers || 3 * points < CountNormals(frame)) return std::nullopt;
   const std::optional<int> begun = relocalizer_->BeginSubmap(lost_with_depth_ + 1);
   if (!begun) return std::nullopt;
   views_->UseSubmap(*begun);
   regions_.Forget();
   Tracked first = tracked;
   first.state = FrameState::kNewMap;
-  first.moving = {};
+  first.moving = std::move(moving);
   first.world_from_camera = last_.world_from_view;
   first.submap = *begun;
   return first;

@@ -132,11 +132,13 @@ inline Recording SimulatedKinect() {
 }
 
 // A Kinect in a furnished room. A person walks in front of it, starting at frame `people_from`.
-inline Recording Simulated(std::uint64_t seed, int frames, int people_from) {
+// Renders every `stride`-th frame.
+inline Recording Simulated(std::uint64_t seed, int frames, int people_from, int stride = 1) {
   Recording recording = SimulatedKinect();
   const Scene room = MakeScene("room", seed);
-  for (const StampedPose& pose : MakePath(room, frames, seed)) {
-    const int i = static_cast<int>(recording.frames.size());
+  const Trajectory path = MakePath(room, frames, seed);
+  for (int i = 0; i < frames; i += stride) {
+    const StampedPose& pose = path[i];
     Scene scene = room;
     const Rigid3d& world_from_camera = pose.world_from_camera;
     if (i >= people_from) {
@@ -196,42 +198,84 @@ struct Verdicts {
   }
 };
 
-// The poses of a new submap have their own world frame, so no submap starts.
-inline const SlamOptions& DefaultSlam() {
-  static const SlamOptions options = [] {
-    SlamOptions in_one_map;
-    in_one_map.loops.new_map_after = 0;
-    return in_one_map;
-  }();
-  return options;
-}
+// Pose of a frame when it is known, and the pose that is expected from the ground truth.
+struct JudgedPose {
+  bool is_believed = false;
+  Rigid3d world_from_camera, expected;
+};
+
+// Expected poses. Each piece of the trajectory has a world frame of its own, so its first frame
+// with ground truth is the reference.
+class ExpectedPoses {
+ public:
+  ExpectedPoses(const Recording& recording, const PoseStore& poses)
+      : recording_(recording), poses_(poses), piece_of_keyframe_(poses.PieceOfKeyframe()) {}
+
+  // Returns the expected pose of a frame in the piece of a keyframe; std::nullopt without ground
+  // truth.
+  std::optional<Rigid3d> At(int frame_index, int keyframe) const {
+    if (!recording_.truth[frame_index]) return std::nullopt;
+    const Rigid3d& truth = *recording_.truth[frame_index];
+    for (const PosedFrame& first : poses_.frames()) {
+      const std::size_t i = PositionOf(first);
+      if (piece_of_keyframe_[first.keyframe] != piece_of_keyframe_[keyframe]) continue;
+      if (!recording_.truth[i]) continue;
+      return first.world_from_camera * recording_.truth[i]->Inverse() * truth;
+    }
+    return truth;
+  }
+
+  // Returns the position in the recording.
+  std::size_t PositionOf(const PosedFrame& frame) const {
+    std::size_t i = 0;
+    while (recording_.frames[i].index != frame.index) ++i;
+    return i;
+  }
+
+ private:
+  const Recording& recording_;
+  const PoseStore& poses_;
+  std::vector<int> piece_of_keyframe_;
+};
 
 // Evaluates online poses: at the time of the frame, or after confirmation by the next frame. Slam
 // starts at the true pose.
-inline Verdicts Judge(const Recording& recording, const SlamOptions& options = DefaultSlam()) {
+inline Verdicts Judge(const Recording& recording, const SlamOptions& options = {}) {
   constexpr double kRight_m = 0.1, kRight_rad = 5 * kRadPerDeg;
   Slam slam(recording.sensor, options, recording.truth.at(0).value());
   Verdicts verdicts;
-  std::vector<std::pair<bool, Rigid3d>> found;  // accepted, world from camera
+  std::vector<std::optional<JudgedPose>> judged(recording.frames.size());
+  std::size_t posed = 0;  // judged frames of the back end
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     const FrameReport report = slam.Process(recording.frames[i]);
     verdicts.apart += report.has_two_motions;
-    if (report.confirmed) {
-      found.at(i - 1) = {true, report.confirmed->world_from_camera};
+    const std::vector<PosedFrame>& frames = slam.backend()->poses().frames();
+    const ExpectedPoses expected(recording, slam.backend()->poses());
+    for (; posed < frames.size(); ++posed) {
+      const std::size_t at = expected.PositionOf(frames[posed]);
+      const auto pose = expected.At(static_cast<int>(at), frames[posed].keyframe);
+      if (pose) judged[at] = {true, frames[posed].world_from_camera, *pose};
     }
-    found.push_back({report.state != FrameState::kLost, report.world_from_camera});
+    if (report.HasPose() || frames.empty()) continue;
+    const auto pose = expected.At(static_cast<int>(i), frames.back().keyframe);
+    if (pose) judged[i] = {false, report.world_from_camera, *pose};
   }
-  for (std::size_t i = 0; i < found.size(); ++i) {
+  for (std::size_t i = 0; i < judged.size(); ++i) {
     if (!recording.truth[i]) continue;
-    const auto& [is_believed, world_from_camera] = found[i];
-    const Rigid3d error = recording.truth[i]->Inverse() * world_from_camera;
+    ++verdicts.frames;
+    if (!judged[i]) continue;
+    const Rigid3d error = judged[i]->expected.Inverse() * judged[i]->world_from_camera;
+    const bool is_believed = judged[i]->is_believed;
     const bool is_right = error.translation.norm() <= kRight_m + recording.drift_m &&
                           RotationAngle(error.rotation) <= kRight_rad + recording.drift_rad;
-    ++verdicts.frames;
     verdicts.believed += is_believed;
     verdicts.wrong += is_believed && !is_right;
     verdicts.missed += !is_believed && is_right;
     if (is_believed) verdicts.max_m = std::max(verdicts.max_m, error.translation.norm());
+    if (is_believed && !is_right) {
+      std::printf("wrong: frame %zu, %.0f mm, %.1f degrees\n", i, 1e3 * error.translation.norm(),
+                  RotationAngle(error.rotation) / kRadPerDeg);
+    }
   }
   return verdicts;
 }

@@ -10,7 +10,7 @@ namespace {
 constexpr int kStrides[] = {1, 2, 3, 5, 8, 10, 15, 20};
 
 SlamOptions WithLoops() {
-  SlamOptions options = DefaultSlam();
+  SlamOptions options;
   options.loops.enabled = true;
   return options;
 }
@@ -24,8 +24,7 @@ void ExpectFewMistakes(const Verdicts& verdicts, double least_called_right) {
   EXPECT_GE(verdicts.CalledRight(), least_called_right);
 }
 
-Verdicts Row(const std::string& name, const Recording& recording,
-             const SlamOptions& options = DefaultSlam()) {
+Verdicts Row(const std::string& name, const Recording& recording, const SlamOptions& options = {}) {
   const Verdicts verdicts = Judge(recording, options);
   Print(name, verdicts);
   return verdicts;
@@ -110,6 +109,15 @@ TEST(BeliefSweepPeople, WalkBeforeTheCamera) {
   }
   Print("people", sum);
   ExpectFewMistakes(sum, kCalledRightWhereThingsMove);
+}
+
+// An object hides 30 % of the view and moves with the camera. The camera jumps to another place,
+// where a new submap begins without the object.
+TEST(Belief, NewSubmapLeavesOutMovingObject) {
+  const Recording room = Simulated(2, 120, 120, 2);
+  const Verdicts verdicts = Judge(Hidden(Joined(room, {{0, 25}, {35, 60}}), 0.3, 15));
+  EXPECT_EQ(verdicts.wrong, 0);
+  EXPECT_GE(verdicts.believed, 40);
 }
 
 // The camera moves into a similar room and back. A relocalised pose is accepted after confirmation

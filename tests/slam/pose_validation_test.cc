@@ -213,5 +213,49 @@ TEST(Slam, MovingObjectsAreNeitherTrackedNorFused) {
   }
 }
 
+// A square at 1 m moves to the right, in front of a wall at 2 m. A shelf at 1 m is below the
+// square.
+TEST(MovingRegions, FollowsObjectThroughLostFrames) {
+  const auto view_at = [](int left) {
+    RgbdFrame frame = IdealRoom().frames[0];
+    for (int v = 0; v < frame.depth_m.height(); ++v) {
+      for (int u = 0; u < frame.depth_m.width(); ++u) {
+        const bool is_square = v >= 30 && v < 70 && u >= left && u < left + 40;
+        frame.depth_m(u, v) = is_square || v >= 70 ? 1 : 2;
+      }
+    }
+    return SurfaceOf(frame);
+  };
+  const FrameLevel first = view_at(40);
+  const ViewGrid grid(first.camera);
+  const auto is_square = [&](int cell_u, int cell_v, int left) {
+    const int u = grid.Pixel(cell_u), v = grid.Pixel(cell_v);
+    return v >= 30 && v < 70 && u >= left && u < left + 40;
+  };
+  CellMask moving(grid.width, grid.height, 0);
+  for (int v = 0; v < grid.height; ++v) {
+    for (int u = 0; u < grid.width; ++u) moving(u, v) = is_square(u, v, 40) ? 2 : 0;
+  }
+  MovingRegions regions;
+  regions.Remember(first, moving, Rigid3d(), 0);
+  EXPECT_TRUE(regions.Followed().empty());
+  for (int i = 1; i <= 8; ++i) regions.Follow(view_at(40 + 4 * i));
+  const CellMask followed = regions.Followed();
+  ASSERT_FALSE(followed.empty());
+  constexpr int kMargin = 5;  // cells
+  for (int v = 0; v < grid.height; ++v) {
+    for (int u = 0; u < grid.width; ++u) {
+      if (is_square(u, v, 72)) {
+        EXPECT_NE(followed(u, v), 0) << u << " " << v;
+      }
+      const bool is_distant =
+          grid.Pixel(v) >= 70 + kMargin * grid.step || grid.Pixel(u) < 72 - kMargin * grid.step;
+      if (is_distant) {
+        EXPECT_EQ(followed(u, v), 0) << u << " " << v;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace surfit::testing
