@@ -65,8 +65,11 @@ TEST_F(PriorRunTest, CountsARejectedJumpInTheSummary) {
   EXPECT_GT(prior["frames_used"], 20);
   EXPECT_GE(prior["frames_rejected"], 1);
   EXPECT_LE(prior["frames_rejected"], 2);
-  ASSERT_EQ(prior["rejected_s"].size(), 1U);
-  EXPECT_NEAR(prior["rejected_s"][0][0], prior_[60].stamp_s, 1e-5);
+  bool has_jump = false;
+  for (const auto& stretch : prior["rejected_s"]) {
+    has_jump |= std::abs(stretch[0].get<double>() - prior_[60].stamp_s) < 1e-5;
+  }
+  EXPECT_TRUE(has_jump);
 }
 
 TEST_F(PriorRunTest, CountsFramesWithoutPriorPose) {
@@ -92,7 +95,7 @@ TEST_F(PriorRunTest, RejectsBadFiles) {
   expect(good + "0.1 0 nan 0 0 0 0 1\n", ":2", "nan");
   expect(good + "0.1 0 0 0 0 0 0 3\n", ":2", "quaternion", 3, 1);
   expect(good + "0.1 0 0 2e12 0 0 0 1\n", ":2", "2e+12");
-  expect(good + good, "timestamp", 0);
+  expect(good + good, "timestamp", "0.000000");
   options_.prior_poses = "missing.txt";
   ExpectInputError([&] { Run(); }, Names("missing.txt"));
 }
