@@ -22,8 +22,8 @@ struct DepthPicture {
 //   c_j = sum_p b_pj I_p / sum_p b_pj,    sum_j b_pj = 1,
 // for the pixel colours I_p. Nearer frames have more pixels per surfel, and a larger weight. This
 // is the first step of SIRT (Gilbert 1972) for the least squares sum_p |sum_j b_pj c_j - I_p|^2.
-// Further steps also fit the pose errors of the frames, which makes other views worse. Not
-// thread-safe: Add() uses several threads itself.
+// Further steps made held-out views of recordings worse. Not thread-safe: Add() uses several
+// threads itself.
 class ColorAverage {
  public:
   // Keeps a reference. The map must not change, except by WriteTo().
