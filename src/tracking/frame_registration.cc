@@ -96,6 +96,9 @@ FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
       MostLikely(*target.prior, estimate.registered, information, max_sigmas);
   estimate.covariance = likely.covariance;
   estimate.icp.target_from_source = likely.target_from_source;
+  // Correspondences follow the pose, so further steps along weakly constrained directions follow
+  // noise.
+  if (estimate.is_weakly_constrained) return estimate;
   const std::optional<PriorTerm> prior = InUnitsOf(estimate.icp.information, *target.prior,
                                                    estimate.registered, information, max_sigmas);
   if (prior) MinimizeWithPrior(frame, target, *prior, &estimate);

@@ -295,7 +295,7 @@ TEST_F(AlignTool, RejectsBadInputInOneLine) {
       {{"--source_frame=-1"}, {"source_frame", "-1"}},
       {{"--target_frame=6"}, {"6"}},
       {{"--max_normal_angle_deg=-1"}, {"--max_normal_angle_deg", "-1"}},
-      {{"--max_free_space_violation_ratio=2"}, {"max_free_space_violation_ratio", "2"}},
+      {{"--max_free_space_violation_ratio=2"}, {"max_free_space_violation_ratio", "0.2"}},
       {{"--solver=magic"}, {"solver", "magic", "closed_form_ldlt"}},
       {{"--start=magic"}, {"start", "magic", "identity", "so3", "features"}},
       {{"--nonsense=1"}, {"nonsense"}},

@@ -110,7 +110,6 @@ TEST_F(SimulateSensorTest, RendersRowsOfAMovingCamera) {
   ColorOptions options;
   options.color_readout_s = 0.02;
   options.exposure_s = 0.02;
-  options.exposure_samples = 3;
   options.auto_exposure_lag_s = 0.1;
   options.auto_white_balance_lag_s = 0.2;
   options.channel_gains = {1.2, 1, 0.8};

@@ -223,9 +223,9 @@ struct SlamRunSummary {
   // False if fewer than half of the frames have a pose: the result is unreliable.
   bool MostFramesHaveAPose() const { return 2 * frames_tracked >= frames_total; }
 
-  std::int64_t session_waits = 0;            // saves that waited for the previous save
+  std::int64_t session_waits = 0;               // saves that waited for the previous save
   std::optional<PriorPoseSummary> prior_poses;  // with SlamRunOptions::prior_poses only
-  std::optional<Localization> localization;  // for localisation only
+  std::optional<Localization> localization;     // for localisation only
 
   // Digest of the final trajectory and of the map before final fusion. Equal digests mean bitwise
   // identical results.
