@@ -142,6 +142,7 @@ void Backend::FusePriorMotions(std::vector<WorldCorrection>* corrections) {
   const FrameCorrections of_keyframes =
       CorrectionsOfFrames(frames, poses_.frame_of_keyframe(), CorrectionsOfKeyframes(after));
   std::vector<Rigid3d> poses;
+  poses.reserve(frames.size());
   for (const PosedFrame& frame : frames) {
     poses.push_back(of_keyframes.At(frame.index) * frame.world_from_camera);
   }

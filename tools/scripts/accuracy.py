@@ -172,6 +172,8 @@ def main():
     for folder in recordings:
         if not folder.is_dir():
             parser.error(f"{folder} is not a folder")
+    if not recordings and not options.no_recordings:
+        parser.error("no recordings in $SURFIT_DATA_DIR")
     starts = [int(first) for first in options.starts.split(",")]
     if options.tools is None:
         build = [str(ROOT / "tools/scripts/build.sh"), "release", "surfit_slam", "surfit_simulate"]

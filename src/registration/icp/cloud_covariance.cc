@@ -71,6 +71,7 @@ std::vector<CellSums> SumsOfCells(const PairBuffer& pairs, ResidualType residual
       sums->Add(rows_of(i), pairs.information[i], kernel);
     }
     std::vector<CellSums> all;
+    all.reserve(cells.size());
     for (const auto& [cell_index, sums_of_cell] : cells) all.push_back(sums_of_cell);
     return all;
   };

@@ -438,7 +438,7 @@ PriorPoseSummary PriorPoses::Summary() const {
     summary.sigma_m = std::sqrt(noise_[1].prior_drift / frame_s_);
   }
   for (const Interval& rejected : Rejected()) {
-    summary.rejected.push_back({samples_[rejected.begin].to_s, samples_[rejected.end - 1].to_s});
+    summary.rejected.emplace_back(samples_[rejected.begin].to_s, samples_[rejected.end - 1].to_s);
     summary.frames_rejected += rejected.end - rejected.begin;
   }
   return summary;
