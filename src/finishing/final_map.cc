@@ -22,7 +22,7 @@ namespace {
 // improve poses.
 constexpr float kSpacingRatio = 0.7f;
 // Only every kColorStride-th frame colours the map, because consecutive frames are almost equal.
-constexpr int kColorStride = 3;
+constexpr int kColorStride = 2;
 
 FusionOptions Finer(FusionOptions options) {
   options.max_spacing_m *= kSpacingRatio;
@@ -160,7 +160,7 @@ class FinalMap {
     const auto frames = ReopenSequence(of_sequence.known.sequence, of_sequence.frames);
     SequenceFusion sequence(of_sequence, frames->info());
     if (!*sensor) *sensor = sequence.sensor();
-    return ForEach(of_sequence, frames.get(), 2, [&](RgbdFrame frame, const Rigid3d& pose) {
+    return ForEach(of_sequence, frames.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
       if (part_) {
         frame.depth_m = Within(*part_, sequence.sensor().camera, pose, std::move(frame.depth_m));
       }
@@ -174,19 +174,18 @@ class FinalMap {
     some.stride *= kColorStride;
     const auto frames = ReopenSequence(some, of_sequence.frames);
     Recoloring recoloring(of_sequence.known, frames->info(), map_, average);
-    return ForEach(
-        of_sequence, frames.get(), kColorStride,
-        [&](RgbdFrame frame, const Rigid3d& pose) { recoloring.Add(std::move(frame), pose); });
+    return ForEach(of_sequence, frames.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
+      recoloring.Add(std::move(frame), pose);
+    });
   }
 
-  // `progress`: progress of each frame, in thirds of a frame.
   template <typename Take>
-  bool ForEach(const MapSource& of_sequence, FrameSource* frames, int progress, const Take& take) {
+  bool ForEach(const MapSource& of_sequence, FrameSource* frames, const Take& take) {
     const PosedSequence& known = of_sequence.known;
     return ReadPosedFrames(known, frames, interrupted_, [&](std::size_t pose, RgbdFrame frame) {
       if (known.left_out.count(frame.index) > 0) return;
       take(std::move(frame), known.trajectory[pose].world_from_camera);
-      done_ += progress;
+      done_ += 2;
       progress_(std::max(1, done_ / 3), map_.size());
     });
   }

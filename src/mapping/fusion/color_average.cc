@@ -9,7 +9,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kColumns = 240;
+constexpr int kColumns = 200;
 constexpr float kHiddenBehind = 1.05f;
 
 // Camera with rays to the samples of call `index`. Images of fewer than kColumns columns have

@@ -32,7 +32,7 @@ class ColorAverage {
   // Adds the colours of a frame with colours. `camera`: pose of the colour image, with the camera
   // of `sensor`. `measured` is the depth of the frame. Its image size and pose may differ.
   //
-  // Samples every n-th column and row of the image, so that at least 240 columns remain. Each call
+  // Samples every n-th column and row of the image, so that at least 200 columns remain. Each call
   // uses other columns or rows. Smaller images are interpolated. Samples are ignored:
   // - without a surface of the map, or if the map is more than 5 % nearer at a neighbour sample
   // - if the measured depth is more than 5 % nearer within one pixel of `measured`
