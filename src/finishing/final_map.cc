@@ -80,16 +80,33 @@ class Recoloring {
     const Rigid3d expected =
         ExtrapolatePose(world_from_camera, motion, frame.color_stamp_s - frame.stamp_s);
     const BlendedView drawn = RenderDiscs(map_, coarse_, expected, &renderer_);
-    const Rigid3d world_from_color = RegisterColors(frame.color, drawn, coarse_, motion, expected);
-    const Image<float> measured_m = CorrectRollingShutter(frame, sensor_, motion).depth_m;
+    const PosedCamera camera(sensor_.camera,
+                             RegisterColors(frame.color, drawn, coarse_, motion, expected));
+    const Image<float> measured_m = Coarse(CorrectRollingShutter(frame, sensor_, motion).depth_m);
     frame.stamp_s = frame.color_stamp_s;  // colours use the pose at this time
-    const PosedCamera camera(sensor_.camera, world_from_color);
-    average_->Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), sensor_,
-                  world_from_color, {measured_m, PosedCamera(sensor_.camera, world_from_camera)});
+    average_->Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), camera,
+                  {drawn.depth_m, PosedCamera(coarse_.camera, expected)},
+                  {measured_m, PosedCamera(coarse_.camera, world_from_camera)});
   }
 
  private:
   static constexpr int kColumns = 320;
+
+  // Minimum depth of each pixel block. 0: a pixel of the block has no depth.
+  Image<float> Coarse(const Image<float>& depth_m) const {
+    Image<float> coarse_m(coarse_.camera.width, coarse_.camera.height);
+    const int step = depth_m.width() / coarse_m.width();
+    for (int v = 0; v < coarse_m.height(); ++v) {
+      for (int u = 0; u < coarse_m.width(); ++u) {
+        float nearest_m = depth_m(u * step, v * step);
+        for (int i = 1; i < step * step; ++i) {
+          nearest_m = std::min(nearest_m, depth_m(u * step + i % step, v * step + i / step));
+        }
+        coarse_m(u, v) = nearest_m;
+      }
+    }
+    return coarse_m;
+  }
 
   const PosedSequence& known_;
   const DepthSensor sensor_;

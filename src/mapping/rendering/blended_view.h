@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "surfit/core/image.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/sensor.h"
@@ -16,19 +13,6 @@ struct BlendedView {
   Image<float> depth_m;  // 0: no surface
 };
 
-// Splats of a view in the rows of one image band, without fillers. The colour of a pixel is about
-// the sum of the colours of its surfels, times their weights.
-struct BlendShares {
-  struct Share {
-    std::int32_t surfel;  // id in the map
-    float weight;         // ratio of the weights of the pixel
-  };
-
-  std::vector<float> depth_m;        // per pixel, row by row; 0: no surface
-  std::vector<std::uint32_t> first;  // index of the first share per pixel, and the number of shares
-  std::vector<Share> shares;         // without shares below 2 %
-};
-
 // Renders a map for display, several times slower than ModelRenderer. Surfels are splats with soft
 // borders (after EWA splatting: Zwicker, Pfister, van Baar and Gross, SIGGRAPH 2001). A pixel
 // blends colour and inverse depth of the splats on the first surface. A splat belongs to the first
@@ -38,10 +22,5 @@ struct BlendShares {
 // for any number of threads. Uses camera and noise of `sensor`. `world_from_view`: camera to world.
 BlendedView DrawBlended(const SurfelMap& map, const DepthSensor& sensor,
                         const Rigid3d& world_from_view);
-
-// Blending weights of DrawBlended(), one object per image band of kBandRows rows
-// from the top.
-std::vector<BlendShares> FindBlendShares(const SurfelMap& map, const DepthSensor& sensor,
-                                         const Rigid3d& world_from_view);
 
 }  // namespace surfit
