@@ -144,8 +144,7 @@ class Slam {
   // world_from_body, in any world frame, at the times of the frames. The offset between body and
   // camera is constant and unknown. The prior predicts each pose, is a motion prior, and adds edges
   // to the pose graph. Stretches that contradict the registration are rejected. Throws InputError
-  // for fewer than two poses. Throws InputError if a frame has a
-  // pose.
+  // for fewer than two poses, and if a frame has a pose.
   void UsePriorPoses(Trajectory world_from_body);
   // std::nullopt without prior poses.
   std::optional<PriorPoseSummary> prior_poses() const;
