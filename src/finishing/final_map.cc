@@ -22,7 +22,7 @@ namespace {
 // improve poses.
 constexpr float kSpacingRatio = 0.7f;
 // Only every kColorStride-th frame colours the map, because consecutive frames are almost equal.
-constexpr int kColorStride = 2;
+constexpr int kColorStride = 3;
 
 FusionOptions Finer(FusionOptions options) {
   options.max_spacing_m *= kSpacingRatio;
@@ -80,33 +80,16 @@ class Recoloring {
     const Rigid3d expected =
         ExtrapolatePose(world_from_camera, motion, frame.color_stamp_s - frame.stamp_s);
     const BlendedView drawn = RenderDiscs(map_, coarse_, expected, &renderer_);
-    const PosedCamera camera(sensor_.camera,
-                             RegisterColors(frame.color, drawn, coarse_, motion, expected));
-    const Image<float> measured_m = Coarse(CorrectRollingShutter(frame, sensor_, motion).depth_m);
+    const Rigid3d world_from_color = RegisterColors(frame.color, drawn, coarse_, motion, expected);
+    const Image<float> measured_m = CorrectRollingShutter(frame, sensor_, motion).depth_m;
     frame.stamp_s = frame.color_stamp_s;  // colours use the pose at this time
-    average_->Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), camera,
-                  {drawn.depth_m, PosedCamera(coarse_.camera, expected)},
-                  {measured_m, PosedCamera(coarse_.camera, world_from_camera)});
+    const PosedCamera camera(sensor_.camera, world_from_color);
+    average_->Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), sensor_,
+                  world_from_color, {measured_m, PosedCamera(sensor_.camera, world_from_camera)});
   }
 
  private:
   static constexpr int kColumns = 320;
-
-  // Minimum depth of each pixel block. 0: a pixel of the block has no depth.
-  Image<float> Coarse(const Image<float>& depth_m) const {
-    Image<float> coarse_m(coarse_.camera.width, coarse_.camera.height);
-    const int step = depth_m.width() / coarse_m.width();
-    for (int v = 0; v < coarse_m.height(); ++v) {
-      for (int u = 0; u < coarse_m.width(); ++u) {
-        float nearest_m = depth_m(u * step, v * step);
-        for (int i = 1; i < step * step; ++i) {
-          nearest_m = std::min(nearest_m, depth_m(u * step + i % step, v * step + i / step));
-        }
-        coarse_m(u, v) = nearest_m;
-      }
-    }
-    return coarse_m;
-  }
 
   const PosedSequence& known_;
   const DepthSensor sensor_;
@@ -177,7 +160,7 @@ class FinalMap {
     const auto frames = ReopenSequence(of_sequence.known.sequence, of_sequence.frames);
     SequenceFusion sequence(of_sequence, frames->info());
     if (!*sensor) *sensor = sequence.sensor();
-    return ForEach(of_sequence, frames.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
+    return ForEach(of_sequence, frames.get(), 2, [&](RgbdFrame frame, const Rigid3d& pose) {
       if (part_) {
         frame.depth_m = Within(*part_, sequence.sensor().camera, pose, std::move(frame.depth_m));
       }
@@ -191,18 +174,19 @@ class FinalMap {
     some.stride *= kColorStride;
     const auto frames = ReopenSequence(some, of_sequence.frames);
     Recoloring recoloring(of_sequence.known, frames->info(), map_, average);
-    return ForEach(of_sequence, frames.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
-      recoloring.Add(std::move(frame), pose);
-    });
+    return ForEach(
+        of_sequence, frames.get(), kColorStride,
+        [&](RgbdFrame frame, const Rigid3d& pose) { recoloring.Add(std::move(frame), pose); });
   }
 
+  // `progress`: progress of each frame, in thirds of a frame.
   template <typename Take>
-  bool ForEach(const MapSource& of_sequence, FrameSource* frames, const Take& take) {
+  bool ForEach(const MapSource& of_sequence, FrameSource* frames, int progress, const Take& take) {
     const PosedSequence& known = of_sequence.known;
     return ReadPosedFrames(known, frames, interrupted_, [&](std::size_t pose, RgbdFrame frame) {
       if (known.left_out.count(frame.index) > 0) return;
       take(std::move(frame), known.trajectory[pose].world_from_camera);
-      done_ += 2;
+      done_ += progress;
       progress_(std::max(1, done_ / 3), map_.size());
     });
   }

@@ -23,7 +23,7 @@ using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>
 //      in tracking.
 //   2. removes noise at depth edges if more than max_inactive_frames frames were fused, and smooths
 //      the map (SmoothMap)
-//   3. recolours the surfels from every second frame, at the registered poses of the colour images
+//   3. recolours the surfels from every third frame, at the registered poses of the colour images
 //      (RegisterColors, ColorAverage)
 // Returns std::nullopt if interrupted. Throws InputError if the sequence cannot be read.
 // `interrupted` is checked before each frame.

@@ -34,32 +34,33 @@ class ColorAverages : public ::testing::Test {
     map_.Append(surfel);
   }
 
-  // Adds the colours of a frame at `right_m` metres to the right. Columns from `end_of_depth` have
-  // no depth.
-  void Add(const Image<Rgb8>& color, float right_m, ColorAverage* average,
-           int end_of_depth = 160) const {
+  // Adds the colours of frames at this position, one per set of pixels (2 x 2). Columns from
+  // `end_of_depth` have no depth.
+  void Add(const Image<Rgb8>& color, const Eigen::Vector3d& at, ColorAverage* average,
+           int end_of_depth = 480) const {
     RgbdFrame frame;
     frame.color = color;
-    const Rigid3d pose(Eigen::Quaterniond::Identity(), {right_m, 0, 0});
+    const Rigid3d pose(Eigen::Quaterniond::Identity(), at);
     const PosedCamera camera(camera_, pose);
     const BlendedView drawn = DrawBlended(map_, {camera_, {}}, pose);
     Image<float> measured_m = drawn.depth_m;
     for (const auto [u, v] : PixelsOf(measured_m)) {
       if (u >= end_of_depth) measured_m(u, v) = 0;
     }
-    average->Add(FrameColors(frame, camera, {}), camera, {drawn.depth_m, camera},
-                 {measured_m, camera});
+    for (int i = 0; i < 4; ++i) {
+      average->Add(FrameColors(frame, camera, {}), {camera_, {}}, pose, {measured_m, camera});
+    }
   }
 
-  const PinholeCamera camera_ = {160, 120, 160, 160, 79.5, 59.5, {}};
+  const PinholeCamera camera_ = {480, 360, 480, 480, 239.5, 179.5, {}};
   SurfelMap map_;
 };
 
 TEST_F(ColorAverages, AreMeansOfFrameColors) {
   ColorAverage average(map_);
-  Add(Image<Rgb8>(160, 120, {200, 100, 50}), 0, &average);
-  Add(Image<Rgb8>(160, 120, {100, 150, 70}), 0, &average);
-  Add(Image<Rgb8>(160, 120, {60, 80, 90}), 0, &average);
+  Add(Image<Rgb8>(480, 360, {200, 100, 50}), {0, 0, 0}, &average);
+  Add(Image<Rgb8>(480, 360, {100, 150, 70}), {0, 0, 0}, &average);
+  Add(Image<Rgb8>(480, 360, {60, 80, 90}), {0, 0, 0}, &average);
   average.WriteTo(&map_);
   int seen = 0;
   for (const std::int32_t id : map_.Ids()) {
@@ -73,11 +74,62 @@ TEST_F(ColorAverages, AreMeansOfFrameColors) {
   EXPECT_GT(seen, 4000);
 }
 
-// The post occludes the wall between 0 and 20 cm to the right of the middle. A pixel is 12.5 mm on
+// The wall is at 2 m and at 1.5 m, and the post occludes none of these surfels. The number of
+// pixels per surfel has the ratio (2 / 1.5)^2.
+TEST_F(ColorAverages, WeighFramesByTheirPixelsPerSurfel) {
+  ColorAverage average(map_);
+  Add(Image<Rgb8>(480, 360, {200, 100, 50}), {0, 0, 0}, &average);
+  Add(Image<Rgb8>(480, 360, {100, 150, 250}), {0, 0, 0.5}, &average);
+  average.WriteTo(&map_);
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  int count = 0;
+  for (const std::int32_t id : map_.Ids()) {
+    const Surfel surfel = map_[id];
+    const Eigen::Vector3f p = surfel.position_in_world;
+    if (p.z() < 1.5f || p.x() > -0.2f || p.x() < -0.5f || std::abs(p.y()) > 0.3f) continue;
+    sum += Eigen::Vector3f(surfel.color.r, surfel.color.g, surfel.color.b);
+    ++count;
+  }
+  const double ratio = 16. / 9;
+  EXPECT_NEAR(sum.x() / count, (200 + ratio * 100) / (1 + ratio), 1);
+  EXPECT_NEAR(sum.y() / count, (100 + ratio * 150) / (1 + ratio), 1);
+  EXPECT_NEAR(sum.z() / count, (50 + ratio * 250) / (1 + ratio), 2);
+}
+
+// The blending weight is about exp(-2 d^2 / R^2), with R = 2 cm. Drawing and averaging blur a wave
+// of 30 cm with this kernel, which leaves 0.957 of the amplitude.
+TEST_F(ColorAverages, RecoverColorsOfRenderedViews) {
+  const auto wave = [](const Eigen::Vector3f& p) {
+    return 128.f + 100.f * std::sin(2 * static_cast<float>(M_PI) / 0.3f * p.x());
+  };
+  SurfelMap colored = map_;
+  for (const std::int32_t id : colored.Ids()) {
+    SurfelBlock& block = colored.block(id / SurfelBlock::kCapacity);
+    const int k = id % SurfelBlock::kCapacity;
+    block.SetColor(k, Eigen::Vector3f::Constant(wave(block.Position(k))), 1);
+  }
+  ColorAverage average(map_);
+  for (const double right_m : {0., 0.1, -0.1}) {
+    const Rigid3d pose(Eigen::Quaterniond::Identity(), {right_m, 0, 0});
+    Add(DrawBlended(colored, {camera_, {}}, pose).color, pose.translation, &average);
+  }
+  average.WriteTo(&map_);
+  int count = 0;
+  for (const std::int32_t id : map_.Ids()) {
+    const Surfel surfel = map_[id];
+    const Eigen::Vector3f p = surfel.position_in_world;
+    if (p.z() < 1.5f || p.x() > -0.2f || p.x() < -0.6f || std::abs(p.y()) > 0.4f) continue;
+    ASSERT_NEAR(surfel.color.r, wave(p), 0.043 * 100 + 5) << p.transpose();
+    ++count;
+  }
+  EXPECT_GT(count, 800);
+}
+
+// The post occludes the wall between 0 and 20 cm to the right of the middle. A pixel is 4 mm on
 // the wall.
 TEST_F(ColorAverages, IgnoreOccludedSurfels) {
   ColorAverage average(map_);
-  Add(Image<Rgb8>(160, 120, {200, 100, 50}), 0, &average);
+  Add(Image<Rgb8>(480, 360, {200, 100, 50}), {0, 0, 0}, &average);
   average.WriteTo(&map_);
   for (const std::int32_t id : map_.Ids()) {
     const Surfel surfel = map_[id];
@@ -90,11 +142,11 @@ TEST_F(ColorAverages, IgnoreOccludedSurfels) {
   }
 }
 
-// A surface without depth can occlude the wall, so its colours are not used. A pixel is 12.5 mm on
-// the wall.
+// A surface without depth can occlude the wall, so its colours are not used. Depth ends at x =
+// -0.5 m on the wall, and a splat has a radius of 4 cm.
 TEST_F(ColorAverages, IgnoreColorsWithoutDepth) {
   ColorAverage average(map_);
-  Add(Image<Rgb8>(160, 120, {200, 100, 50}), 0, &average, 40);
+  Add(Image<Rgb8>(480, 360, {200, 100, 50}), {0, 0, 0}, &average, 120);
   average.WriteTo(&map_);
   int colored = 0;
   for (const std::int32_t id : map_.Ids()) {
@@ -102,22 +154,22 @@ TEST_F(ColorAverages, IgnoreColorsWithoutDepth) {
     const Eigen::Vector3f p = surfel.position_in_world;
     if (p.z() < 1.5f || std::abs(p.y()) > 0.5f) continue;
     const bool is_colored = surfel.color != kColorBefore;
-    EXPECT_FALSE(is_colored && p.x() > -0.49f) << p.transpose();
+    EXPECT_FALSE(is_colored && p.x() > -0.46f) << p.transpose();
     colored += is_colored;
   }
   EXPECT_GT(colored, 200);
 }
 
 TEST_F(ColorAverages, AreTheSameAtAnyNumberOfThreads) {
-  Image<Rgb8> color(160, 120);
+  Image<Rgb8> color(480, 360);
   for (const auto [u, v] : PixelsOf(color)) {
-    color(u, v) = {static_cast<std::uint8_t>(1 + u), static_cast<std::uint8_t>(1 + v), 90};
+    color(u, v) = {static_cast<std::uint8_t>(1 + u / 2), static_cast<std::uint8_t>(1 + v / 2), 90};
   }
   std::vector<SurfelMap> maps(2, map_);
   for (int i = 0; i < 2; ++i) {
     const ThreadLimit limit(1 + 3 * i);
     ColorAverage average(maps[i]);
-    for (const float right_m : {0.f, 0.1f, -0.1f}) Add(color, right_m, &average);
+    for (const double right_m : {0., 0.1, -0.1}) Add(color, {right_m, 0, 0}, &average);
     average.WriteTo(&maps[i]);
   }
   ExpectSameMap(maps[0], maps[1]);

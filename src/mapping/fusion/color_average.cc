@@ -1,95 +1,148 @@
 #include "mapping/fusion/color_average.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 
-#include "mapping/map/view_frustum.h"
+#include "mapping/rendering/bands.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
 
+constexpr int kColumns = 240;
 constexpr float kHiddenBehind = 1.05f;
+constexpr float kNoColor = -1;
+constexpr int kBandsAtOnce = 2;  // bounds the memory of the shares
 
-enum class Missing { kIsPassedOver, kHides };
+// Camera with rays to the samples of call `index`.
+PinholeCamera CameraOfSamples(PinholeCamera camera, int index) {
+  const int step = std::max(1, camera.width / kColumns);
+  const int u = index % step, v = index / step % step;
+  camera.width -= u;
+  camera.height -= v;
+  camera.cx -= u;
+  camera.cy -= v;
+  return camera.Subsampled(step);
+}
 
-class OcclusionTest {
+class MeasuredOcclusion {
  public:
-  OcclusionTest(const DepthPicture& picture, Missing missing)
-      : nearest_m_(picture.depth_m.width(), picture.depth_m.height()), camera_(picture.camera) {
-    const Image<float>& depth = picture.depth_m;
-    ParallelFor(0, depth.height(), kRowsPerBlock, [&](int begin, int end) {
-      for (int v = begin; v < end; ++v) {
-        for (int u = 0; u < depth.width(); ++u) {
-          nearest_m_(u, v) = NearestAround(depth, u, v, missing);
-        }
-      }
-    });
+  MeasuredOcclusion(const DepthPicture& measured, const Rigid3d& world_from_view)
+      : measured_(measured) {
+    const Rigid3f pose = world_from_view.cast<float>();
+    rotation_ = measured.camera.rotation * pose.rotation.toRotationMatrix();
+    translation_ = measured.camera.rotation * pose.translation + measured.camera.translation;
   }
 
-  bool Hides(const Eigen::Vector3f& point_in_world) const {
-    const Eigen::Vector3f p = camera_.rotation * point_in_world + camera_.translation;
+  // True for points outside of the image or at a pixel without depth.
+  bool Hides(const Eigen::Vector3f& point_in_view) const {
+    const PosedCamera& camera = measured_.camera;
+    const Image<float>& depth_m = measured_.depth_m;
+    const Eigen::Vector3f p = rotation_ * point_in_view + translation_;
     if (!(p.z() > kMinDepth)) return true;
-    const float u = camera_.fx * p.x() / p.z() + camera_.cx + 0.5f;
-    const float v = camera_.fy * p.y() / p.z() + camera_.cy + 0.5f;
-    if (!(u >= 0 && v >= 0 && u < static_cast<float>(nearest_m_.width()) &&
-          v < static_cast<float>(nearest_m_.height()))) {
+    const float u = camera.fx * p.x() / p.z() + camera.cx + 0.5f;
+    const float v = camera.fy * p.y() / p.z() + camera.cy + 0.5f;
+    if (!(u >= 0 && v >= 0 && u < static_cast<float>(depth_m.width()) &&
+          v < static_cast<float>(depth_m.height()))) {
       return true;
     }
-    const float nearest_m = nearest_m_(static_cast<int>(u), static_cast<int>(v));
-    return !(nearest_m > 0) || p.z() > kHiddenBehind * nearest_m;
+    const int at_u = static_cast<int>(u), at_v = static_cast<int>(v);
+    if (!(depth_m(at_u, at_v) > 0)) return true;
+    for (int y = std::max(0, at_v - 1); y <= std::min(depth_m.height() - 1, at_v + 1); ++y) {
+      for (int x = std::max(0, at_u - 1); x <= std::min(depth_m.width() - 1, at_u + 1); ++x) {
+        if (depth_m(x, y) > 0 && p.z() > kHiddenBehind * depth_m(x, y)) return true;
+      }
+    }
+    return false;
   }
 
  private:
-  // Smallest positive depth of the 3 x 3 neighbourhood. 0: there is no depth, or pixel (u, v) has
-  // no depth and `missing` is kHides.
-  static float NearestAround(const Image<float>& depth, int u, int v, Missing missing) {
-    if (missing == Missing::kHides && !(depth(u, v) > 0)) return 0;
-    float nearest = 0;
-    for (int y = std::max(0, v - 1); y <= std::min(depth.height() - 1, v + 1); ++y) {
-      for (int x = std::max(0, u - 1); x <= std::min(depth.width() - 1, u + 1); ++x) {
-        const float z = depth(x, y);
-        if (z > 0 && (nearest == 0 || z < nearest)) nearest = z;
+  const DepthPicture& measured_;
+  Eigen::Matrix3f rotation_;  // camera of the depth from camera of the view
+  Eigen::Vector3f translation_;
+};
+
+// Colours of the samples of an image that show the map.
+class SampleColors {
+ public:
+  SampleColors(const Image<float>& depth_m, const PinholeCamera& camera, const FrameColors& colors,
+               const MeasuredOcclusion& measured)
+      : depth_m_(depth_m), camera_(camera), colors_(colors), measured_(measured) {}
+
+  // Writes the colours of a band of kBandRows rows. Other samples keep their values.
+  void Write(int band, Image<Eigen::Vector3f>* found) const {
+    std::vector<std::size_t> pixels;
+    ColorBatch batch;
+    const auto look_up = [&] {
+      colors_.LookUp(&batch);
+      for (int i = 0; i < batch.count; ++i) {
+        const SeenColor seen = batch.Seen(i);
+        if (seen.weight > 0) (*found)[pixels[i]] = seen.color;
+      }
+      pixels.clear();
+      batch.count = 0;
+    };
+    const int end = std::min(camera_.height, (band + 1) * kBandRows);
+    for (int v = band * kBandRows; v < end; ++v) {
+      for (int u = 0; u < camera_.width; ++u) {
+        const float z = depth_m_(u, v);
+        if (!(z > 0) || IsBesideOccluder(u, v, z)) continue;
+        const Eigen::Vector3f ray = camera_.Ray(u, v).cast<float>();
+        if (measured_.Hides(z * ray)) continue;
+        batch.Add(z * ray, -ray.normalized());
+        pixels.push_back(static_cast<std::size_t>(v) * camera_.width + u);
+        if (batch.count == ColorBatch::kCapacity) look_up();
       }
     }
-    return nearest;
+    look_up();
   }
 
-  Image<float> nearest_m_;
-  const PosedCamera& camera_;
+ private:
+  bool IsBesideOccluder(int u, int v, float z) const {
+    for (int y = std::max(0, v - 1); y <= std::min(camera_.height - 1, v + 1); ++y) {
+      for (int x = std::max(0, u - 1); x <= std::min(camera_.width - 1, u + 1); ++x) {
+        if (depth_m_(x, y) > 0 && z > kHiddenBehind * depth_m_(x, y)) return true;
+      }
+    }
+    return false;
+  }
+
+  const Image<float>& depth_m_;
+  const PinholeCamera& camera_;
+  const FrameColors& colors_;
+  const MeasuredOcclusion& measured_;
 };
 
 }  // namespace
 
 ColorAverage::ColorAverage(const SurfelMap& map) : map_(map), sums_(map.id_end()) {}
 
-void ColorAverage::Add(const FrameColors& colors, const PosedCamera& camera,
-                       const DepthPicture& drawn, const DepthPicture& measured) {
-  const OcclusionTest by_map(drawn, Missing::kIsPassedOver), by_frame(measured, Missing::kHides);
-  const std::vector<std::int32_t> cells = VisibleCells(map_, ViewFrustum(camera, 0));
-  ParallelFor(0, static_cast<int>(cells.size()), 1, [&](int i, int) {
-    for (const std::int32_t b : map_.cell(cells[i]).blocks) {
-      const SurfelBlock& block = map_.block(b);
-      ColorBatch seen;
-      int places[SurfelBlock::kCapacity];
-      for (int k = 0; k < block.count; ++k) {
-        const Eigen::Vector3f in_world = block.Position(k);
-        const Eigen::Vector3f point = camera.rotation * in_world + camera.translation;
-        const Eigen::Vector3f normal = camera.rotation * block.Normal(k);
-        if (!(point.z() > kMinDepth) || !(normal.dot(point) < 0)) continue;
-        if (by_map.Hides(in_world) || by_frame.Hides(in_world)) continue;
-        places[seen.count] = k;
-        seen.Add(point, normal);
-      }
-      colors.LookUp(&seen);
-      for (int j = 0; j < seen.count; ++j) {
-        const SeenColor of_surfel = seen.Seen(j);
-        Sum& sum = sums_[b * SurfelBlock::kCapacity + places[j]];
-        sum.color += of_surfel.weight * of_surfel.color;
-        sum.weight += of_surfel.weight;
+void ColorAverage::Add(const FrameColors& colors, const DepthSensor& sensor,
+                       const Rigid3d& world_from_camera, const DepthPicture& measured) {
+  DepthSensor samples = sensor;
+  samples.camera = CameraOfSamples(sensor.camera, added_++);
+  const BlendedDepth view(map_, samples, world_from_camera);
+  const MeasuredOcclusion occlusion(measured, world_from_camera);
+  const SampleColors sample_colors(view.depth_m(), samples.camera, colors, occlusion);
+  const int bands = BandCount(samples.camera.height);
+  Image<Eigen::Vector3f> found(samples.camera.width, samples.camera.height,
+                               Eigen::Vector3f::Constant(kNoColor));
+  ParallelFor(0, bands, 1, [&](int band, int) { sample_colors.Write(band, &found); });
+  std::array<std::vector<BlendShare>, kBandsAtOnce> shares;
+  for (int begin = 0; begin < bands; begin += kBandsAtOnce) {
+    const int end = std::min(bands, begin + kBandsAtOnce);
+    ParallelFor(begin, end, 1, [&](int band, int) { shares[band - begin] = view.SharesOf(band); });
+    for (int band = begin; band < end; ++band) {
+      for (const BlendShare& share : shares[band - begin]) {
+        const Eigen::Vector3f& color = found[share.pixel];
+        if (color.x() == kNoColor) continue;
+        Sum& sum = sums_[share.surfel];
+        sum.color += share.weight * color;
+        sum.weight += share.weight;
       }
     }
-  });
+  }
 }
 
 void ColorAverage::WriteTo(SurfelMap* map) const {

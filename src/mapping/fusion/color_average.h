@@ -3,8 +3,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mapping/rendering/blended_view.h"
 #include "mapping/rendering/frame_colors.h"
 #include "surfit/core/image.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/mapping/surfel_map.h"
 
 namespace surfit {
@@ -15,21 +17,27 @@ struct DepthPicture {
   const PosedCamera& camera;
 };
 
-// New colours of a map with fixed geometry: averages over frames with the weights of FrameColors.
-// Not thread-safe: Add() uses several threads itself.
+// New colours of a map with fixed geometry. The colour of a surfel is the average of the pixels
+// that show it, by its blending weights b in views of the map (DrawBlended()):
+//   c_j = sum_p b_pj I_p / sum_p b_pj,    sum_j b_pj = 1,
+// for the pixel colours I_p. Nearer frames have more pixels per surfel, and a larger weight. This
+// is the first step of SIRT (Gilbert 1972) for the least squares sum_p |sum_j b_pj c_j - I_p|^2.
+// Further steps made held-out views of recordings worse. Not thread-safe: Add() uses several
+// threads itself.
 class ColorAverage {
  public:
   // Keeps a reference. The map must not change, except by WriteTo().
   explicit ColorAverage(const SurfelMap& map);
 
-  // Adds the colours of a frame with colours. `camera`: pose of the colour image. `drawn` is the
-  // rendered depth of the map, `measured` the depth of the frame. Their image sizes and poses may
-  // differ.
+  // Adds the colours of a frame with colours. `camera`: pose of the colour image, with the camera
+  // of `sensor`. `measured` is the depth of the frame. Its image size and pose may differ.
   //
-  // A surfel is occluded if it is more than 5 % behind the smallest depth within one pixel, in
-  // either image. Surfels outside of an image, or without depth there, are treated as occluded,
-  // because the map lacks black and shiny objects. Surfels that face away are ignored.
-  void Add(const FrameColors& colors, const PosedCamera& camera, const DepthPicture& drawn,
+  // Samples every n-th column and row of the image, so that at least 240 columns remain, or all
+  // columns of smaller images. Each call uses other columns or rows. Samples are ignored:
+  // - without a surface of the map, or if the map is more than 5 % nearer at a neighbour sample
+  // - if the measured depth is more than 5 % nearer within one pixel of `measured`
+  // - without measured depth, because the map lacks black and shiny objects
+  void Add(const FrameColors& colors, const DepthSensor& sensor, const Rigid3d& world_from_camera,
            const DepthPicture& measured);
 
   // Writes the averages into a map with the surfels of the constructor. Surfels without
@@ -44,6 +52,7 @@ class ColorAverage {
 
   const SurfelMap& map_;
   std::vector<Sum> sums_;  // by id
+  int added_ = 0;
 };
 
 }  // namespace surfit
