@@ -13,6 +13,7 @@
 #include "apps/export/color_calibration.h"
 #include "apps/export/color_images.h"
 #include "apps/export/color_lens.h"
+#include "apps/export/gaussian_colors.h"
 #include "apps/export/gaussians.h"
 #include "apps/export/map_visibility.h"
 #include "apps/export/nerfstudio_files.h"
@@ -35,6 +36,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kExportJson = "export.json";
+constexpr int kImagesOfGaussians = 48;  // the colours of Gaussians are fitted to them
 
 // Relative paths of the results. Numbered images belong to a former export only if the folder has
 // an export.json.
@@ -161,18 +163,24 @@ class Exporter {
     world["export_from_run"] = rows;
   }
 
-  // Colour images with poses, and the colour camera.
-  void PrepareImages() {
+  // At most `most` colour images with poses, and the colour camera. Gaussians have the colours of
+  // the map, so their camera is that of the run.
+  void PrepareImages(int most) {
     UnusedFrames unused;
     const SequenceInfo info = OpenSequence(options_.sequence)->info();
     RequireCameraOfFrames(run_, options_.run, info.pinhole);
     std::vector<ColorImage> all = ListColorImages(
         options_.sequence, run_, [&](int i) { progress_(Concat("reading images, ", i)); }, &unused);
     ThrowIf(all.empty(), options_.run, ": no frame has both colour and a pose");
-    const ColorCalibration found = EstimateColorCamera(
-        GivenColorCamera(info, run_), info.sensor().prior, options_.sequence, all, map_,
-        [&](int i) { progress_(Concat("estimating the colour camera, ", i)); });
-    const std::vector<ColorImage> chosen = ChooseImages(all, options_.images);
+    ColorCalibration found;
+    found.camera = GivenColorCamera(info, run_);
+    if (options_.to != "gaussians") {
+      found = EstimateColorCamera(
+          found.camera, info.sensor().prior, options_.sequence, all, map_,
+          [&](int i) { progress_(Concat("estimating the colour camera, ", i)); });
+      Report(found);
+    }
+    const std::vector<ColorImage> chosen = ChooseImages(all, most);
     unused.not_chosen = static_cast<int>(all.size() - chosen.size());
     camera_ = found.camera;
     for (const ColorImage& image : chosen) {
@@ -180,8 +188,7 @@ class Exporter {
       images_.push_back({image, world_from_depth * camera_.color_from_depth.Inverse()});
       images_.back().source.stamp_s -= found.latency_s;
     }
-    Report(found);
-    json_["images"] = {{"written", images_.size()},
+    json_["images"] = {{options_.to == "gaussians" ? "used" : "written", images_.size()},
                        {"not_chosen", unused.not_chosen},
                        {"without_color", unused.without_color},
                        {"unreadable", unused.unreadable},
@@ -265,7 +272,7 @@ class Exporter {
   }
 
   void ExportColmap() {
-    PrepareImages();
+    PrepareImages(options_.images);
     if (IsRefusedByColmap() && !options_.undistort) {
       Say("images are undistorted: COLMAP ignores cameras with a distortion coefficient above 1");
     }
@@ -283,7 +290,7 @@ class Exporter {
   }
 
   void ExportNerfstudio() {
-    PrepareImages();
+    PrepareImages(options_.images);
     const PinholeCamera lens = ImageCamera();
     WriteImages(lens);
     CreateFolder(Path("depth"));
@@ -308,10 +315,36 @@ class Exporter {
   }
 
   void ExportGaussians() {
-    WriteGaussians(surfels_, export_from_world_, Path("splats.ply"));
+    std::vector<Gaussian> gaussians = GaussiansOf(surfels_);
+    try {
+      PrepareImages(kImagesOfGaussians);
+      FitColors(
+          ViewsOfGaussians(),
+          [&](int drawn, int all) {
+            progress_(Concat("fitting colours, view ", drawn, " of ", all));
+          },
+          &gaussians);
+    } catch (const InputError& error) {
+      images_.clear();
+      Warn("the Gaussians have the colours of the map, because no images are usable: ",
+           error.what());
+    }
+    WriteGaussians(gaussians, export_from_world_, Path("splats.ply"));
     json_["gaussians"] = {{"written", surfels_.size()}, {"noise", map_.size() - surfels_.size()}};
     Say(surfels_.size(), " Gaussians; ", map_.size() - surfels_.size(),
         " surfels of low confidence are left out");
+  }
+
+  std::vector<GaussianView> ViewsOfGaussians() const {
+    const PinholeCamera camera = UndistortedCamera(camera_.lens);
+    std::vector<ColorImage> sources;
+    for (const PosedImage& image : images_) sources.push_back(image.source);
+    std::vector<GaussianView> views;
+    ReadColorImages(options_.sequence, sources, [&](std::size_t i, const Image<Rgb8>& color) {
+      views.push_back(
+          ReducedView(Undistort(color, camera_.lens, camera), camera, images_[i].world_from_color));
+    });
+    return views;
   }
 
   void ExportOccupancy() {

@@ -44,7 +44,8 @@ struct ExportSummary {
 // nerfstudio:
 //   transforms.json, images/N.png, depth/N.png (mm, rendered from the map), points.ply
 // gaussians:
-//   splats.ply              one flat Gaussian per surfel, in the format of 3D Gaussian splatting
+//   splats.ply              one flat Gaussian per surfel, in the format of 3D Gaussian splatting.
+//                           The colours are fitted to at most 48 images, if there are any.
 // occupancy:
 //   map.pgm, map.yaml       for the ROS map_server
 //   floor_plan.svg          walls, camera path and a scale bar
