@@ -21,9 +21,9 @@ std::vector<float> TriangleWeights(int radius) {
 }
 
 // Returns the filtered inverse depth, divided by the cut-off. The sums contain differences to the
-// centre pixel, because sums of values would lose precision.
-template <typename V>
-V FilteredInverse(const float* at, std::ptrdiff_t stride, int radius, const float* weights) {
+// centre pixel, because sums of values would lose precision. Radius: int or a constant.
+template <typename V, typename Radius>
+V FilteredInverse(const float* at, std::ptrdiff_t stride, Radius radius, const float* weights) {
   const V center = V::Load(at);
   V sum, weight_sum;
   for (int dv = -radius; dv <= radius; ++dv) {
@@ -39,8 +39,8 @@ V FilteredInverse(const float* at, std::ptrdiff_t stride, int radius, const floa
   return center + sum / weight_sum;
 }
 
-template <typename V>
-void FilterRow(const InverseDepthBand& band, int v, int width, int radius, const float* weights,
+template <typename V, typename Radius>
+void FilterRow(const InverseDepthBand& band, int v, int width, Radius radius, const float* weights,
                float scale, float* depth_m) {
   const float* const row = band.row(v);
   for (int u = 0; u < width; u += V::kCount) {
@@ -66,9 +66,11 @@ Image<float> FilterDepth(const Image<float>& depth_m, const DepthNoise& noise,
     WithInstructions([&](auto instructions) {
       using V = Lanes<float, decltype(instructions)>;
       band.Fill<V>(depth_m, begin, end, scale);
-      for (int v = begin; v < end; ++v) {
-        FilterRow<V>(band, v, width, radius, weights.data(), scale, filtered.row(v));
-      }
+      WithConstant<PreprocessOptions().filter_radius_px>(radius, [&](auto constant) {
+        for (int v = begin; v < end; ++v) {
+          FilterRow<V>(band, v, width, constant, weights.data(), scale, filtered.row(v));
+        }
+      });
     });
   });
   return filtered;

@@ -3,11 +3,22 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <type_traits>
 
 #include "surfit/core/image.h"
 #include "surfit/core/lanes.h"
 
 namespace surfit {
+
+// Calls f(value). The usual value is passed as a constant, so that loops over it are unrolled.
+template <int kUsual, typename F>
+void WithConstant(int value, const F& f) {
+  if (value == kUsual) {
+    f(std::integral_constant<int, kUsual>());
+  } else {
+    f(value);
+  }
+}
 
 // Scaled inverse depth (scale / z) of some rows of a depth image, with a margin for filter windows
 // and SIMD lanes. Missing pixels and pixels outside of the image are kMissing. The difference of a

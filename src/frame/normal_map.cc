@@ -23,16 +23,19 @@ class NormalRows {
     }
   }
 
-  template <typename V>
-  void Compute(const InverseDepthBand& band, int v, VectorImage* normal) const {
+  int radius() const { return radius_; }
+
+  // Computes row v. Requires radius() == radius.
+  template <typename V, typename Radius>
+  void Compute(const InverseDepthBand& band, int v, Radius radius, VectorImage* normal) const {
     const int width = normal->width();
     const float* const row = band.row(v);
     const V dv(static_cast<float>(v - cy_));
     for (int u = 0; u < width; u += V::kCount) {
       const V r = V::Load(row + u);
-      const auto along_u = SlopeAlong<V>(row + u, 1, radius_, bounds_.noise + bounds_.slant_u * r);
+      const auto along_u = SlopeAlong<V>(row + u, 1, radius, bounds_.noise + bounds_.slant_u * r);
       const auto along_v =
-          SlopeAlong<V>(row + u, band.stride(), radius_, bounds_.noise + bounds_.slant_v * r);
+          SlopeAlong<V>(row + u, band.stride(), radius, bounds_.noise + bounds_.slant_v * r);
       // The formula of NormalMap() with the sign that turns the normal towards the camera.
       const V nx = -fx_ * along_u.value, ny = -fy_ * along_v.value;
       const V nz = V::Load(du_.data() + u) * along_u.value + dv * along_v.value - r;
@@ -80,7 +83,9 @@ VectorImage NormalMap(const VectorImage& vertex, const DepthSensor& sensor,
     WithInstructions([&](auto instructions) {
       using V = Lanes<float, decltype(instructions)>;
       band.Fill<V>(vertex.z, begin, end, 1);
-      for (int v = begin; v < end; ++v) rows.Compute<V>(band, v, &normal);
+      WithConstant<PreprocessOptions().normal_radius_px>(rows.radius(), [&](auto radius) {
+        for (int v = begin; v < end; ++v) rows.Compute<V>(band, v, radius, &normal);
+      });
     });
   });
   return normal;

@@ -45,8 +45,9 @@ struct SurfaceSlope {
 //   sum of k (r(+k) - r(-k)) / sum of 2 k^2
 // over the offsets k from 1 to `radius` (at least 1), up to the first depth edge. `at` points to
 // the inverse depth of the first lane, 1/m. All lanes must be readable at +radius and -radius.
-template <typename V>
-SurfaceSlope<V> SlopeAlong(const float* at, std::ptrdiff_t stride, int radius, const V& bound) {
+// Radius: int or a constant.
+template <typename V, typename Radius>
+SurfaceSlope<V> SlopeAlong(const float* at, std::ptrdiff_t stride, Radius radius, const V& bound) {
   SurfaceSlope<V> slope;
   slope.valid = Continues(at, stride, 1, bound);
   typename V::Mask alive = slope.valid;

@@ -161,8 +161,10 @@ Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target
   ViewComparison views = compare_at(model_from_frame);
   tracked.moving = regions_.Find(
       frame.surface(), views, reference.world_from_view * model_from_frame, frame.images.stamp_s);
+  FramePyramid unmoved;
   if (!tracked.moving.empty()) {
-    best = MostLikelyPose(Without(frame.view.pyramid, tracked.moving), target, model_from_frame);
+    unmoved = Without(frame.view.pyramid, tracked.moving);
+    best = MostLikelyPose(unmoved, target, model_from_frame);
     views = compare_at(best.icp.target_from_source);
   }
   if (best.covariance) {
@@ -188,9 +190,9 @@ Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target
         ValidateRegistration(tracked.icp, views, moving, options_) == Verdict::kAccepted;
   }
   if (tracked.verdict == Verdict::kRejected) return tracked;
-  if (const std::optional<Matrix6d> covariance = CovarianceByBlocks(
-          tracked.moving.empty() ? frame.view.pyramid : Without(frame.view.pyramid, tracked.moving),
-          model, best.registered, target.icp)) {
+  const FramePyramid& registered = tracked.moving.empty() ? frame.view.pyramid : unmoved;
+  if (const std::optional<Matrix6d> covariance =
+          CovarianceByBlocks(registered, model, best.registered, target.icp)) {
     tracked.registered_covariance =
         In(best.registered.Inverse(), {Rigid3d(), *covariance}).covariance;
   }

@@ -3,8 +3,10 @@
 
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "registration/solvers/decompositions.h"
+#include "surfit/core/parallel.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
@@ -82,6 +84,24 @@ TEST_P(FrameCovarianceSweep, AgreesWithErrors) {
 // The stated covariance of lidar and stereo is too small: their NEES is 19 to 20. Their noise is
 // correlated over many pixels.
 INSTANTIATE_TEST_SUITE_P(Sensors, FrameCovarianceSweep, ::testing::Values("kinect", "tof"));
+
+TEST(FrameCovariance, DoesNotDependOnNumberOfThreads) {
+  const PinholeCamera camera = {160, 120, 131, 131, 79.5, 59.5, {}};
+  const Scene scene = MakeScene("room", 3);
+  const Trajectory path = MakePath(scene, 4, 3);
+  std::vector<Matrix6d> covariances;
+  for (const int threads : {1, 3}) {
+    const ThreadLimit limit(threads);
+    Slam slam({camera, {}}, SlamOptions(), path[0].world_from_camera);
+    FrameReport report;
+    for (int i = 0; i < 4; ++i) {
+      report = slam.Process(RenderFrame(scene, camera, path[i].world_from_camera, i, 0.03 * i));
+    }
+    ASSERT_TRUE(report.covariance);
+    covariances.push_back(*report.covariance);
+  }
+  EXPECT_EQ(covariances[0], covariances[1]);
+}
 
 // The first frame of a map has no keyframe before it.
 TEST(FrameCovariance, IsEmptyWithoutKeyframes) {

@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +15,10 @@
 #include "registration/icp/icp_level.h"
 #include "registration/icp/own_residuals.h"
 #include "registration/icp/residual_rows.h"
+#include "registration/icp/row_finder.h"
+#include "surfit/core/lanes.h"
 #include "surfit/core/options.h"
+#include "surfit/core/parallel.h"
 #include "surfit/registration/icp.h"
 
 namespace surfit {
@@ -110,19 +112,18 @@ std::vector<CellSums> SumsOfCells(const PairBuffer& pairs, ResidualType residual
   });
 }
 
-// Sum over the cells of h h^T with h = (I - H_c H^-1)^-1 g_c, where H_c is the Gauss-Newton Hessian
-// of cell c and H the sum of all cells. This is the jackknife estimate CR3 (Bell and McCaffrey
-// 2002). It corrects for the influence of a cell on the minimum, which makes its own gradient
-// small. Zero if there are too few cells.
+// Sum over the cells of h h^T with h = (I - H_c H^-1)^-1 g_c = H (H - H_c)^-1 g_c, where H_c is the
+// Gauss-Newton Hessian of cell c and H the sum of all cells. This is the jackknife estimate CR3
+// (Bell and McCaffrey 2002). It corrects for the influence of a cell on the minimum, which makes
+// its own gradient small. Zero if there are too few cells.
 Matrix6d SpreadOf(const std::vector<CellSums>& cells) {
   if (cells.size() < kLeastCells) return Matrix6d::Zero();
   Matrix6d hessian = Matrix6d::Zero();
   for (const CellSums& cell : cells) hessian += cell.hessian;
-  const Eigen::LDLT<Matrix6d> all(hessian);
   Matrix6d sum = Matrix6d::Zero();
   for (const CellSums& cell : cells) {
-    const Matrix6d share = all.solve(cell.hessian).transpose();  // H_c H^-1
-    const Vector6d corrected = (Matrix6d::Identity() - share).partialPivLu().solve(cell.gradient);
+    const Eigen::LDLT<Matrix6d> rest(hessian - cell.hessian);
+    const Vector6d corrected = hessian * rest.solve(cell.gradient);
     sum += corrected * corrected.transpose();
   }
   return sum;
@@ -223,24 +224,55 @@ std::size_t LevelOfCovariance(const FramePyramid& source, const FramePyramid& ta
   return level;
 }
 
+// Normal systems of the square blocks of the source image, row by row. Blocks without pairs are
+// empty.
+std::vector<NormalSystem> SystemsOfBlocks(const ProjectiveSearch& search, ResidualType residual,
+                                          const RobustKernel& kernel) {
+  const int width = search.source.vertex.width(), height = search.source.vertex.height();
+  const int size = (width + kBlocksPerWidth - 1) / kBlocksPerWidth;
+  if (size == 0) return {};
+  const int columns = (width + size - 1) / size, rows = (height + size - 1) / size;
+  std::vector<NormalSystem> systems(static_cast<std::size_t>(columns) * rows);
+  ParallelFor(0, rows, 1, [&](int row, int) {
+    PairBuffer pairs;
+    pairs.SetCapacity(size * size + Lanes<float>::kCount);  // the last store writes all lanes
+    const int begin = row * size, end = std::min(height, begin + size);
+    for (int column = 0; column < columns; ++column) {
+      const int left = column * size, right = std::min(width, left + size);
+      pairs.size = WithInstructions([&](auto instructions) {
+        const RowFinder<decltype(instructions)> finder(search);
+        int count = 0;
+        for (int v = begin; v < end; ++v) count += finder.Find(v, left, right, count, &pairs);
+        return count;
+      });
+      systems[static_cast<std::size_t>(row) * columns + column] =
+          Linearize(pairs, residual, kernel);
+    }
+  });
+  return systems;
+}
+
 }  // namespace
 
 std::optional<Matrix6d> CovarianceByBlocks(const FramePyramid& source, const FramePyramid& target,
                                            const Rigid3d& target_from_source,
                                            const IcpOptions& options) {
   const std::size_t level = LevelOfCovariance(source, target, kMaxFastColumns);
-  const FrameLevel& from = source.levels[level];
-  const FrameLevel& to = target.levels[level];
   const ResidualType residual = ResidualTypeFromName(options.residual);
-  const RobustKernel& kernel = options.error_model.kernel;
-  const ProjectiveAssociation association(from, to, options.gates, options.error_model,
-                                          NormalsNeededBy(residual));
-  const NormalSystem system = Linearize(association, target_from_source, residual, kernel);
-  if (Observe(system, options.observability).Degenerate()) return std::nullopt;
-  const Matrix6d spread = SpreadOf(SumsOfCells(association.Collect(target_from_source), residual,
-                                               kernel, ScalesOf(to.camera, 0)));
+  NormalSystem sum;
+  std::vector<CellSums> blocks;
+  for (const NormalSystem& system :
+       SystemsOfBlocks({source.levels[level], target.levels[level], target_from_source,
+                        options.gates, options.error_model, NormalsNeededBy(residual)},
+                       residual, options.error_model.kernel)) {
+    if (system.pair_count == 0) continue;
+    sum += system;
+    blocks.push_back({-system.right_side, system.hessian});
+  }
+  if (Observe(sum, options.observability).Degenerate()) return std::nullopt;
+  const Matrix6d spread = SpreadOf(blocks);
   if (spread.isZero(0)) return std::nullopt;
-  const Eigen::LDLT<Matrix6d> derivative(system.hessian - system.SpuriousInformation());
+  const Eigen::LDLT<Matrix6d> derivative(sum.hessian - sum.SpuriousInformation());
   if (!derivative.isPositive() || derivative.rcond() < 1e-12) return std::nullopt;
   const Matrix6d inverse = derivative.solve(Matrix6d::Identity());
   const Matrix6d covariance = inverse * spread * inverse.transpose();

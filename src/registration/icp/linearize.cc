@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <type_traits>
 #include <vector>
@@ -65,17 +66,21 @@ struct PairLanes {
   }
 
   void AddTo(NormalSystem* system) const {
-    system->weight_sum += SumOfLanes(weight);
-    system->normal_difference_sum += SumOfLanes(normal_difference);
+    const V lanes[] = {weight,           normal_difference, inlier_count,     point[0],
+                       point[1],         point[2],          point_product[0], point_product[1],
+                       point_product[2], point_product[3],  point_product[4], point_product[5]};
+    double sums[std::size(lanes)] = {};
+    AddSumsOfLanes<std::size(lanes)>(lanes, sums);
+    system->weight_sum += sums[0];
+    system->normal_difference_sum += sums[1];
+    system->inlier_count += static_cast<int>(sums[2]);
     for (int i = 0, k = 0; i < 3; ++i) {
-      system->point_sum[i] += SumOfLanes(point[i]);
+      system->point_sum[i] += sums[3 + i];
       for (int j = i; j < 3; ++j, ++k) {
-        const double sum = SumOfLanes(point_product[k]);
-        system->point_product_sum(i, j) += sum;
-        if (i != j) system->point_product_sum(j, i) += sum;
+        system->point_product_sum(i, j) += sums[6 + k];
+        if (i != j) system->point_product_sum(j, i) += sums[6 + k];
       }
     }
-    system->inlier_count += static_cast<int>(SumOfLanes(inlier_count));
   }
 };
 

@@ -114,10 +114,15 @@ class RowFinder {
 
   // Implements PairFinder::Find() for row v.
   int Find(int v, int first, PairBuffer* pairs) const {
-    const int width = source_.vertex.width();
+    return Find(v, 0, source_.vertex.width(), first, pairs);
+  }
+
+  // Finds the pairs of the columns [begin, end) of row v.
+  int Find(int v, int begin, int end, int first, PairBuffer* pairs) const {
+    const int row = v * source_.vertex.width();
     int next = first;
-    for (int u = 0; u < width; u += V::kCount) {
-      next += FindLanes(v * width + u, width - u, next, pairs);
+    for (int u = begin; u < end; u += V::kCount) {
+      next += FindLanes(row + u, end - u, next, pairs);
     }
     return next - first;
   }
