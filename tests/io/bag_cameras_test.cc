@@ -76,6 +76,42 @@ TEST_F(BagTest, UsesIntrinsicsOfOptionsForALensOfAnotherModel) {
   EXPECT_THAT(opened.camera_from, Names("ftheta"));
 }
 
+// Colour and depth have one CameraInfo. The given intrinsics belong to images without this lens.
+TEST_F(BagTest, UsesIntrinsicsOfOptionsForFisheyeLensesOfRegisteredColor) {
+  RosCameraInfo info;
+  info.model = "equidistant";
+  for (const auto& numbers :
+       {std::vector<double>{-0.02, 0.006, -0.002, 0.0003}, std::vector<double>{0.1, 0.1}}) {
+    info.distortion = numbers;
+    bag_ = {};
+    AddDepth("/camera/color/depth_aligned");
+    AddColor("/camera/color/image_raw");
+    AddInfo("/camera/color/camera_info", kOptical, info);
+    options_.intrinsics.reset();
+    if (numbers.size() != 4) ExpectError(Names("/camera/color/camera_info", "equidistant"));
+    options_.intrinsics = {33, 34, 15, 12};
+    const SequenceInfo opened = Open()->info();
+    EXPECT_TRUE(opened.camera.color_is_registered);
+    EXPECT_EQ(opened.camera.depth.fx, 33);
+    EXPECT_FALSE(opened.camera.depth.HasDistortion());
+    EXPECT_THAT(opened.camera_from, Names("equidistant"));
+  }
+}
+
+TEST_F(BagTest, NamesTheOptionOfAColorCameraWithABadLens) {
+  AddDepth();
+  AddInfo("/camera/depth/camera_info");
+  RosCameraInfo info;
+  info.model = "equidistant";
+  info.distortion = {0.1, 0.1};
+  AddColor(kColor, "rgb_frame");
+  AddInfo("/camera/rgb/camera_info", "rgb_frame", info);
+  options_.color_from_depth = Rigid3d();
+  ExpectError(Names("/camera/rgb/camera_info", "color_intrinsics"));
+  options_.color_intrinsics = {33, 34, 15, 12};
+  EXPECT_EQ(Open()->info().camera.color.fx, 33);
+}
+
 // The lens is compared with its model in lens_fit_test.cc.
 TEST_F(BagTest, ReadsRationalAndFisheyeLenses) {
   RosCameraInfo info;

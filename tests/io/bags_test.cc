@@ -232,22 +232,26 @@ TEST_F(BagTest, LeavesOutSingleMessagesWithoutStamp) {
   EXPECT_DOUBLE_EQ(results[3].stamp_s, 7.5);
 }
 
-// The clock of the second part starts at the time of the first part, as in a bag in a loop.
+// The clock of the second part starts at the time of the first part, as in a bag in a loop, or
+// before the first part.
 TEST_F(BagTest, KeepsTheOrderOfTwoTakes) {
-  AddInfos();
-  for (int i = 0; i < 20; ++i) {
-    const double stamp_s = 7 + 0.1 * (i % 10);
-    bag_.Add(kDepth, kImage, 7 + 0.1 * i,
-             RosImage{"16UC1", RawBytes(NumberedDepth(i))}.Bytes(stamp_s, kOptical));
-    bag_.Add(kColor, kImage, 7 + 0.1 * i,
-             RosImage{"rgb8", RawBytes(NumberedColor(i))}.Bytes(stamp_s, kOptical));
+  for (const double lag_s : {0, -20}) {
+    bag_ = {};
+    AddInfos();
+    for (int i = 0; i < 20; ++i) {
+      const double stamp_s = 107 + 0.1 * (i % 10) + (i < 10 ? 0 : lag_s);
+      bag_.Add(kDepth, kImage, 7 + 0.1 * i,
+               RosImage{"16UC1", RawBytes(NumberedDepth(i))}.Bytes(stamp_s, kOptical));
+      bag_.Add(kColor, kImage, 7 + 0.1 * i,
+               RosImage{"rgb8", RawBytes(NumberedColor(i))}.Bytes(stamp_s, kOptical));
+    }
+    const auto source = Open();
+    EXPECT_THAT(source->info().warnings,
+                ElementsAre(HasSubstr("timestamps go back 1 times, first at frame 10")));
+    const auto results = ReadAll(source.get());
+    ASSERT_EQ(results.size(), 20u);
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(results[i].frame->color(0, 0).r, i);
   }
-  const auto source = Open();
-  EXPECT_THAT(source->info().warnings,
-              ElementsAre(HasSubstr("timestamps go back 1 times, first at frame 10")));
-  const auto results = ReadAll(source.get());
-  ASSERT_EQ(results.size(), 20u);
-  for (int i = 0; i < 20; ++i) EXPECT_EQ(results[i].frame->color(0, 0).r, i);
 }
 
 TEST_F(BagTest, ReadsADamagedFileUpToTheDamage) {

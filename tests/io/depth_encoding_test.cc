@@ -122,6 +122,32 @@ TEST(DepthEncoding, ReadsAFarPlaneAsMissing) {
   EXPECT_THAT(warnings, ElementsAre(Names("depth.png", 2500, 2.5)));
 }
 
+// The camera sees the far plane in half of the images.
+TEST(DepthEncoding, ReadsAFarPlaneInTwoImagesAsMissing) {
+  constexpr int kFirst = 2;
+  const auto depth_of = [](int i) {
+    return Changed(SlantedDepth(20 * i), [i](int count) {
+      return i < kFirst ? std::min(count, kFar - 1 - count % 100) : std::min(count, kFar);
+    });
+  };
+  const auto images = FirstImages(depth_of);
+  std::vector<std::string> warnings;
+  const DepthEncoding encoding = DetectDepthEncoding(images, CameraOf(1000), &warnings);
+  EXPECT_EQ(encoding.fill_value.value_or(0), kFar);
+  EXPECT_THAT(warnings, ElementsAre(Names("depth.png", 2500, 2.5, "%")));
+}
+
+// The camera faces a wall in one image only.
+TEST(DepthEncoding, KeepsAFrequentValueOfOneImage) {
+  const auto images = FirstImages([](int i) {
+    return Changed(SlantedDepth(i), [i](int count) {
+      return i == 2 ? std::min(count, kFar) : std::min(count, kFar - 1 - count % 100);
+    });
+  });
+  std::vector<std::string> warnings;
+  EXPECT_TRUE(DetectDepthEncoding(images, CameraOf(1000), &warnings).IsPlain());
+}
+
 // A static camera cannot show whether a value is a surface.
 TEST(DepthEncoding, KeepsAFrequentValueOfAStaticCamera) {
   const auto images = FirstImages([](int) {

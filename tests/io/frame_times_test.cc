@@ -150,6 +150,15 @@ TEST(FindClockStarts, IgnoresUnsortedLists) {
   EXPECT_THAT(FindClockStarts({0, 1, 2, 3, 4, 5, 6, 7, 1, 2, 3, 4, 5, 6}), ElementsAre(0, 8));
 }
 
+TEST(FindClockStarts, FindsALaterTakeWithEarlierTimestamps) {
+  EXPECT_THAT(FindClockStarts({20, 21, 22, 23, 24, 0, 1, 2, 3, 4, 5}), ElementsAre(0, 5));
+  EXPECT_THAT(FindClockStarts({900, 901, 902, 903, 904, 20, 21, 22, 23, 24, 25, 0, 1, 2, 3, 4}),
+              ElementsAre(0, 5, 11));
+  // A part of four frames, and parts without a gap.
+  EXPECT_THAT(FindClockStarts({20, 21, 22, 23, 0, 1, 2, 3, 4, 5}), ElementsAre(0));
+  EXPECT_THAT(FindClockStarts({6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5}), ElementsAre(0));
+}
+
 // Writes two takes of 30 frames each. The clock of the second take is `lag_s` later.
 void WriteTwoTakes(const TempFolder& folder, double lag_s, bool associations) {
   WriteTumSequence(folder, 60);
@@ -170,7 +179,7 @@ void WriteTwoTakes(const TempFolder& folder, double lag_s, bool associations) {
 
 TEST(TumSequenceTimes, OfTwoTakesKeepTheOrderOfTheLists) {
   for (const bool associations : {false, true}) {
-    for (const double lag_s : {0., 0.01, 0.5}) {
+    for (const double lag_s : {0., 0.01, 0.5, -20., -90.}) {
       const TempFolder folder;
       WriteTwoTakes(folder, lag_s, associations);
       const auto source = OpenSequence(Options(folder));

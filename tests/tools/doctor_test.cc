@@ -112,6 +112,25 @@ TEST_F(DoctorTool, DetectsShiftedColor) {
   EXPECT_THAT(FaultsOfImages(room), Contains("camera_guessed"));
 }
 
+// Both programs accept registered colour, and report the same colour after a shift.
+TEST_F(DoctorTool, AgreesWithSlamAboutTheRegistrationOfColor) {
+  const std::string room =
+      SlamTool::Simulate("registered", {"--frames=10", "--downsample=1", "--sensor=ideal"});
+  for (const bool shifted : {false, true}) {
+    if (shifted) {
+      Change(room + "/rgb", [](int, cv::Mat* color) {
+        const cv::Mat moved = color->clone();
+        moved.colRange(0, 560).copyTo(color->colRange(80, 640));
+      });
+    }
+    const bool has_fault = ::testing::Value(FaultsOfImages(room), Contains("color_offset"));
+    const ProgramResult run = Slam(room, Output(shifted ? "shifted" : "registered"),
+                                   {"--nofinal_map", "--norefine", "--nocalibrate"});
+    EXPECT_EQ(has_fault, shifted) << result_.out;
+    EXPECT_EQ(run.err.find("edges of colour do not lie") != run.err.npos, shifted) << run.err;
+  }
+}
+
 TEST_F(DoctorTool, DetectsDelayedColor) {
   const std::string early = SlamTool::Simulate("early", {"--frames=150", "--color_latency_s=0.03"});
   EXPECT_THAT(Faults(early, {}), ElementsAre("depth_width", "color_latency"));
@@ -183,6 +202,24 @@ TEST_F(DoctorTool, DetectsMissingDuplicateAndUnorderedFrames) {
     row.replace(depth_at(row), row.find(' ', depth_at(row)) - depth_at(row), stamp);
   });
   EXPECT_THAT(FaultsOfImages(copy), Contains("stamps_not_ascending"));
+}
+
+// The clock of the second take starts 20 s before the clock of the first take.
+TEST_F(DoctorTool, DetectsASecondTakeWithEarlierTimestamps) {
+  const std::string copy = CopyOfRoom();
+  std::filesystem::remove(copy + "/associations.txt");
+  std::filesystem::remove(copy + "/groundtruth.txt");
+  for (const char* list : {"/depth.txt", "/rgb.txt"}) {
+    ChangeRows(copy + list, [](auto* rows) {
+      for (std::size_t i = 0; i < rows->size(); ++i) {
+        std::string& row = rows->at(i);
+        const double stamp_s = std::stod(row) + (i < rows->size() / 2 ? 100 : 80);
+        row = std::to_string(stamp_s) + row.substr(row.find(' '));
+      }
+    });
+  }
+  EXPECT_THAT(FaultsOfImages(copy), Contains("stamps_not_ascending"));
+  EXPECT_THAT(result_.err, HasSubstr("timestamps go back 1 times, first at frame 18"));
 }
 
 TEST_F(DoctorTool, DetectsUnpairedImages) {

@@ -66,18 +66,15 @@ double Seconds(std::int64_t stamp_ns) {
   return FiniteNumber(text);
 }
 
-// Coefficients k1 k2 p1 p2 k3 of plumb_bob. Other models are approximated by FitDistortion(), for
-// the intrinsics of `camera`. Throws InputError like FitDistortion().
-std::array<double, 5> Distortion(const CameraInfo& info, const PinholeCamera& camera,
-                                 const std::string& name) {
+// Coefficients k1 k2 p1 p2 k3. std::nullopt: CameraInfo has another lens model.
+std::optional<std::array<double, 5>> FiveCoefficients(const CameraInfo& info) {
   std::array<double, 5> distortion{};
   const std::string& model = info.distortion_model;
   std::size_t used = info.distortion.size();
   while (used > 0 && info.distortion[used - 1] == 0) --used;
   const bool is_brown = model == "plumb_bob" || model == "Brown Conrady" ||
                         (model == "rational_polynomial" && used <= distortion.size());
-  if (used > 0 && (!is_brown || used > distortion.size()))
-    return FitDistortion(model, info.distortion, camera, name);
+  if (used > 0 && (!is_brown || used > distortion.size())) return std::nullopt;
   std::copy_n(info.distortion.begin(), used, distortion.begin());
   return distortion;
 }
@@ -101,9 +98,10 @@ bool HasIntrinsics(const CameraInfo& info) {
 
 // Uses P for rectified images ("rect" in the topic name) and without K, otherwise K and D. Applies
 // binning and region of interest, unless the images have the full size. A message without a size
-// has the size of the images. std::nullopt if neither K nor P is set.
-std::optional<PinholeCamera> PinholeOf(CameraInfo info, const ImageTopic& image,
-                                       bool read_distortion, const std::string& name) {
+// has the size of the images. Approximates other lens models if `fit_lens`. std::nullopt if neither
+// K nor P is set.
+std::optional<PinholeCamera> PinholeOf(CameraInfo info, const ImageTopic& image, bool fit_lens,
+                                       const std::string& name) {
   if (!HasIntrinsics(info)) return std::nullopt;
   const bool has_k = info.intrinsics[0] != 0, has_p = info.projection[0] != 0;
   if (info.width == 0 && info.height == 0) {
@@ -127,7 +125,11 @@ std::optional<PinholeCamera> PinholeOf(CameraInfo info, const ImageTopic& image,
   camera.fy = y.Focal(m[row + 1]);
   camera.cy = y.Center(m[row + 2]);
   camera.Validate(name);
-  if (!is_rectified && read_distortion) camera.distortion = Distortion(info, camera, name);
+  if (is_rectified) return camera;
+  if (const auto distortion = FiveCoefficients(info))
+    camera.distortion = *distortion;
+  else if (fit_lens)
+    camera.distortion = FitDistortion(info.distortion_model, info.distortion, camera, name);
   return camera;
 }
 
@@ -181,8 +183,9 @@ class BagRecording : public Recording {
                        ": set intrinsics, a camera.yaml, or a preset as camera");
     }
     if (topics_.color.topic == nullptr) return camera;
-    const auto color = Pinhole(topics_.color, known.color, from);
+    // In one tf frame, the intrinsics of the options are those of both images.
     const bool one_frame = topics_.color.frame == topics_.depth.frame;
+    const auto color = Pinhole(topics_.color, known.color || (one_frame && known.depth), from);
     if (one_frame && (!depth || !color || HaveEqualIntrinsics(*depth, *color))) return camera;
     if (!color && !known.color) {
       throw InputError(log_->path(), " has no CameraInfo for ", topics_.color.topic->name,
@@ -314,19 +317,29 @@ class BagRecording : public Recording {
     return info;
   }
   // Intrinsics of an image topic; std::nullopt if no CameraInfo has them. `is_known`: the options
-  // replace the intrinsics, so a distortion of another model is no error.
+  // replace the intrinsics. Then a lens of another model is not used, because intrinsics without
+  // this lens belong to rectified images.
   std::optional<PinholeCamera> Pinhole(const ImageTopic& image, bool is_known,
                                        std::string* from) const {
     const Topic* const topic = FindCameraInfo(*log_, image);
     if (topic == nullptr) return std::nullopt;
     const std::string name = Concat(log_->path(), ": ", topic->name);
     const CameraInfo info = FirstWithIntrinsics(*topic, name);
+    const bool is_color = image.topic == topics_.color.topic;
     try {
-      return PinholeOf(info, image, /*read_distortion=*/true, name);
-    } catch (const InputError&) {
-      if (!is_known) throw;
-      *from += Concat(", without the distortion model '", info.distortion_model, "' of ", name);
-      return PinholeOf(info, image, /*read_distortion=*/false, name);
+      const auto camera = PinholeOf(info, image, /*fit_lens=*/!is_known, name);
+      const std::string note =
+          Concat(", without the distortion model '", info.distortion_model, "' of ", name);
+      if (camera && is_known && !FiveCoefficients(info) && from->find(note) == from->npos)
+        *from += note;
+      return camera;
+    } catch (const InputError& error) {
+      if (is_known) {
+        *from += Concat(", without a bad CameraInfo (", error.what(), ")");
+        return std::nullopt;
+      }
+      if (!is_color) throw;
+      throw InputError(error.what(), " (the option for this camera is color_intrinsics)");
     }
   }
   Rigid3d ColorFromDepth(bool is_known) const {

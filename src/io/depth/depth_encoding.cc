@@ -134,40 +134,61 @@ bool Changes(const Samples& samples, double fill) {
   return pairs >= kMinPairs && 2 * equal < pairs;
 }
 
-bool IsFrequentInMostImages(const Samples& samples, double fill) {
-  constexpr double kMinRatio = 0.01;  // minimum ratio of fill values to pixels with depth
-  constexpr std::size_t kMinImages = 3;
+// Number of images in which the value covers at least `min_ratio` of the pixels with depth.
+std::size_t ImagesWith(const Samples& samples, double fill, double min_ratio) {
   std::size_t images = 0;
   for (const auto& image : samples) {
     const auto is_valid = [](double value) { return value > 0; };
     const auto valid = std::count_if(image.begin(), image.end(), is_valid);
     const auto filled = std::count(image.begin(), image.end(), fill);
-    images += filled > 0 && static_cast<double>(filled) >= kMinRatio * static_cast<double>(valid);
+    images += filled > 0 && static_cast<double>(filled) >= min_ratio * static_cast<double>(valid);
   }
-  return images >= kMinImages && 2 * images >= samples.size();
+  return images;
 }
 
-// Value at the end [begin, ...) of the sorted values, if it is much more frequent than the next
-// values. A surface at the limit of the range has similar counts of neighbouring values.
+struct EndValue {
+  double value = 0;
+  double excess = 0;  // ratio of its count to the mean count of the next values
+};
+
+// First of the sorted values [begin, ...). A surface at the limit of the range has similar counts
+// of neighbouring values. std::nullopt with too few values.
 template <typename Iterator>
-std::optional<double> FrequentEnd(Iterator begin, Iterator end) {
+std::optional<EndValue> EndOf(Iterator begin, Iterator end) {
   constexpr std::size_t kNext = 10;
-  constexpr double kMinRatio = 20;
   if (begin == end) return std::nullopt;
   std::size_t next = 0, sum = 0;
   for (Iterator it = std::next(begin); it != end && next < kNext; ++it, ++next) sum += it->second;
-  const double mean = static_cast<double>(sum) / kNext;
-  if (next < kNext || static_cast<double>(begin->second) < kMinRatio * mean) return std::nullopt;
-  return begin->first;
+  if (next < kNext) return std::nullopt;
+  return EndValue{begin->first, static_cast<double>(begin->second) * kNext / sum};
+}
+
+// The value must be frequent in most images. A value of great excess may be absent from most
+// images, because the camera sees far surfaces only at times.
+bool IsFill(const Samples& samples, const EndValue& end) {
+  constexpr double kMinExcess = 20, kGreatExcess = 100;
+  if (end.excess < kMinExcess) return false;
+  const std::size_t frequent = ImagesWith(samples, end.value, 0.01);
+  const bool in_most = frequent >= 3 && 2 * frequent >= samples.size();
+  const bool in_some =
+      end.excess >= kGreatExcess && frequent >= 1 && ImagesWith(samples, end.value, 0.002) >= 2;
+  return (in_most || in_some) && Changes(samples, end.value);
 }
 
 std::optional<double> FindFillValue(const Samples& samples) {
   const std::map<double, std::size_t> counts = CountValues(samples);
-  for (const auto fill :
-       {FrequentEnd(counts.rbegin(), counts.rend()), FrequentEnd(counts.begin(), counts.end())}) {
-    if (fill && IsFrequentInMostImages(samples, *fill) && Changes(samples, *fill)) return fill;
+  for (const auto& end :
+       {EndOf(counts.rbegin(), counts.rend()), EndOf(counts.begin(), counts.end())}) {
+    if (end && IsFill(samples, *end)) return end->value;
   }
   return std::nullopt;
+}
+
+// Percentage of the pixels with depth that have the value.
+double PercentWith(const std::vector<FrameImages>& images, double value) {
+  const std::map<double, std::size_t> counts = CountValues(SamplesOf(images));
+  const double ratio = static_cast<double>(counts.at(value)) / static_cast<double>(Total(counts));
+  return 0.1 * std::round(1000 * ratio);
 }
 
 std::vector<FrameImages> Decoded(std::vector<FrameImages> images, const DepthEncoding& encoding) {
@@ -205,12 +226,14 @@ DepthEncoding DetectDepthEncoding(const std::vector<FrameImages>& images, const 
     warnings->push_back(Concat(first, ": the depth values have the unit mm by their median of ",
                                median, ", they are converted to m"));
   }
-  encoding.fill_value = FindFillValue(SamplesOf(Decoded(images, encoding)));
+  const std::vector<FrameImages> decoded = Decoded(images, encoding);
+  encoding.fill_value = FindFillValue(SamplesOf(decoded));
   if (encoding.fill_value) {
-    warnings->push_back(Concat(first, ": the depth value ", *encoding.fill_value, " (",
-                               *encoding.fill_value / units,
-                               " m) is constant in all first images, as at pixels without a "
-                               "measurement: it is read as missing"));
+    const double fill = *encoding.fill_value;
+    warnings->push_back(Concat(first, ": the depth value ", fill, " (", fill / units, " m) fills ",
+                               PercentWith(decoded, fill),
+                               " % of the depth in the first images, and stays constant while the "
+                               "camera moves: it is read as missing"));
   }
   return encoding;
 }

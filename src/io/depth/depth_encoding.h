@@ -33,7 +33,7 @@ struct DepthEncoding {
 //   rotation.
 // - Floats in mm: the median is above 100, which no depth camera measures in m.
 // - Fill value: the smallest or largest value is much more frequent than neighbouring values. It
-//   occurs in most images, and the camera moves.
+//   occurs in several images, and the camera moves.
 DepthEncoding DetectDepthEncoding(const std::vector<FrameImages>& images, const RgbdCamera& camera,
                                   std::vector<std::string>* warnings);
 

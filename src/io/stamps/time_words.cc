@@ -173,27 +173,40 @@ std::vector<double> ParseTruthTimes(const std::vector<std::string>& words, const
 
 std::vector<std::size_t> FindClockStarts(const std::vector<double>& stamps_s) {
   constexpr double kMinBack = 5;       // intervals
-  constexpr std::size_t kMinPart = 5;  // mean number of frames per part
+  constexpr std::size_t kMinPart = 5;  // frames per part
   if (stamps_s.size() < 2) return {0};
   std::vector<double> steps_s;
   for (std::size_t i = 1; i < stamps_s.size(); ++i)
     steps_s.push_back(std::abs(stamps_s[i] - stamps_s[i - 1]));
   const double least_s = kMinBack * MedianOf(steps_s);
+  struct Part {
+    double first_s = 0, last_s = 0;
+    std::size_t size = 1;
+  };
   std::vector<std::size_t> starts = {0};
-  std::vector<std::pair<double, double>> ranges = {{stamps_s[0], stamps_s[0]}};
+  std::vector<Part> parts = {{stamps_s[0], stamps_s[0]}};
   for (std::size_t i = 1; i < stamps_s.size(); ++i) {
     if (stamps_s[i] < stamps_s[i - 1] - least_s) {
       starts.push_back(i);
-      ranges.emplace_back(stamps_s[i], stamps_s[i]);
+      parts.push_back({stamps_s[i], stamps_s[i], 0});
     }
-    ranges.back().first = std::min(ranges.back().first, stamps_s[i]);
-    ranges.back().second = std::max(ranges.back().second, stamps_s[i]);
+    Part& part = parts.back();
+    part.first_s = std::min(part.first_s, stamps_s[i]);
+    part.last_s = std::max(part.last_s, stamps_s[i]);
+    ++part.size;
   }
-  std::sort(ranges.begin(), ranges.end());
-  bool overlap = false;
-  for (std::size_t k = 1; k < ranges.size(); ++k)
-    overlap = overlap || ranges[k].first <= ranges[k - 1].second;
+  std::sort(parts.begin(), parts.end(),
+            [](const Part& a, const Part& b) { return a.first_s < b.first_s; });
+  bool overlap = false, apart = false;
+  std::size_t smallest = parts[0].size;
+  for (std::size_t k = 1; k < parts.size(); ++k) {
+    const double gap_s = parts[k].first_s - parts[k - 1].last_s;
+    overlap = overlap || gap_s <= 0;
+    apart = apart || gap_s > least_s;
+    smallest = std::min(smallest, parts[k].size);
+  }
   if (overlap && stamps_s.size() >= kMinPart * starts.size()) return starts;
+  if (apart && smallest >= kMinPart) return starts;
   return {0};
 }
 

@@ -38,9 +38,11 @@ std::vector<double> ParseTruthTimes(const std::vector<std::string>& words, const
                                     const std::string& source, std::vector<std::string>* warnings);
 
 // Finds restarts of the clock in a list of timestamps. Returns the first index of each part, {0}
-// for one part. A restart is a step back of more than five median intervals. Unsorted lists are one
-// part: fewer than five timestamps per part (mean), or no parts that overlap in time. {0} for an
-// empty list.
+// for one part, and {0} for an empty list. A restart is a step back of more than five median
+// intervals. Lists without these properties are unsorted, and are one part:
+// - Two parts overlap in time, and the parts have at least five timestamps (mean).
+// - Two parts are more than five median intervals apart, and each part has at least five
+// timestamps.
 std::vector<std::size_t> FindClockStarts(const std::vector<double>& stamps_s);
 
 }  // namespace surfit
