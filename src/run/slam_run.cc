@@ -43,16 +43,6 @@ namespace {
 
 using ProgressCall = std::function<void(const SlamRunProgress&)>;
 
-Trajectory ReadPrior(const std::string& path, const SequenceInfo& info) {
-  Trajectory prior = ReadEstimate(path, info);
-  ThrowIf(prior.size() < 2, path, " has ", prior.size(), " poses, must have at least 2");
-  for (std::size_t i = 1; i < prior.size(); ++i) {
-    ThrowIf(prior[i].stamp_s == prior[i - 1].stamp_s, path, " has two poses with the timestamp ",
-            std::to_string(prior[i].stamp_s), ", timestamps must differ");
-  }
-  return prior;
-}
-
 std::int64_t PeakRssBytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -162,9 +152,6 @@ class SlamRun {
     }
     if (!slam_) {
       slam_ = StartSlam(options_, info_, session_, frame.stamp_s);
-      if (!options_.prior_poses.empty()) {
-        slam_->UsePriorPoses(ReadPrior(options_.prior_poses, info_));
-      }
       slam_->OnPose([this](const FrameReport&) { statistics_.RecordPoseTime(); });
     }
     FrameReport report = options_.poses == "track" ? slam_->Process(frame) : FuseAtTruth(frame);

@@ -37,6 +37,16 @@ void UseImu(const SlamRunOptions& options, const SequenceInfo& info, Slam* slam)
   slam->UseImu(*std::move(imu));
 }
 
+Trajectory ReadPriorPoses(const std::string& path, const SequenceInfo& info) {
+  Trajectory prior = ReadEstimate(path, info);
+  ThrowIf(prior.size() < 2, path, " has ", prior.size(), " poses, must have at least 2");
+  for (std::size_t i = 1; i < prior.size(); ++i) {
+    ThrowIf(prior[i].stamp_s == prior[i - 1].stamp_s, path, " has two poses with the timestamp ",
+            std::to_string(prior[i].stamp_s), ", timestamps must differ");
+  }
+  return prior;
+}
+
 }  // namespace
 
 // Live sequences are not read ahead, because a wait for the camera would block a worker thread.
@@ -78,6 +88,9 @@ std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInf
   }
   if (session) session->Begin(info, slam.get());
   UseImu(options, info, slam.get());
+  if (!options.prior_poses.empty()) {
+    slam->UsePriorPoses(ReadPriorPoses(options.prior_poses, info));
+  }
   if (!options.dump_failures.empty()) {
     slam->OnLostFrame([&options](const LostFrame& lost) {
       WriteTrackingDump(lost, options.slam, DumpFolder(options.dump_failures, lost.index));

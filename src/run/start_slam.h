@@ -22,9 +22,10 @@ SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options);
 
 // Creates the Slam of a run. It continues from the session if that has a state, else it starts at
 // InitialPose(). `options.dump_failures` enables dumps of lost frames. `session` may be null.
-// `options` and `session` must outlive the result. Throws InputError for invalid options, or for a
-// session of another sensor. Also starts saving (RunSession::Begin()). `first_stamp_s`: timestamp
-// of the first frame. Reads the inertial sensor of the sequence, which needs timestamps of a clock.
+// `options` and `session` must outlive the result. Throws InputError for invalid options, for a
+// session of another sensor, and for an inertial sensor or prior poses that cannot be read. Also
+// starts saving (RunSession::Begin()). `first_stamp_s`: timestamp of the first frame. An inertial
+// sensor needs timestamps of a clock.
 std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInfo& info,
                                 RunSession* session, double first_stamp_s);
 
