@@ -148,29 +148,54 @@ std::vector<int> WithViews(const std::vector<Keyframe>& keyframes) {
   return positions;
 }
 
+// Pose of a keyframe with a view.
+struct ViewPose {
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  int position = 0;
+};
+
+// Lower bound of Difference(), except for rounding: the angle is at least 2 sin(angle / 2).
+double LeastDifference(const ViewPose& a, const ViewPose& b) {
+  const double cosine = a.rotation.coeffs().dot(b.rotation.coeffs());
+  return (a.translation - b.translation).norm() + 4 * std::sqrt(std::max(0., 1 - cosine * cosine));
+}
+
 // Returns the older keyframe of the most similar pair, or the only keyframe. If pairs are
 // equal, the pair with the older keyframes wins. Keyframes are sorted along one axis, so that only
-// pairs are compared whose distance along this axis is smaller than the least difference.
-int MostRedundant(const std::vector<Keyframe>& keyframes, std::vector<int> positions) {
-  // The inverse of a pose is rounded, so its distance can be slightly smaller.
-  constexpr double kMargin = 1e-9;
-  const auto along = [&](int position) {
-    return keyframes[position].world_from_camera.translation.x();
-  };
+// pairs are compared whose distance along this axis is smaller than the least difference. The
+// search starts with successive keyframes, which are similar.
+int MostRedundant(const std::vector<Keyframe>& keyframes, const std::vector<int>& positions) {
+  // The inverse of a pose is rounded, so its distance can be slightly smaller. The square root has
+  // half of the digits.
+  constexpr double kMargin = 1e-6;
   std::pair<int, int> least = {positions.front(), positions.front()};
   double least_difference = std::numeric_limits<double>::infinity();
-  std::stable_sort(positions.begin(), positions.end(),
-                   [&](int a, int b) { return along(a) < along(b); });
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    for (std::size_t j = i + 1; j < positions.size(); ++j) {
-      const double apart = along(positions[j]) - along(positions[i]);
-      if (apart > least_difference + kMargin * (1 + std::abs(along(positions[j])))) break;
-      const auto pair = std::minmax(positions[i], positions[j]);
-      const double difference = Difference(keyframes[pair.first], keyframes[pair.second]);
-      if (std::pair(difference, std::pair<int, int>(pair)) >= std::pair(least_difference, least))
-        continue;
-      least_difference = difference;
-      least = pair;
+  const auto compare = [&](int a, int b) {
+    const auto pair = std::minmax(a, b);
+    const double difference = Difference(keyframes[pair.first], keyframes[pair.second]);
+    if (std::pair(difference, std::pair<int, int>(pair)) >= std::pair(least_difference, least))
+      return;
+    least_difference = difference;
+    least = pair;
+  };
+  for (std::size_t i = 1; i < positions.size(); ++i) compare(positions[i - 1], positions[i]);
+  std::vector<ViewPose> poses;
+  poses.reserve(positions.size());
+  for (const int position : positions) {
+    const Rigid3d& pose = keyframes[position].world_from_camera;
+    poses.push_back({pose.translation, pose.rotation.normalized(), position});
+  }
+  std::sort(poses.begin(), poses.end(), [](const ViewPose& a, const ViewPose& b) {
+    return a.translation.x() < b.translation.x();
+  });
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const double margin = kMargin * (1 + poses[i].translation.norm());
+    for (std::size_t j = i + 1; j < poses.size(); ++j) {
+      const double apart = poses[j].translation.x() - poses[i].translation.x();
+      if (apart > least_difference + margin) break;
+      if (LeastDifference(poses[i], poses[j]) <= least_difference + margin)
+        compare(poses[i].position, poses[j].position);
     }
   }
   return least.first;

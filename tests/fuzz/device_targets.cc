@@ -8,6 +8,7 @@
 #include "io/phones/mp4_samples.h"
 #include "io/sequences/raw_frames.h"
 #include "surfit/io/camera_files.h"
+#include "testing/exr_writer.h"
 #include "testing/mkv_writer.h"
 #include "testing/recordings.h"
 #include "testing/sequence_writer.h"
@@ -84,34 +85,11 @@ void PolycamFolder(const TempFolder& folder) {
     folder.Write(std::string("keyframes/cameras/") + name + ".json", PolycamCamera());
 }
 
-// OpenEXR file with one channel of floats, without compression.
 std::string ExrSeed() {
-  const auto text = [](const std::string& word) { return word + '\0'; };
-  const auto attribute = [&](const std::string& name, const std::string& type,
-                             const std::string& value) {
-    return text(name) + text(type) + LittleEndian(static_cast<std::int32_t>(value.size())) + value;
-  };
-  const std::string channels =
-      text("R") +
-      LittleEndian(std::int32_t{2}, std::uint32_t{0}, std::int32_t{1}, std::int32_t{1}) + '\0';
-  const std::string window = LittleEndian(0, 0, 31, 23);
-  std::string file = std::string("\x76\x2f\x31\x01") + LittleEndian(std::uint32_t{2}) +
-                     attribute("channels", "chlist", channels) +
-                     attribute("compression", "compression", std::string(1, '\0')) +
-                     attribute("dataWindow", "box2i", window) +
-                     attribute("displayWindow", "box2i", window) +
-                     attribute("lineOrder", "lineOrder", std::string(1, '\0')) +
-                     attribute("pixelAspectRatio", "float", LittleEndian(1.f)) +
-                     attribute("screenWindowCenter", "v2f", LittleEndian(0.f, 0.f)) +
-                     attribute("screenWindowWidth", "float", LittleEndian(1.f)) + '\0';
-  constexpr std::int32_t kLineBytes = 4 * 32;
-  std::uint64_t at = file.size() + 8u * 24;
-  for (int v = 0; v < 24; ++v, at += 8 + kLineBytes) file += LittleEndian(at);
-  for (int v = 0; v < 24; ++v) {
-    file += LittleEndian(v, kLineBytes);
-    for (int u = 0; u < 32; ++u) file += LittleEndian(1.f + 0.01f * static_cast<float>(u));
-  }
-  return file;
+  Image<float> depth_m(32, 24);
+  for (std::size_t i = 0; i < depth_m.size(); ++i)
+    depth_m[i] = 1.f + 0.01f * static_cast<float>(i % 32);
+  return ExrFile(depth_m);
 }
 
 // The same scan lines, compressed by OpenCV.

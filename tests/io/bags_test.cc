@@ -232,8 +232,8 @@ TEST_F(BagTest, LeavesOutSingleMessagesWithoutStamp) {
   EXPECT_DOUBLE_EQ(results[3].stamp_s, 7.5);
 }
 
-// The clock of the second part starts at the time of the first part, as in a bag in a loop, or
-// before the first part.
+// The clock of the second part starts at the time of the first part, as in a bag in a loop. Or the
+// clock starts before the first part.
 TEST_F(BagTest, KeepsTheOrderOfTwoTakes) {
   for (const double lag_s : {0, -20}) {
     bag_ = {};

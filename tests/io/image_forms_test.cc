@@ -2,6 +2,7 @@
 #include <zlib.h>
 
 #include "io/images/image_files.h"
+#include "testing/exr_writer.h"
 #include "testing/matchers.h"
 #include "testing/recordings.h"
 
@@ -41,29 +42,10 @@ TEST(DecodeDepthImage, RejectsOtherArraysByName) {
   ExpectInputError([&] { read(Npy("<f4", "(6,)", std::string(24, '\0'))); }, Names("a.npy"));
 }
 
-std::string Attribute(const std::string& name, const std::string& type, const std::string& value) {
-  return name + '\0' + type + '\0' + LittleEndian(static_cast<std::uint32_t>(value.size())) + value;
-}
-
-// OpenEXR file with one channel of floats, and lines of kExrWidth numbers.
+// Lines of kExrWidth numbers.
 constexpr int kExrWidth = 4;
 std::string Exr(char compression, const std::vector<std::string>& chunks) {
-  const std::string channel =
-      std::string("Z") + '\0' +
-      LittleEndian(std::int32_t{2}, std::uint32_t{0}, std::int32_t{1}, std::int32_t{1}) + '\0';
-  const std::string box =
-      LittleEndian(std::int32_t{0}, std::int32_t{5}, std::int32_t{kExrWidth - 1}, std::int32_t{6});
-  std::string file = LittleEndian(std::uint32_t{0x01312f76}, std::uint32_t{2}) +
-                     Attribute("channels", "chlist", channel) +
-                     Attribute("compression", "compression", std::string(1, compression)) +
-                     Attribute("dataWindow", "box2i", box) + '\0';
-  file += std::string(8 * chunks.size(), '\0');  // offsets
-  for (const std::string& chunk : chunks) file += chunk;
-  return file;
-}
-
-std::string ExrChunk(std::int32_t line, const std::string& data) {
-  return LittleEndian(line, static_cast<std::uint32_t>(data.size())) + data;
+  return ExrFile(ExrHead({0, 5, kExrWidth - 1, 6}, compression, "Z"), chunks);
 }
 
 // Separates even and odd bytes and takes differences, as OpenEXR does before compression.

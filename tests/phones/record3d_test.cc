@@ -1,40 +1,10 @@
 // The export "EXR + JPG sequence" of Record3D.
 #include "phones/simulated_phone.h"
+#include "testing/exr_writer.h"
 #include "testing/matchers.h"
-#include "testing/recordings.h"
 
 namespace surfit::testing {
 namespace {
-
-// OpenEXR file with one channel of floats, without compression.
-std::string ExrFile(const Image<float>& image) {
-  const auto text = [](const std::string& word) { return word + '\0'; };
-  const auto attribute = [&](const std::string& name, const std::string& type,
-                             const std::string& value) {
-    return text(name) + text(type) + LittleEndian(static_cast<std::int32_t>(value.size())) + value;
-  };
-  const std::string channels =
-      text("R") +
-      LittleEndian(std::int32_t{2}, std::uint32_t{0}, std::int32_t{1}, std::int32_t{1}) + '\0';
-  const std::string window = LittleEndian(0, 0, image.width() - 1, image.height() - 1);
-  std::string file = std::string("\x76\x2f\x31\x01") + LittleEndian(std::uint32_t{2}) +
-                     attribute("channels", "chlist", channels) +
-                     attribute("compression", "compression", std::string(1, '\0')) +
-                     attribute("dataWindow", "box2i", window) +
-                     attribute("displayWindow", "box2i", window) +
-                     attribute("lineOrder", "lineOrder", std::string(1, '\0')) +
-                     attribute("pixelAspectRatio", "float", LittleEndian(1.f)) +
-                     attribute("screenWindowCenter", "v2f", LittleEndian(0.f, 0.f)) +
-                     attribute("screenWindowWidth", "float", LittleEndian(1.f)) + '\0';
-  const auto line_bytes = static_cast<std::int32_t>(4 * image.width());
-  std::uint64_t at = file.size() + 8u * image.height();
-  for (int v = 0; v < image.height(); ++v, at += 8 + line_bytes) file += LittleEndian(at);
-  for (int v = 0; v < image.height(); ++v) {
-    file += LittleEndian(v, line_bytes);
-    file.append(reinterpret_cast<const char*>(image.row(v)), line_bytes);
-  }
-  return file;
-}
 
 std::string List(const std::vector<std::string>& items) {
   std::string text = "[";

@@ -193,8 +193,9 @@ TEST(RecordedRuns, DigestDoesNotDependOnThreads) {
 }
 
 // Loop closures by appearance: the ground truth only selects keyframes. The ground truth is an
-// estimate as well. If a loop closure deviates from it by more than 5 cm, the surfaces must agree
-// with the loop.
+// estimate as well, so a few loops deviate by more than 5 cm. Their number and their largest error
+// are limited, and their surfaces must be closer than at the pose of the ground truth. Measured:
+// 117 of 117 frames, 3 of 36 loops, 9.9 cm and 2.37 degrees.
 TEST(RecordedRuns, RevisitsInTheKitchenAreClosedByAppearance) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
   const TempFolder folder;
@@ -207,9 +208,21 @@ TEST(RecordedRuns, RevisitsInTheKitchenAreClosedByAppearance) {
   for (const StampedPose& pose : source->info().ground_truth) writer.Append(pose);
   const LoopSearchResult result = SearchLoops(options);
   ASSERT_TRUE(result.evaluation.has_value());
-  EXPECT_GT(result.evaluation->revisiting, 50);
-  EXPECT_GE(result.evaluation->linked, 0.8 * result.evaluation->revisiting);
-  EXPECT_EQ(result.evaluation->wrong, result.evaluation->disputed);
+  const LoopEvaluation& found = *result.evaluation;
+  const auto accepted =
+      std::count_if(result.loops.begin(), result.loops.end(),
+                    [](const FoundLoop& loop) { return loop.attempt.verdict.accepted(); });
+  std::printf(
+      "%d of %d revisiting frames are linked, %d of %td loops are wrong, %d disputed, largest "
+      "errors %.1f cm and %.2f deg\n",
+      found.linked, found.revisiting, found.wrong, accepted, found.disputed, 100 * found.worst_m,
+      found.worst_rad * 180 / M_PI);
+  EXPECT_GT(found.revisiting, 50);
+  EXPECT_GE(found.linked, 0.9 * found.revisiting);
+  EXPECT_LE(found.wrong, 4);
+  EXPECT_LT(found.worst_m, 0.13);
+  EXPECT_LT(found.worst_rad, 0.054);
+  EXPECT_EQ(found.wrong, found.disputed);
 }
 
 }  // namespace
