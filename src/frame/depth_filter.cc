@@ -9,12 +9,13 @@
 namespace surfit {
 namespace {
 
+// Weights of the window, row by row. Each weight fills all lanes, so that it needs no broadcast.
 std::vector<float> TriangleWeights(int radius) {
   std::vector<float> weights;
   for (int dv = -radius; dv <= radius; ++dv) {
     for (int du = -radius; du <= radius; ++du) {
-      weights.push_back(
-          static_cast<float>((radius + 1 - std::abs(dv)) * (radius + 1 - std::abs(du))));
+      weights.insert(weights.end(), Lanes<float>::kCount,
+                     static_cast<float>((radius + 1 - std::abs(dv)) * (radius + 1 - std::abs(du))));
     }
   }
   return weights;
@@ -28,10 +29,10 @@ V FilteredInverse(const float* at, std::ptrdiff_t stride, Radius radius, const f
   V sum, weight_sum;
   for (int dv = -radius; dv <= radius; ++dv) {
     const float* tap = at + dv * stride - radius;
-    for (int i = 0; i <= 2 * radius; ++i) {
+    for (int i = 0; i <= 2 * radius; ++i, weights += V::kCount) {
       const V difference = V::Load(tap + i) - center;
       const V share = Max(1. - difference * difference, 0.);
-      const V weight = share * share * *weights++;
+      const V weight = share * share * V::Load(weights);
       sum += weight * difference;
       weight_sum += weight;
     }
