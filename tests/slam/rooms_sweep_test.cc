@@ -1,6 +1,7 @@
 // Tests whole runs in simulated rooms at sensor resolution, without and with wrong loops.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -39,6 +40,48 @@ TEST_P(RoomsSweep, TracksKinectWithin8MillimetresOver300Frames) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RoomsSweep, ::testing::Values(1, 2, 3, 4, 5));
+
+// Five walks per seed through ordinary rooms, where floor and furniture constrain the pose weakly.
+class WalksSweep : public ::testing::TestWithParam<int> {};
+
+// Positions are compared without alignment, so errors include the drift of a walk.
+TEST_P(WalksSweep, AreTrackedWithin20Millimetres) {
+  constexpr int kFrames = 600, kWalk = 220, kStep = 95;
+  const PinholeCamera camera = {320, 240, 262.5, 262.5, 159.5, 119.5, {}};
+  const auto whole = Simulate("three_rooms", static_cast<std::uint64_t>(GetParam()), kFrames,
+                              Sensor::kKinect, camera);
+  int lost = 0;
+  for (int first = 0; first + kWalk <= kFrames; first += kStep) {
+    SimulatedSequence walk;
+    walk.camera = camera;
+    walk.frames.assign(whole.frames.begin() + first, whole.frames.begin() + first + kWalk);
+    walk.world_from_camera.assign(whole.world_from_camera.begin() + first,
+                                  whole.world_from_camera.begin() + first + kWalk);
+    const SlamRun run = RunSlam(walk, SlamOptions(), walk.world_from_camera[0]);
+    double square_sum = 0, worst_m = 0;
+    int tracked = 0;
+    for (int i = 0; i < kWalk; ++i) {
+      if (run.reports[i].state == FrameState::kLost) continue;
+      const double error_m =
+          (walk.world_from_camera[i].Inverse() * run.reports[i].world_from_camera)
+              .translation.norm();
+      square_sum += error_m * error_m;
+      worst_m = std::max(worst_m, error_m);
+      ++tracked;
+    }
+    ASSERT_GT(tracked, 0);
+    lost += kWalk - tracked;
+    const double rms_m = std::sqrt(square_sum / tracked);
+    std::printf("walk %d from frame %d: %.2f mm, worst %.2f mm, %d lost\n", GetParam(), first,
+                1e3 * rms_m, 1e3 * worst_m, kWalk - tracked);
+    EXPECT_LT(rms_m, 0.02) << "from frame " << first;
+    EXPECT_LT(worst_m, 0.05) << "from frame " << first;
+  }
+  EXPECT_LE(lost, 2);
+}
+
+// Seeds 1 to 48 chose the rules of tracking.
+INSTANTIATE_TEST_SUITE_P(Seeds, WalksSweep, ::testing::Range(101, 141));
 
 // Half of the resolution of a Kinect. At lower resolutions, the differences due to rounding are as
 // large as the effect of some wrong loops.
