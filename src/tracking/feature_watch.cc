@@ -42,14 +42,6 @@ Image<Rgb8> Reduced(const Image<Rgb8>& color, int step) {
   return small;
 }
 
-const FrameLevel& SmallLevel(const FramePyramid& pyramid) {
-  const std::vector<FrameLevel>& levels = pyramid.levels;
-  const auto small = std::find_if(levels.begin(), levels.end(), [](const FrameLevel& level) {
-    return level.camera.width <= kMaxColumns;
-  });
-  return small != levels.end() ? *small : levels.back();
-}
-
 FrameLevel WithoutMovingObjects(const FrameLevel& level, const CellMask& moving) {
   return std::move(Without(FramePyramid{{level}}, moving).levels.front());
 }
@@ -58,11 +50,6 @@ double MedianOf(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-GreyPyramid GreyOf(const ColoredView& view) {
-  return MakeGreyPyramid(
-      Reduced(view.color, view.color.width() / SmallLevel(view.pyramid).camera.width));
 }
 
 // Pixel of a point relative to the principal point, px.
@@ -82,6 +69,19 @@ bool AddPoint(const FrameLevel& surface, const Eigen::Vector2f& at, const ErrorM
 }
 
 }  // namespace
+
+const FrameLevel& SmallLevel(const FramePyramid& pyramid) {
+  const std::vector<FrameLevel>& levels = pyramid.levels;
+  const auto small = std::find_if(levels.begin(), levels.end(), [](const FrameLevel& level) {
+    return level.camera.width <= kMaxColumns;
+  });
+  return small != levels.end() ? *small : levels.back();
+}
+
+GreyPyramid GreyOf(const ColoredView& view) {
+  return MakeGreyPyramid(
+      Reduced(view.color, view.color.width() / SmallLevel(view.pyramid).camera.width));
+}
 
 bool FeatureMotion::HasTwoMotions() const {
   const int all = consistent_count + apart;

@@ -11,6 +11,11 @@
 
 namespace surfit {
 
+// Finest level with at most 400 columns, for the tracking of corners.
+const FrameLevel& SmallLevel(const FramePyramid& pyramid);
+// Brightness at the resolution of SmallLevel(). The view must have colour.
+GreyPyramid GreyOf(const ColoredView& view);
+
 // Result of a feature check: corners of two frames, classified by their poses.
 struct FeatureMotion {
   int consistent_count = 0;       // corners whose motion agrees with the poses

@@ -31,9 +31,6 @@ bool IsCore(const Image<Side>& sides, int u, int v) {
   return sides(u, v) == Side::kInFront && count > kMinNeighbours;
 }
 
-// Kinds of cells of a region. kBeside: margin around the object, not used by MovedBefore().
-enum : std::uint8_t { kNone, kBeside, kCore };
-
 // Returns the connected region of a cell: neighbours with a similar depth. Removes the region
 // from `left`.
 std::vector<int> Grow(int first, const FrameLevel& frame, CellMask* left) {
@@ -43,13 +40,13 @@ std::vector<int> Grow(int first, const FrameLevel& frame, CellMask* left) {
     return frame.vertex.z(grid.Pixel(cell % grid.width), grid.Pixel(cell / grid.width));
   };
   std::vector<int> cells = {first};
-  (*left)[first] = kNone;
+  (*left)[first] = kNotMoving;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const int cell = cells[i], u = cell % grid.width;
     const auto take = [&](int next) {
-      if (next < 0 || next >= static_cast<int>(left->size()) || (*left)[next] == kNone) return;
+      if (next < 0 || next >= static_cast<int>(left->size()) || (*left)[next] == kNotMoving) return;
       if (std::abs(depth_m(next) - depth_m(cell)) > kSamePart * depth_m(cell)) return;
-      (*left)[next] = kNone;
+      (*left)[next] = kNotMoving;
       cells.push_back(next);
     };
     take(cell - grid.width);
@@ -60,6 +57,18 @@ std::vector<int> Grow(int first, const FrameLevel& frame, CellMask* left) {
   return cells;
 }
 
+bool IsMasked(const CellMask& mask, double scale, int u, int v) {
+  const int x = std::min(mask.width() - 1, static_cast<int>(u * scale));
+  const int y = std::min(mask.height() - 1, static_cast<int>(v * scale));
+  return mask(x, y) != 0;
+}
+
+struct FreeSpaceCount {
+  int seen = 0;     // visible and not occluded
+  int through = 0;  // observed as free space
+};
+
+// Marks the cells of a region and its margin. Unlike MarkMoving(), cells keep their kind.
 void Mark(const std::vector<int>& cells, const CellMask& kinds, CellMask* mask) {
   constexpr int kBeyond = 3;
   const int width = mask->width(), height = mask->height();
@@ -67,18 +76,14 @@ void Mark(const std::vector<int>& cells, const CellMask& kinds, CellMask* mask) 
     const int u = cell % width, v = cell / width;
     for (int y = std::max(0, v - kBeyond); y <= std::min(height - 1, v + kBeyond); ++y) {
       for (int x = std::max(0, u - kBeyond); x <= std::min(width - 1, u + kBeyond); ++x) {
-        (*mask)(x, y) = std::max((*mask)(x, y), static_cast<std::uint8_t>(kBeside));
+        (*mask)(x, y) = std::max((*mask)(x, y), static_cast<std::uint8_t>(kMovingMargin));
       }
     }
     (*mask)[cell] = std::max((*mask)[cell], kinds[cell]);
   }
 }
 
-bool IsMasked(const CellMask& mask, double scale, int u, int v) {
-  const int x = std::min(mask.width() - 1, static_cast<int>(u * scale));
-  const int y = std::min(mask.height() - 1, static_cast<int>(v * scale));
-  return mask(x, y) != 0;
-}
+}  // namespace
 
 Image<float> DepthOfCells(const FrameLevel& frame) {
   const ViewGrid grid(frame.camera);
@@ -91,12 +96,18 @@ Image<float> DepthOfCells(const FrameLevel& frame) {
   return depth_m;
 }
 
-struct FreeSpaceCount {
-  int seen = 0;     // visible and not occluded
-  int through = 0;  // observed as free space
-};
-
-}  // namespace
+void MarkMoving(const std::vector<int>& cells, int margin, CellMask* moving) {
+  const int width = moving->width(), height = moving->height();
+  for (const int cell : cells) {
+    const int u = cell % width, v = cell / width;
+    for (int y = std::max(0, v - margin); y <= std::min(height - 1, v + margin); ++y) {
+      for (int x = std::max(0, u - margin); x <= std::min(width - 1, u + margin); ++x) {
+        (*moving)(x, y) = std::max((*moving)(x, y), static_cast<std::uint8_t>(kMovingMargin));
+      }
+    }
+    (*moving)[cell] = kMovingCore;
+  }
+}
 
 struct MovingRegions::PastView {
   double stamp_s = 0;
@@ -141,21 +152,22 @@ CellMask MovingRegions::Find(const FrameLevel& frame, const ViewComparison& comp
                              const Rigid3d& world_from_camera, double stamp_s) const {
   const Image<Side>& sides = comparison.sides;
   const CellMask moved = MovedBefore(frame, sides, world_from_camera, stamp_s);
-  CellMask kinds(sides.width(), sides.height(), kNone);
+  CellMask kinds(sides.width(), sides.height(), kNotMoving);
   for (int v = 0; v < sides.height(); ++v) {
     for (int u = 0; u < sides.width(); ++u) {
-      if (sides(u, v) == Side::kInFront || sides(u, v) == Side::kUnknown) kinds(u, v) = kBeside;
-      const bool has_moved = !moved.empty() && moved(u, v) != kNone;
-      if (has_moved || IsCore(sides, u, v)) kinds(u, v) = kCore;
+      if (sides(u, v) == Side::kInFront || sides(u, v) == Side::kUnknown)
+        kinds(u, v) = kMovingMargin;
+      const bool has_moved = !moved.empty() && moved(u, v) != kNotMoving;
+      if (has_moved || IsCore(sides, u, v)) kinds(u, v) = kMovingCore;
     }
   }
   CellMask left = kinds, moving;
   for (int i = 0; i < static_cast<int>(left.size()); ++i) {
-    if (left[i] != kCore) continue;
+    if (left[i] != kMovingCore) continue;
     std::vector<int> cells = Grow(i, frame, &left);
     if (!Moves(cells, frame, kinds, moved, world_from_camera)) continue;
     RemoveStaticCells(frame, sides, world_from_camera, &cells);
-    if (moving.empty()) moving = CellMask(sides.width(), sides.height(), kNone);
+    if (moving.empty()) moving = CellMask(sides.width(), sides.height(), kNotMoving);
     Mark(cells, kinds, &moving);
   }
   return moving;
@@ -172,8 +184,8 @@ bool MovingRegions::Moves(const std::vector<int>& cells, const FrameLevel& frame
   for (const int cell : cells) {
     const int u = grid.Pixel(cell % grid.width), v = grid.Pixel(cell / grid.width);
     points_in_world.push_back(world_from_camera * frame.vertex(u, v).cast<double>());
-    moved_count += !moved.empty() && moved[cell] != kNone;
-    core_count += kinds[cell] == kCore;
+    moved_count += !moved.empty() && moved[cell] != kNotMoving;
+    core_count += kinds[cell] == kMovingCore;
   }
   if (moved_count >= kMinMoved * core_count) return true;
   return std::any_of(past_views_.begin(), past_views_.end(), [&](const PastView& past_view) {
@@ -192,16 +204,16 @@ CellMask MovingRegions::MovedBefore(const FrameLevel& frame, const Image<Side>& 
       std::clamp(kMetresPerSecond * (stamp_s - last_->stamp_s), kSameThing_m, kMost_m);
   const ViewGrid grid(frame.camera);
   const Rigid3d last_from_now = last_->world_from_camera.Inverse() * world_from_camera;
-  CellMask moved(grid.width, grid.height, kNone);
+  CellMask moved(grid.width, grid.height, kNotMoving);
   for (int v = 0; v < grid.height; ++v) {
     for (int u = 0; u < grid.width; ++u) {
       if (sides(u, v) != Side::kInFront && sides(u, v) != Side::kUnknown) continue;
       const Eigen::Vector3d point =
           last_from_now * frame.vertex(grid.Pixel(u), grid.Pixel(v)).cast<double>();
       const int cell = last_->CellOf(point);
-      if (cell < 0 || last_->moving[cell] == kNone) continue;
+      if (cell < 0 || last_->moving[cell] == kNotMoving) continue;
       if (std::abs(last_->depth_m[cell] - point.z()) > same_m) continue;
-      moved(u, v) = kCore;
+      moved(u, v) = kMovingCore;
     }
   }
   return moved;
@@ -260,16 +272,16 @@ void MovingRegions::Follow(const FrameLevel& frame) {
   auto now = std::make_unique<PastView>();
   now->depth_m = DepthOfCells(frame);
   const int width = now->depth_m.width(), height = now->depth_m.height();
-  now->moving = CellMask(width, height, kNone);
+  now->moving = CellMask(width, height, kNotMoving);
   // The object enters a cell whose depth changes. Static surfaces beside the object keep their
   // depth between two frames.
   const auto is_object = [&](int u, int v, float depth_m) {
     const float before_m = earlier->depth_m(u, v);
     const bool is_same = std::abs(before_m - depth_m) <= kSameObject * depth_m;
-    if (is_same) return earlier->moving(u, v) == kCore;
+    if (is_same) return earlier->moving(u, v) == kMovingCore;
     for (int y = std::max(0, v - kReach); y <= std::min(height - 1, v + kReach); ++y) {
       for (int x = std::max(0, u - kReach); x <= std::min(width - 1, u + kReach); ++x) {
-        if (earlier->moving(x, y) != kCore) continue;
+        if (earlier->moving(x, y) != kMovingCore) continue;
         if (std::abs(earlier->depth_m(x, y) - depth_m) <= kSameObject * depth_m) return true;
       }
     }
@@ -278,7 +290,7 @@ void MovingRegions::Follow(const FrameLevel& frame) {
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
       const float depth_m = now->depth_m(u, v);
-      if (depth_m > 0 && is_object(u, v, depth_m)) now->moving(u, v) = kCore;
+      if (depth_m > 0 && is_object(u, v, depth_m)) now->moving(u, v) = kMovingCore;
     }
   }
   followed_ = std::move(now);
@@ -289,10 +301,10 @@ CellMask MovingRegions::Followed() const {
   const CellMask& core = followed_->moving;
   std::vector<int> cells;
   for (int i = 0; i < static_cast<int>(core.size()); ++i) {
-    if (core[i] == kCore) cells.push_back(i);
+    if (core[i] == kMovingCore) cells.push_back(i);
   }
   if (cells.empty()) return {};
-  CellMask moving(core.width(), core.height(), kNone);
+  CellMask moving(core.width(), core.height(), kNotMoving);
   Mark(cells, core, &moving);
   return moving;
 }

@@ -13,6 +13,15 @@ namespace surfit {
 // Mask of ViewGrid cells, nonzero on moving objects. Empty without moving objects.
 using CellMask = Image<std::uint8_t>;
 
+// Values of a CellMask. kMovingMargin: margin around the object.
+enum : std::uint8_t { kNotMoving, kMovingMargin, kMovingCore };
+
+// Depth of the centre pixel of each ViewGrid cell, m. 0: missing.
+Image<float> DepthOfCells(const FrameLevel& frame);
+
+// Sets the cells to kMovingCore, and a margin of this many cells to kMovingMargin.
+void MarkMoving(const std::vector<int>& cells, int margin, CellMask* moving);
+
 // Detects moving objects. A connected region in front of the model is moving if an earlier frame
 // observed free space at most of its points. Otherwise it may be a new surface. Views of the last
 // 10 s are compared. Call Remember() for each frame with a pose, after Find(). Not thread-safe:

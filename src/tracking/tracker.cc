@@ -15,6 +15,23 @@ namespace {
 constexpr std::size_t kReadoutLevel = 3;
 // Minimum inlier ratio of a pose that is certain by depth alone.
 constexpr double kCertainInliers = 0.6;
+
+// Adds the moving cells of `more` to `moving`. Returns moving cells / cells with depth.
+double WithMoving(const FrameLevel& surface, const CellMask& more, CellMask* moving) {
+  if (moving->empty()) {
+    *moving = more;
+  } else {
+    for (std::size_t i = 0; i < more.size(); ++i) (*moving)[i] = std::max((*moving)[i], more[i]);
+  }
+  const Image<float> depth_m = DepthOfCells(surface);
+  int all = 0, count = 0;
+  for (std::size_t i = 0; i < depth_m.size(); ++i) {
+    all += depth_m[i] > 0;
+    count += depth_m[i] > 0 && (*moving)[i] != kNotMoving;
+  }
+  return all > 0 ? static_cast<double>(count) / all : 0;
+}
+
 }  // namespace
 
 Tracker::Tracker(const TrackingOptions& options, const Rigid3d& world_from_first_camera,
@@ -132,24 +149,50 @@ Prediction Tracker::PredictAt(const PreprocessedFrame& frame) {
 
 Tracked Tracker::Track(const PreprocessedFrame& frame, const Prediction& prediction) {
   Tracked tracked = Register(frame, *prediction.reference, prediction.world_from_camera);
-  if (prior_motion_ && !AgreesWithPrior(tracked, prediction)) {
-    prior_motion_.reset();
-    const Prediction without = PredictAt(frame);
-    tracked = Register(frame, *without.reference, without.world_from_camera);
-    return CheckFeatures(frame, RegisterOrSearch(frame, without, std::move(tracked)));
+  const CellMask moving = MovingCells(frame, tracked);
+  if (moving.empty()) {
+    return CheckFeatures(frame, TrackFrom(frame, prediction, std::move(tracked)));
   }
-  return CheckFeatures(frame, RegisterOrSearch(frame, prediction, std::move(tracked)));
+  PreprocessedFrame rest = frame;
+  rest.view.pyramid = Without(std::move(rest.view.pyramid), moving);
+  tracked = Register(rest, *prediction.reference, prediction.world_from_camera);
+  tracked = TrackFrom(rest, prediction, std::move(tracked));
+  tracked.moving_ratio = WithMoving(frame.surface(), moving, &tracked.moving);
+  return CheckFeatures(frame, std::move(tracked));
+}
+
+// Returns the moving cells if the pose contradicts the motion of static corners.
+CellMask Tracker::MovingCells(const PreprocessedFrame& frame, const Tracked& tracked) {
+  if (!options_.VerifiesBySearch()) return {};
+  corners_.Follow(frame.view, frame.images.stamp_s);
+  CellMask moving = corners_.Contradicting(
+      tracked.has_pose() ? std::optional(tracked.world_from_camera) : std::nullopt);
+  if (moving.empty() || CountNormals(frame, moving) < options_.icp.min_inliers) return {};
+  return moving;
+}
+
+Tracked Tracker::TrackFrom(const PreprocessedFrame& frame, const Prediction& prediction,
+                           Tracked tracked) {
+  if (!prior_motion_ || AgreesWithPrior(tracked, prediction)) {
+    return RegisterOrSearch(frame, prediction, std::move(tracked));
+  }
+  prior_motion_.reset();
+  const Prediction without = PredictAt(frame);
+  tracked = Register(frame, *without.reference, without.world_from_camera);
+  return RegisterOrSearch(frame, without, std::move(tracked));
 }
 
 Tracked Tracker::TrackFirst(const PreprocessedFrame& frame) {
   Tracked tracked;
   tracked.state = HasEnoughDepth(frame, options_.icp) ? FrameState::kFirst : FrameState::kLost;
   tracked.world_from_camera = last_.world_from_view;
+  if (options_.VerifiesBySearch()) corners_.Follow(frame.view, frame.images.stamp_s);
   return CheckFeatures(frame, std::move(tracked));
 }
 
 Tracked Tracker::CheckFeatures(const PreprocessedFrame& frame, Tracked tracked) {
   const bool changes_submap = tracked.submap && *tracked.submap != submap_;
+  if (changes_submap) corners_.Forget();
   if (changes_submap) features_.Forget();
   if (options_.VerifiesBySearch()) {
     CameraMotion since_last;
@@ -166,6 +209,7 @@ Tracked Tracker::CheckFeatures(const PreprocessedFrame& frame, Tracked tracked) 
       tracked.has_two_motions = false;
     }
   }
+  corners_.Remember(tracked.has_pose() ? std::optional(tracked.world_from_camera) : std::nullopt);
   if (tracked.has_pose()) {
     regions_.Remember(frame.surface(), tracked.moving, tracked.world_from_camera,
                       frame.images.stamp_s);
@@ -396,6 +440,7 @@ void Tracker::Move(const Rigid3d& new_from_old_now,
   world_from_registered_ = new_from_old_now * world_from_registered_;
   regions_.Move(new_from_old_now);
   features_.Move(new_from_old_now);
+  corners_.Move(new_from_old_now);
   if (imu_) imu_->Move(new_from_old_now);
   if (!tentative_) return;
   const Rigid3d new_from_old = tentative_->submap == submap_

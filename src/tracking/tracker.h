@@ -16,6 +16,7 @@
 #include "tracking/model_views.h"
 #include "tracking/motion/motion_model.h"
 #include "tracking/motion/prior_poses.h"
+#include "tracking/moving_corners.h"
 #include "tracking/moving_regions.h"
 #include "tracking/pose_search.h"
 #include "tracking/tracked.h"
@@ -114,6 +115,8 @@ class Tracker {
             const std::function<Rigid3d(int frame)>& new_from_old_at);
 
  private:
+  CellMask MovingCells(const PreprocessedFrame& frame, const Tracked& tracked);
+  Tracked TrackFrom(const PreprocessedFrame& frame, const Prediction& prediction, Tracked tracked);
   Tracked CheckFeatures(const PreprocessedFrame& frame, Tracked tracked);
   void WarnOfColor(int frame);
   Tracked ByDepthAlone(const PreprocessedFrame& frame, const Prediction& prediction,
@@ -160,6 +163,7 @@ class Tracker {
   PoseSearch search_;
   Relocalizer* relocalizer_ = nullptr;  // null: no place recognition
   FeatureWatch features_;
+  MovingCorners corners_;
   ColorTrust color_trust_;
   bool warned_of_color_ = false;
   std::function<void(const LostFrame&)> on_lost_;

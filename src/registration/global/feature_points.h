@@ -101,6 +101,9 @@ class CornerTracks {
   // have the size of the first image. `expect` is called from several threads and must not be null.
   void Follow(GreyPyramid next, const Expect& expect);
 
+  // Corners found in all images so far.
+  const std::vector<Track>& tracks() const { return tracks_; }
+
   // Corners whose patches still match the first image, refined by that match. A second match starts
   // at `expect(track)`, and the better match is used, because tracks can jump between repetitions
   // of a texture. Lost corners are not removed.
