@@ -95,6 +95,7 @@ FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
   const ExpectedPose likely =
       MostLikely(*target.prior, estimate.registered, information, max_sigmas);
   estimate.covariance = likely.covariance;
+  if (target.motion.holds_weak_frames_only && !estimate.is_weakly_constrained) return estimate;
   estimate.icp.target_from_source = likely.target_from_source;
   // Correspondences follow the pose, so further steps along weakly constrained directions follow
   // noise.

@@ -63,6 +63,7 @@ std::optional<MotionUncertainty> Tracker::PredictedUncertainty(
   const auto covariance = motion_model_.PriorCovariance(state_, SecondsTo(frame));
   if (!covariance) return std::nullopt;
   motion.covariance = *covariance;
+  motion.holds_weak_frames_only = options_.acceleration_m_per_s2 == 0;
   return motion;
 }
 

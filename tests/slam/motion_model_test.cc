@@ -41,6 +41,7 @@ TEST(MotionModel, DependsOnOption) {
   options.motion_model = "constant_pose";
   const MotionModel model = Moving(options);
   EXPECT_THAT(*model.PredictPose(After(0), Shifted(1)), RigidNear(Shifted(1), 1e-12, 1e-12));
+  EXPECT_FALSE(model.PriorCovariance(After(0), kFrame_s));
   options.motion_model = "so3";
   EXPECT_FALSE(model.PredictPose(After(0), Shifted(1)));
 }
@@ -49,7 +50,7 @@ TEST(MotionModel, ContinuesOverTwoLostFramesWithPriorOnly) {
   TrackingOptions options;
   const MotionModel without = Moving(options);
   EXPECT_THAT(*without.PredictPose(After(2), Shifted(1)), RigidNear(Shifted(1), 1e-12, 1e-12));
-  EXPECT_FALSE(without.PriorCovariance(After(0), kFrame_s));
+  EXPECT_TRUE(without.PriorCovariance(After(0), kFrame_s));
   options.acceleration_m_per_s2 = 2;
   const MotionModel with = Moving(options);
   EXPECT_THAT(*with.PredictPose(After(2), Shifted(1)), RigidNear(Shifted(1.03), 1e-12, 1e-12));

@@ -46,7 +46,8 @@ struct TrackingOptions {
   // the last pose, rotated by AlignRotation().
   std::string motion_model = "constant_velocity";
   // Standard deviation of each acceleration component, for the motion prior. 1 to 4 m/s^2 for
-  // hand-held cameras. 0: no motion prior. Requires "constant_velocity".
+  // hand-held cameras. Requires "constant_velocity". 0: 3 m/s^2, and the prior changes the poses of
+  // weakly constrained frames only.
   double acceleration_m_per_s2 = 0;
   double angular_acceleration_rad_per_s2 = 4;
   // Standard deviation of the drift of prior poses (Slam::UsePriorPoses()) after 1 s. 0: estimated.

@@ -6,11 +6,16 @@ namespace {
 // Longest interval with approximately constant velocity of a hand-held camera.
 constexpr double kMaxMotion_s = 0.1;
 
+// Standard deviation of accelerations without the option. A hand moves a camera with 1 to 4 m/s^2.
+constexpr double kAcceleration_m_per_s2 = 3;
+
 }  // namespace
 
 MotionModel::MotionModel(const TrackingOptions& options)
     : options_(options),
-      prior_(options.acceleration_m_per_s2, options.angular_acceleration_rad_per_s2) {}
+      prior_(options.acceleration_m_per_s2 > 0 ? options.acceleration_m_per_s2
+                                               : kAcceleration_m_per_s2,
+             options.angular_acceleration_rad_per_s2) {}
 
 std::optional<Rigid3d> MotionModel::PredictPose(const TrackingState& state,
                                                 const Rigid3d& world_from_last) const {
@@ -29,7 +34,9 @@ CameraMotion MotionModel::PredictMotion(const TrackingState& state) const {
 
 std::optional<Matrix6d> MotionModel::PriorCovariance(const TrackingState& state,
                                                      double seconds) const {
-  if (!HasPredictableMotion(state) || !(seconds > 0)) return std::nullopt;
+  const bool is_predictable =
+      options_.motion_model == "constant_velocity" && state.HasPredictableMotion();
+  if (!is_predictable || !(seconds > 0)) return std::nullopt;
   return prior_.Covariance(seconds);
 }
 
@@ -51,7 +58,7 @@ void MotionModel::Update(const TrackingState& state, const MeasuredMotion& motio
   motion_ =
       motion.is_found ? CameraMotion() : Velocity(state, motion.last_from_frame, motion.seconds);
   prior_.Forget();
-  if (!is_next && prior && motion.is_expected) {
+  if (!is_next && prior && motion.is_expected && options_.acceleration_m_per_s2 > 0) {
     prior_.Keep(*prior, motion.seconds);
     return;
   }

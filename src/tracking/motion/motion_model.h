@@ -38,8 +38,8 @@ class MotionModel {
   // the last frame with a pose. std::nullopt if the motion is not predictable, or if `seconds` is
   // not positive.
   std::optional<Matrix6d> PriorCovariance(const TrackingState& state, double seconds) const;
-  // Returns whether there is a motion prior (acceleration_m_per_s2 > 0), and few enough frames were
-  // lost to predict the motion.
+  // Returns whether lost frames continue the motion: acceleration_m_per_s2 > 0, and few enough
+  // frames were lost.
   bool HasPredictableMotion(const TrackingState& state) const;
 
   // Velocity of the motion `last_from_frame` in `seconds`. Zero after lost frames and for intervals

@@ -62,6 +62,8 @@ struct MotionUncertainty {
   // Maximum difference of the registration, in standard deviations: see MostLikely().
   // std::nullopt: only weakly constrained registrations have a maximum.
   std::optional<double> max_sigmas;
+  // The prediction changes the poses of weakly constrained frames only.
+  bool holds_weak_frames_only = false;
 };
 
 // Squared difference of a predicted and a registered pose in standard deviations. It has a
