@@ -39,8 +39,10 @@ TimedFiles ListTimedFiles(const std::string& folder, const std::string& ending) 
     return a.stamp_s < b.stamp_s;
   });
   for (StampedFile& file : files) {
-    ThrowIf(!timed.stamps_s.empty() && file.stamp_s == timed.stamps_s.back(), folder, ": ",
-            file.path, " and ", timed.paths.back(), " have the same time, must be one per time");
+    if (!timed.stamps_s.empty() && file.stamp_s == timed.stamps_s.back()) {
+      throw InputError(folder, ": ", file.path, " and ", timed.paths.back(),
+                       " have the same time, must be one per time");
+    }
     timed.stamps_s.push_back(file.stamp_s);
     timed.paths.push_back(std::move(file.path));
   }
