@@ -41,7 +41,7 @@ CornerMotion FindStaticMotion(const std::vector<TrackedCorner>& corners,
 // since the first frame. Requires colour. Not thread-safe. Times are timestamps, s.
 class MovingCorners {
  public:
-  // Tracks the corners to a frame. Call for each frame.
+  // Tracks the corners to a frame. Call for each frame of a watch. A watch begins anew after a gap.
   void Follow(const ColoredView& view, double stamp_s);
   // Returns the moving cells of the frame of Follow(), if the static corners contradict this pose,
   // or contradicted a pose in the last second. Otherwise, returns an empty mask: the registration

@@ -16,6 +16,9 @@ constexpr std::size_t kReadoutLevel = 3;
 // Minimum inlier ratio of a pose that is certain by depth alone.
 constexpr double kCertainInliers = 0.6;
 
+// Duration of a watch for moving objects by image corners.
+constexpr double kCornerWatch_s = 2;
+
 // Adds the moving cells of `more` to `moving`. Returns moving cells / cells with depth.
 double WithMoving(const FrameLevel& surface, const CellMask& more, CellMask* moving) {
   if (moving->empty()) {
@@ -163,12 +166,27 @@ Tracked Tracker::Track(const PreprocessedFrame& frame, const Prediction& predict
 
 // Returns the moving cells if the pose contradicts the motion of static corners.
 CellMask Tracker::MovingCells(const PreprocessedFrame& frame, const Tracked& tracked) {
-  if (!options_.VerifiesBySearch()) return {};
-  corners_.Follow(frame.view, frame.images.stamp_s);
+  const bool is_doubtful =
+      !tracked.has_pose() || tracked.verdict != Verdict::kAccepted || !tracked.moving.empty();
+  if (is_doubtful) WatchCorners(frame);
+  if (!FollowCorners(frame)) return {};
   CellMask moving = corners_.Contradicting(
       tracked.has_pose() ? std::optional(tracked.world_from_camera) : std::nullopt);
   if (moving.empty() || CountNormals(frame, moving) < options_.icp.min_inliers) return {};
   return moving;
+}
+
+// Objects that move since the map began have no free space behind them. Later objects are found by
+// free space, and make frames doubtful.
+void Tracker::WatchCorners(const PreprocessedFrame& frame) {
+  watches_corners_until_s_ = frame.images.stamp_s + kCornerWatch_s;
+}
+
+bool Tracker::FollowCorners(const PreprocessedFrame& frame) {
+  follows_corners_ =
+      options_.VerifiesBySearch() && frame.images.stamp_s <= watches_corners_until_s_;
+  if (follows_corners_) corners_.Follow(frame.view, frame.images.stamp_s);
+  return follows_corners_;
 }
 
 Tracked Tracker::TrackFrom(const PreprocessedFrame& frame, const Prediction& prediction,
@@ -186,14 +204,18 @@ Tracked Tracker::TrackFirst(const PreprocessedFrame& frame) {
   Tracked tracked;
   tracked.state = HasEnoughDepth(frame, options_.icp) ? FrameState::kFirst : FrameState::kLost;
   tracked.world_from_camera = last_.world_from_view;
-  if (options_.VerifiesBySearch()) corners_.Follow(frame.view, frame.images.stamp_s);
+  WatchCorners(frame);
+  FollowCorners(frame);
   return CheckFeatures(frame, std::move(tracked));
 }
 
 Tracked Tracker::CheckFeatures(const PreprocessedFrame& frame, Tracked tracked) {
   const bool changes_submap = tracked.submap && *tracked.submap != submap_;
-  if (changes_submap) corners_.Forget();
-  if (changes_submap) features_.Forget();
+  if (changes_submap) {
+    WatchCorners(frame);
+    corners_.Forget();
+    features_.Forget();
+  }
   if (options_.VerifiesBySearch()) {
     CameraMotion since_last;
     if (tracked.has_pose() && state_.is_localised && !changes_submap) {
@@ -209,7 +231,9 @@ Tracked Tracker::CheckFeatures(const PreprocessedFrame& frame, Tracked tracked) 
       tracked.has_two_motions = false;
     }
   }
-  corners_.Remember(tracked.has_pose() ? std::optional(tracked.world_from_camera) : std::nullopt);
+  if (follows_corners_) {
+    corners_.Remember(tracked.has_pose() ? std::optional(tracked.world_from_camera) : std::nullopt);
+  }
   if (tracked.has_pose()) {
     regions_.Remember(frame.surface(), tracked.moving, tracked.world_from_camera,
                       frame.images.stamp_s);
