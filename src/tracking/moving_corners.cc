@@ -20,6 +20,11 @@ constexpr int kMaxMotionCorners = 400;
 constexpr double kRenew_s = 0.095;
 // Maximum time between two frames.
 constexpr double kMaxStep_s = 0.25;
+// Minimum width of the image. Corners of smaller images are inaccurate.
+constexpr int kMinColumns = 240;
+// Maximum median motion of the corners since the first frame, as a ratio of the image width.
+// Corners are confused in faster motion.
+constexpr double kMaxMedianShift = 0.06;
 
 // Bound on the reprojection error of a static corner: tracking error, and the effect of readout and
 // motion blur, which grows with the image motion.
@@ -188,6 +193,14 @@ double MedianDepth(const std::vector<TrackedCorner>& corners, const std::vector<
   return *middle;
 }
 
+double MedianShift(const std::vector<TrackedCorner>& corners) {
+  std::vector<double> shifts;
+  for (const TrackedCorner& corner : corners) shifts.push_back((corner.seen - corner.first).norm());
+  const auto middle = shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2);
+  std::nth_element(shifts.begin(), middle, shifts.end());
+  return *middle;
+}
+
 bool IsAtEdge(const Image<float>& depth_m, const Eigen::Vector2d& at, double z) {
   const int u = static_cast<int>(std::lround(at.x())), v = static_cast<int>(std::lround(at.y()));
   for (int y = std::max(0, v - kEdgeReach_px);
@@ -264,11 +277,11 @@ void MovingCorners::Follow(const ColoredView& view, double stamp_s) {
   motion_ = {};
   moving_ = {};
   next_.reset();
-  if (view.color.empty()) {
+  camera_ = SmallLevel(view.pyramid).camera;
+  if (view.color.empty() || camera_.width < kMinColumns) {
     window_.reset();
     return;
   }
-  camera_ = SmallLevel(view.pyramid).camera;
   GreyPyramid grey = GreyOf(view);
   if (follows) Compare(view, grey);
   const bool is_compared = !motion_.labels.empty();
@@ -290,6 +303,7 @@ void MovingCorners::Compare(const ColoredView& view, const GreyPyramid& grey) {
     corners_.push_back({window_->points[track.corner], track.first.cast<double>(),
                         track.last.cast<double>(), window_->moved_before[track.corner]});
   }
+  if (corners_.empty() || MedianShift(corners_) > kMaxMedianShift * camera_.width) return;
   motion_ = FindStaticMotion(corners_, camera_, expected);
   if (motion_.labels.empty()) return;
   step_ = motion_.now_from_before * window_->now_from_first.Inverse();
