@@ -187,6 +187,7 @@ class MotionSearch {
 
 double MedianDepth(const std::vector<TrackedCorner>& corners, const std::vector<int>& used) {
   std::vector<double> depths;
+  depths.reserve(used.size());
   for (const int i : used) depths.push_back(corners[i].point.z());
   const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
   std::nth_element(depths.begin(), middle, depths.end());
@@ -195,6 +196,7 @@ double MedianDepth(const std::vector<TrackedCorner>& corners, const std::vector<
 
 double MedianShift(const std::vector<TrackedCorner>& corners) {
   std::vector<double> shifts;
+  shifts.reserve(corners.size());
   for (const TrackedCorner& corner : corners) shifts.push_back((corner.seen - corner.first).norm());
   const auto middle = shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2);
   std::nth_element(shifts.begin(), middle, shifts.end());

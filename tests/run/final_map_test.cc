@@ -124,21 +124,29 @@ TEST_F(FinalMap, UsesTheEstimatedCalibration) {
 }
 
 // Red increases by 4 per pixel to the right. The camera moves to the right at 0.5 m/s, so 50 ms
-// earlier a point at 1 m was 0.775 px farther right.
+// earlier a point at 1 m was 0.775 px farther right. The map is coloured from every third frame, so
+// the pixels of four frames are 4.65 px apart.
 TEST_F(FinalMap, UsesTheEstimatedColorLatency) {
+  constexpr int kFrames = 12;
+  WriteTumSequence(folder_, kFrames);
   Image<Rgb8> ramp(32, 24);
   for (const auto [u, v] : PixelsOf(ramp)) {
     ramp(u, v) = {static_cast<std::uint8_t>(60 + 4 * u), 20, 30};
   }
-  for (int i = 0; i < 4; ++i) {
+  trajectory_.clear();
+  frames_.clear();
+  for (int i = 0; i < kFrames; ++i) {
+    WriteDepth(folder_ / Format("depth/%03d.png", i), Image<std::uint16_t>(32, 24, 1000));
     WriteColor(folder_ / Format("rgb/%03d.png", i), ramp);
-    trajectory_[i].world_from_camera.translation.x() = 0.05 * i;
+    const Eigen::Vector3d position(0.05 * i, 0, 0);
+    trajectory_.push_back({5.003 + 0.1 * i, {Eigen::Quaterniond::Identity(), position}});
+    frames_.push_back(i);
   }
   const auto mean_red = [](const SurfelMap& map) {
     double sum = 0, count = 0;
     for (const std::int32_t id : map.Ids()) {
       const float x = map[id].position_in_world.x();
-      if (x < -0.2f || x > 0.35f) continue;  // seen by all frames
+      if (x < 0.15f || x > 0.35f) continue;  // seen by all frames
       sum += map[id].color.r;
       ++count;
     }

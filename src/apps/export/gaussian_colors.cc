@@ -109,7 +109,7 @@ class SplatBand {
     for (int v = v_begin_; v < v_end_; ++v) {
       for (int u = 0; u < width; ++u) {
         const Rgb8 color = view_.color(u, v);
-        residuals.push_back(Eigen::Vector3f(color.r, color.g, color.b) / 255.f);
+        residuals.emplace_back(Eigen::Vector3f(color.r, color.g, color.b) / 255.f);
       }
     }
     ForEachWeight([&](const Splat& splat, std::size_t pixel, float weight) {
