@@ -164,12 +164,14 @@ Tracked Tracker::Track(const PreprocessedFrame& frame, const Prediction& predict
   return CheckFeatures(frame, std::move(tracked));
 }
 
-// Returns the moving cells if the pose contradicts the motion of static corners.
+// Returns the moving cells if the pose contradicts the motion of static corners. A pose with many
+// inliers is certain, and repetitive texture can confuse corners.
 CellMask Tracker::MovingCells(const PreprocessedFrame& frame, const Tracked& tracked) {
   const bool is_doubtful =
       !tracked.has_pose() || tracked.verdict != Verdict::kAccepted || !tracked.moving.empty();
   if (is_doubtful) WatchCorners(frame);
-  if (!FollowCorners(frame)) return {};
+  const bool is_certain = tracked.has_pose() && tracked.icp.inlier_ratio >= kCertainInliers;
+  if (!FollowCorners(frame) || is_certain) return {};
   CellMask moving = corners_.Contradicting(
       tracked.has_pose() ? std::optional(tracked.world_from_camera) : std::nullopt);
   if (moving.empty() || CountNormals(frame, moving) < options_.icp.min_inliers) return {};
