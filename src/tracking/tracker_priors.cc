@@ -60,10 +60,12 @@ std::optional<MotionUncertainty> Tracker::PredictedUncertainty(
     motion.registration_noise = imu_prediction_->pose_noise;
     return motion;
   }
+  const bool holds_weak_frames_only = options_.acceleration_m_per_s2 == 0;
+  if (holds_weak_frames_only && options_.icp.error_model.UsesIntensities()) return std::nullopt;
   const auto covariance = motion_model_.PriorCovariance(state_, SecondsTo(frame));
   if (!covariance) return std::nullopt;
   motion.covariance = *covariance;
-  motion.holds_weak_frames_only = options_.acceleration_m_per_s2 == 0;
+  motion.holds_weak_frames_only = holds_weak_frames_only;
   return motion;
 }
 

@@ -86,7 +86,11 @@ BlendedDepth::BlendedDepth(const SurfelMap& map, const DepthSensor& sensor,
                            const Rigid3d& world_from_view)
     : depth_m_(sensor.camera.width, sensor.camera.height) {
   auto bands = std::make_unique<Bands>();
-  bands->splats = FindSplats(map, PosedCamera(sensor.camera, world_from_view), SplatOptions(2));
+  {
+    // Repeated allocations of this size in several threads make each heap of the allocator grow.
+    const ThreadLimit one_heap(1);
+    bands->splats = FindSplats(map, PosedCamera(sensor.camera, world_from_view), SplatOptions(2));
+  }
   const int count = BandCount(sensor.camera.height);
   bands->drawn.reserve(count);
   for (int i = 0; i < count; ++i) bands->drawn.emplace_back(i, sensor.camera, sensor.noise);
