@@ -61,7 +61,9 @@ std::optional<MotionUncertainty> Tracker::PredictedUncertainty(
     return motion;
   }
   const bool holds_weak_frames_only = options_.acceleration_m_per_s2 == 0;
-  if (holds_weak_frames_only && options_.icp.error_model.UsesIntensities()) return std::nullopt;
+  if (holds_weak_frames_only && (imu_ || options_.icp.error_model.UsesIntensities())) {
+    return std::nullopt;
+  }
   const auto covariance = motion_model_.PriorCovariance(state_, SecondsTo(frame));
   if (!covariance) return std::nullopt;
   motion.covariance = *covariance;

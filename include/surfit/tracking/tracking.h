@@ -47,7 +47,8 @@ struct TrackingOptions {
   std::string motion_model = "constant_velocity";
   // Standard deviation of each acceleration component, for the motion prior. 1 to 4 m/s^2 for
   // hand-held cameras. Requires "constant_velocity". 0: 3 m/s^2, and the prior changes the poses of
-  // weakly constrained frames only, unless icp.error_model has a photometric weight.
+  // weakly constrained frames only. It is not used with an inertial sensor, or if icp.error_model
+  // has a photometric weight.
   double acceleration_m_per_s2 = 0;
   double angular_acceleration_rad_per_s2 = 4;
   // Standard deviation of the drift of prior poses (Slam::UsePriorPoses()) after 1 s. 0: estimated.
