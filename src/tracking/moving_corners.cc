@@ -18,6 +18,7 @@ constexpr int kMaxMotionCorners = 400;
 // The corners are renewed after this time. Slow objects need it, and deforming objects lose their
 // corners during it.
 constexpr double kRenew_s = 0.095;
+constexpr double kWatch_s = 2;
 // Maximum time between two frames.
 constexpr double kMaxStep_s = 0.25;
 // Minimum width of the image. Corners of smaller images are inaccurate.
@@ -215,12 +216,10 @@ bool IsAtEdge(const Image<float>& depth_m, const Eigen::Vector2d& at, double z) 
   return false;
 }
 
-// Cell of a pixel of a smaller image, or -1.
-int CellOfPixel(const Eigen::Vector2d& pixel, double scale, const ViewGrid& grid) {
-  const double x = std::floor((pixel.x() + 0.5) * scale / grid.step);
-  const double y = std::floor((pixel.y() + 0.5) * scale / grid.step);
-  const bool is_inside = x >= 0 && y >= 0 && x < grid.width && y < grid.height;
-  return is_inside ? static_cast<int>(y) * grid.width + static_cast<int>(x) : -1;
+// Cell of a pixel of an image that is smaller by `scale`, or -1.
+int CellOfSmall(const Eigen::Vector2d& pixel, double scale, const ViewGrid& grid) {
+  const Eigen::Vector2d half(0.5, 0.5);
+  return grid.CellOf(scale * (pixel + half) - half);
 }
 
 // Cells 4-connected to `cell`, with similar depth.
@@ -272,7 +271,11 @@ CornerMotion FindStaticMotion(const std::vector<TrackedCorner>& corners,
   return motion;
 }
 
+void MovingCorners::Watch(double stamp_s) { watched_until_s_ = stamp_s + kWatch_s; }
+
 void MovingCorners::Follow(const ColoredView& view, double stamp_s) {
+  is_followed_ = stamp_s <= watched_until_s_;
+  if (!is_followed_) return;
   const bool follows = window_ && stamp_s > last_s_ && stamp_s <= last_s_ + kMaxStep_s;
   last_s_ = stamp_s;
   corners_.clear();
@@ -319,6 +322,7 @@ void MovingCorners::Compare(const ColoredView& view, const GreyPyramid& grey) {
 }
 
 CellMask MovingCorners::Contradicting(const std::optional<Rigid3d>& world_from_camera) {
+  if (!is_followed_) return {};
   if (!moving_.empty() && motion_.is_certain && world_from_camera && window_->world_from_first &&
       Contradicts(world_from_camera->Inverse() * *window_->world_from_first)) {
     contradicted_until_s_ = last_s_ + kContradicted_s;
@@ -338,7 +342,7 @@ bool MovingCorners::Contradicts(const Rigid3d& now_from_first) const {
 }
 
 void MovingCorners::Remember(const std::optional<Rigid3d>& world_from_camera) {
-  if (!next_) return;
+  if (!is_followed_ || !next_) return;
   window_ = std::exchange(next_, std::nullopt);
   window_->world_from_first = world_from_camera;
 }
@@ -367,7 +371,7 @@ MovingCorners::Window MovingCorners::Begun(const ColoredView& view, GreyPyramid 
     if (IsAtEdge(small.vertex.z, corner.cast<double>(), depth_m)) continue;
     corners.push_back(corner);
     window.points.emplace_back(small.camera.Ray(corner.x(), corner.y()) * depth_m);
-    const int cell = CellOfPixel(corner.cast<double>(), scale, grid);
+    const int cell = CellOfSmall(corner.cast<double>(), scale, grid);
     window.moved_before.push_back(!moving_.empty() && cell >= 0 && moving_[cell] == kMovingCore);
   }
   window.tracks = CornerTracks(std::move(grey), std::move(corners));
@@ -385,7 +389,7 @@ CellMask MovingCorners::MovingCells(const ColoredView& view) const {
   std::vector<int> queue;
   std::vector<int> corner_count(depth_m.size(), 0);
   for (std::size_t i = 0; i < corners_.size(); ++i) {
-    const int cell = CellOfPixel(corners_[i].seen, scale, grid);
+    const int cell = CellOfSmall(corners_[i].seen, scale, grid);
     if (cell < 0 || !(depth_m[cell] > 0) || motion_.labels[i] == Label::kUnknown) continue;
     corner_count[cell] += motion_.labels[i] == Label::kMoving;
     if (labels[cell] != Label::kUnknown) continue;
@@ -400,6 +404,7 @@ CellMask MovingCorners::MovingCells(const ColoredView& view) const {
     });
   }
   CellMask moving;
+  const CellMask core(grid.width, grid.height, kMovingCore);
   std::vector<bool> visited(depth_m.size(), false);
   for (int first = 0; first < static_cast<int>(depth_m.size()); ++first) {
     if (labels[first] != Label::kMoving || visited[first]) continue;
@@ -419,7 +424,7 @@ CellMask MovingCorners::MovingCells(const ColoredView& view) const {
       continue;
     }
     if (moving.empty()) moving = CellMask(grid.width, grid.height, kNotMoving);
-    MarkMoving(cells, kMarginCells, &moving);
+    MarkMoving(cells, core, kMarginCells, &moving);
   }
   return moving;
 }

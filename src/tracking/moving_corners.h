@@ -41,7 +41,9 @@ CornerMotion FindStaticMotion(const std::vector<TrackedCorner>& corners,
 // since the first frame. Requires colour. Not thread-safe. Times are timestamps, s.
 class MovingCorners {
  public:
-  // Tracks the corners to a frame. Call for each frame of a watch. A watch begins anew after a gap.
+  // Begins or extends a watch: corners are followed until 2 s after this time.
+  void Watch(double stamp_s);
+  // Tracks the corners to a frame. Call for each frame. Without a watch, the frame has no corners.
   void Follow(const ColoredView& view, double stamp_s);
   // Returns the moving cells of the frame of Follow(), if the static corners contradict this pose,
   // or contradicted a pose in the last second. Otherwise, returns an empty mask: the registration
@@ -75,6 +77,8 @@ class MovingCorners {
   std::optional<Window> next_;  // begins at the last frame
   Rigid3d step_;                // last motion of the static scene from frame to frame
   double last_s_ = 0;
+  double watched_until_s_ = -std::numeric_limits<double>::infinity();
+  bool is_followed_ = false;  // the last frame
   double contradicted_until_s_ = -std::numeric_limits<double>::infinity();
   // Results for the last frame. Empty: not compared.
   PinholeCamera camera_;

@@ -7,6 +7,8 @@
 namespace surfit {
 namespace {
 
+constexpr int kMargin = 3;  // of a moving region, in cells
+
 // Views are stored every 0.2 s, for 10 s. An object that rests longer becomes a part of the
 // scene.
 constexpr double kBetweenViews_s = 0.2;
@@ -68,21 +70,6 @@ struct FreeSpaceCount {
   int through = 0;  // observed as free space
 };
 
-// Marks the cells of a region and its margin. Unlike MarkMoving(), cells keep their kind.
-void Mark(const std::vector<int>& cells, const CellMask& kinds, CellMask* mask) {
-  constexpr int kBeyond = 3;
-  const int width = mask->width(), height = mask->height();
-  for (const int cell : cells) {
-    const int u = cell % width, v = cell / width;
-    for (int y = std::max(0, v - kBeyond); y <= std::min(height - 1, v + kBeyond); ++y) {
-      for (int x = std::max(0, u - kBeyond); x <= std::min(width - 1, u + kBeyond); ++x) {
-        (*mask)(x, y) = std::max((*mask)(x, y), static_cast<std::uint8_t>(kMovingMargin));
-      }
-    }
-    (*mask)[cell] = std::max((*mask)[cell], kinds[cell]);
-  }
-}
-
 }  // namespace
 
 Image<float> DepthOfCells(const FrameLevel& frame) {
@@ -96,7 +83,8 @@ Image<float> DepthOfCells(const FrameLevel& frame) {
   return depth_m;
 }
 
-void MarkMoving(const std::vector<int>& cells, int margin, CellMask* moving) {
+void MarkMoving(const std::vector<int>& cells, const CellMask& kinds, int margin,
+                CellMask* moving) {
   const int width = moving->width(), height = moving->height();
   for (const int cell : cells) {
     const int u = cell % width, v = cell / width;
@@ -105,8 +93,20 @@ void MarkMoving(const std::vector<int>& cells, int margin, CellMask* moving) {
         (*moving)(x, y) = std::max((*moving)(x, y), static_cast<std::uint8_t>(kMovingMargin));
       }
     }
-    (*moving)[cell] = kMovingCore;
+    (*moving)[cell] = std::max((*moving)[cell], kinds[cell]);
   }
+}
+
+double AddMoving(const FrameLevel& frame, const CellMask& more, CellMask* moving) {
+  if (moving->empty()) *moving = CellMask(more.width(), more.height(), kNotMoving);
+  for (std::size_t i = 0; i < more.size(); ++i) (*moving)[i] = std::max((*moving)[i], more[i]);
+  const Image<float> depth_m = DepthOfCells(frame);
+  int all = 0, count = 0;
+  for (std::size_t i = 0; i < depth_m.size(); ++i) {
+    all += depth_m[i] > 0;
+    count += depth_m[i] > 0 && (*moving)[i] != kNotMoving;
+  }
+  return all > 0 ? static_cast<double>(count) / all : 0;
 }
 
 struct MovingRegions::PastView {
@@ -119,13 +119,7 @@ struct MovingRegions::PastView {
 
   // Returns the cell of a point of the camera frame, or -1.
   int CellOf(const Eigen::Vector3d& point) const {
-    if (!(point.z() > 0)) return -1;
-    const ViewGrid grid(camera);
-    const Eigen::Vector2d pixel = camera.Project(point);
-    const double x = std::floor((pixel.x() + 0.5) / grid.step);
-    const double y = std::floor((pixel.y() + 0.5) / grid.step);
-    const bool is_inside = x >= 0 && y >= 0 && x < grid.width && y < grid.height;
-    return is_inside ? static_cast<int>(y) * grid.width + static_cast<int>(x) : -1;
+    return point.z() > 0 ? ViewGrid(camera).CellOf(camera.Project(point)) : -1;
   }
 
   double Margin(double depth) const { return kMargin_m + kMarginSigmas * noise.SigmaZ(depth); }
@@ -168,7 +162,7 @@ CellMask MovingRegions::Find(const FrameLevel& frame, const ViewComparison& comp
     if (!Moves(cells, frame, kinds, moved, world_from_camera)) continue;
     RemoveStaticCells(frame, sides, world_from_camera, &cells);
     if (moving.empty()) moving = CellMask(sides.width(), sides.height(), kNotMoving);
-    Mark(cells, kinds, &moving);
+    MarkMoving(cells, kinds, kMargin, &moving);
   }
   return moving;
 }
@@ -305,7 +299,7 @@ CellMask MovingRegions::Followed() const {
   }
   if (cells.empty()) return {};
   CellMask moving(core.width(), core.height(), kNotMoving);
-  Mark(cells, core, &moving);
+  MarkMoving(cells, core, kMargin, &moving);
   return moving;
 }
 

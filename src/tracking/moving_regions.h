@@ -19,8 +19,13 @@ enum : std::uint8_t { kNotMoving, kMovingMargin, kMovingCore };
 // Depth of the centre pixel of each ViewGrid cell, m. 0: missing.
 Image<float> DepthOfCells(const FrameLevel& frame);
 
-// Sets the cells to kMovingCore, and a margin of this many cells to kMovingMargin.
-void MarkMoving(const std::vector<int>& cells, int margin, CellMask* moving);
+// Marks the cells by their kinds, and a margin of this many cells by kMovingMargin. Marked cells
+// keep the larger value.
+void MarkMoving(const std::vector<int>& cells, const CellMask& kinds, int margin, CellMask* moving);
+
+// Adds the moving cells of `more`, which must not be empty, to `moving`. Returns moving cells /
+// cells with depth.
+double AddMoving(const FrameLevel& frame, const CellMask& more, CellMask* moving);
 
 // Detects moving objects. A connected region in front of the model is moving if an earlier frame
 // observed free space at most of its points. Otherwise it may be a new surface. Views of the last

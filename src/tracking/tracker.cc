@@ -15,26 +15,6 @@ namespace {
 constexpr std::size_t kReadoutLevel = 3;
 // Minimum inlier ratio of a pose that is certain by depth alone.
 constexpr double kCertainInliers = 0.6;
-
-// Duration of a watch for moving objects by image corners.
-constexpr double kCornerWatch_s = 2;
-
-// Adds the moving cells of `more` to `moving`. Returns moving cells / cells with depth.
-double WithMoving(const FrameLevel& surface, const CellMask& more, CellMask* moving) {
-  if (moving->empty()) {
-    *moving = more;
-  } else {
-    for (std::size_t i = 0; i < more.size(); ++i) (*moving)[i] = std::max((*moving)[i], more[i]);
-  }
-  const Image<float> depth_m = DepthOfCells(surface);
-  int all = 0, count = 0;
-  for (std::size_t i = 0; i < depth_m.size(); ++i) {
-    all += depth_m[i] > 0;
-    count += depth_m[i] > 0 && (*moving)[i] != kNotMoving;
-  }
-  return all > 0 ? static_cast<double>(count) / all : 0;
-}
-
 }  // namespace
 
 Tracker::Tracker(const TrackingOptions& options, const Rigid3d& world_from_first_camera,
@@ -160,35 +140,28 @@ Tracked Tracker::Track(const PreprocessedFrame& frame, const Prediction& predict
   rest.view.pyramid = Without(std::move(rest.view.pyramid), moving);
   tracked = Register(rest, *prediction.reference, prediction.world_from_camera);
   tracked = TrackFrom(rest, prediction, std::move(tracked));
-  tracked.moving_ratio = WithMoving(frame.surface(), moving, &tracked.moving);
+  tracked.moving_ratio = AddMoving(frame.surface(), moving, &tracked.moving);
   return CheckFeatures(frame, std::move(tracked));
 }
 
 // Returns the moving cells if the pose contradicts the motion of static corners. A pose with many
-// inliers is certain, and repetitive texture can confuse corners.
+// inliers is certain, and repetitive texture can confuse corners. Objects that move since the map
+// began have no free space behind them. Later objects are found by free space, and make frames
+// doubtful.
 CellMask Tracker::MovingCells(const PreprocessedFrame& frame, const Tracked& tracked) {
   const bool is_doubtful =
       !tracked.has_pose() || tracked.verdict != Verdict::kAccepted || !tracked.moving.empty();
   if (is_doubtful) WatchCorners(frame);
-  const bool is_certain = tracked.has_pose() && tracked.icp.inlier_ratio >= kCertainInliers;
-  if (!FollowCorners(frame) || is_certain) return {};
+  corners_.Follow(frame.view, frame.images.stamp_s);
+  if (tracked.has_pose() && tracked.icp.inlier_ratio >= kCertainInliers) return {};
   CellMask moving = corners_.Contradicting(
       tracked.has_pose() ? std::optional(tracked.world_from_camera) : std::nullopt);
   if (moving.empty() || CountNormals(frame, moving) < options_.icp.min_inliers) return {};
   return moving;
 }
 
-// Objects that move since the map began have no free space behind them. Later objects are found by
-// free space, and make frames doubtful.
 void Tracker::WatchCorners(const PreprocessedFrame& frame) {
-  watches_corners_until_s_ = frame.images.stamp_s + kCornerWatch_s;
-}
-
-bool Tracker::FollowCorners(const PreprocessedFrame& frame) {
-  follows_corners_ =
-      options_.VerifiesBySearch() && frame.images.stamp_s <= watches_corners_until_s_;
-  if (follows_corners_) corners_.Follow(frame.view, frame.images.stamp_s);
-  return follows_corners_;
+  if (options_.VerifiesBySearch()) corners_.Watch(frame.images.stamp_s);
 }
 
 Tracked Tracker::TrackFrom(const PreprocessedFrame& frame, const Prediction& prediction,
@@ -207,7 +180,7 @@ Tracked Tracker::TrackFirst(const PreprocessedFrame& frame) {
   tracked.state = HasEnoughDepth(frame, options_.icp) ? FrameState::kFirst : FrameState::kLost;
   tracked.world_from_camera = last_.world_from_view;
   WatchCorners(frame);
-  FollowCorners(frame);
+  corners_.Follow(frame.view, frame.images.stamp_s);
   return CheckFeatures(frame, std::move(tracked));
 }
 
@@ -233,9 +206,7 @@ Tracked Tracker::CheckFeatures(const PreprocessedFrame& frame, Tracked tracked) 
       tracked.has_two_motions = false;
     }
   }
-  if (follows_corners_) {
-    corners_.Remember(tracked.has_pose() ? std::optional(tracked.world_from_camera) : std::nullopt);
-  }
+  corners_.Remember(tracked.has_pose() ? std::optional(tracked.world_from_camera) : std::nullopt);
   if (tracked.has_pose()) {
     regions_.Remember(frame.surface(), tracked.moving, tracked.world_from_camera,
                       frame.images.stamp_s);

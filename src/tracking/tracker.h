@@ -116,7 +116,6 @@ class Tracker {
 
  private:
   void WatchCorners(const PreprocessedFrame& frame);
-  bool FollowCorners(const PreprocessedFrame& frame);
   CellMask MovingCells(const PreprocessedFrame& frame, const Tracked& tracked);
   Tracked TrackFrom(const PreprocessedFrame& frame, const Prediction& prediction, Tracked tracked);
   Tracked CheckFeatures(const PreprocessedFrame& frame, Tracked tracked);
@@ -166,8 +165,6 @@ class Tracker {
   Relocalizer* relocalizer_ = nullptr;  // null: no place recognition
   FeatureWatch features_;
   MovingCorners corners_;
-  double watches_corners_until_s_ = 0;
-  bool follows_corners_ = false;  // in the present frame
   ColorTrust color_trust_;
   bool warned_of_color_ = false;
   std::function<void(const LostFrame&)> on_lost_;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "surfit/core/image.h"
@@ -19,6 +21,12 @@ struct ViewGrid {
         height(camera.height / step) {}
 
   int Pixel(int cell) const { return cell * step + step / 2; }
+  // Index of the cell with the pixel, or -1.
+  int CellOf(const Eigen::Vector2d& pixel) const {
+    const double x = std::floor((pixel.x() + 0.5) / step), y = std::floor((pixel.y() + 0.5) / step);
+    const bool is_inside = x >= 0 && y >= 0 && x < width && y < height;
+    return is_inside ? static_cast<int>(y) * width + static_cast<int>(x) : -1;
+  }
 
   int step, width, height;
 };
