@@ -28,7 +28,8 @@ surfit::SmoothPath Path() {
   return surfit::SmoothPath(poses);
 }
 
-// Ten poses of 2 s are measured to 1 mm and 0.5 mrad. The samples between them give the rest.
+// Ten poses of 2 s are measured to 1 mm and 0.5 mrad. The samples between them determine gravity,
+// velocities and biases.
 int main() {
   constexpr int kPoses = 10;
   constexpr double kInterval_s = 0.2, kSigma_m = 0.001, kSigma_rad = 0.0005;

@@ -20,6 +20,10 @@ constexpr double kMaxSigmas = 5;
 // above 1, because a slide has components along the next stronger directions.
 constexpr double kWeakDirections = 2.5;
 
+// Directions with smaller eigenvalues do not correct an inertial prediction. The value is between
+// those of walls (3e-4) and of rooms (5e-3), see ObservabilityOptions.
+constexpr double kSpuriousEigenvalue = 1e-3;
+
 // Moves the pose of `by_shape` towards `with_intensities`, along weak directions only. Colour with
 // an inaccurate timestamp or inaccurate extrinsics thus does not change the other directions.
 Rigid3d MovedAlongWeakDirections(const IcpResult& by_shape, const Rigid3d& with_intensities,
@@ -29,6 +33,17 @@ Rigid3d MovedAlongWeakDirections(const IcpResult& by_shape, const Rigid3d& with_
   const Vector6d motion = FirstOrderIncrement(by_shape.target_from_source, with_intensities);
   const Vector6d along_weak = motion - Observe(by_shape.system, weak).Held(motion);
   return LeftIncrement<double>(along_weak, by_shape.target_from_source);
+}
+
+// Information of a registration without directions that depth may not constrain. There, noise and
+// errors of the map determine the pose, and a slide continues for many frames.
+Matrix6d InformationWithoutSlides(const IcpResult& icp) {
+  ObservabilityOptions options;
+  options.min_eigenvalue = kSpuriousEigenvalue;
+  const Observability observability = Observe(icp.system, options);
+  Matrix6d held;
+  for (int k = 0; k < 6; ++k) held.col(k) = observability.Held(Vector6d::Unit(k));
+  return held.transpose() * icp.trusted_information * held;
 }
 
 // Information of a pose with additional noise in the camera frame. Directions without information
@@ -85,8 +100,10 @@ FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
   // The solver svd has no normal equations, so the prior is its initial pose only.
   if (!target.prior || !is_registered || target.icp.solver == "svd") return estimate;
   const Vector6d weights = target.motion.registration_scale.cwiseInverse();
-  const Matrix6d scaled =
-      weights.asDiagonal() * estimate.icp.trusted_information * weights.asDiagonal();
+  const bool has_imu = !target.motion.registration_noise.isZero(0);
+  const Matrix6d trusted =
+      has_imu ? InformationWithoutSlides(estimate.icp) : estimate.icp.trusted_information;
+  const Matrix6d scaled = weights.asDiagonal() * trusted * weights.asDiagonal();
   const Matrix6d information =
       WithNoise(scaled, estimate.registered, target.motion.registration_noise);
   estimate.squared_difference = SquaredDifference(*target.prior, estimate.registered, information);
@@ -175,7 +192,7 @@ Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target
   const Matrix6d from_camera = IncrementTransform(best.registered);
   tracked.world_from_registered = reference.world_from_view * best.registered;
   tracked.registered_information =
-      from_camera.transpose() * best.icp.trusted_information * from_camera;
+      from_camera.transpose() * InformationWithoutSlides(best.icp) * from_camera;
   tracked.prior_squared_difference = best.squared_difference;
   tracked.icp = std::move(best.icp);
   tracked.quality.is_weakly_constrained = best.is_weakly_constrained;

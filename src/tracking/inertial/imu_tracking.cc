@@ -24,8 +24,8 @@ constexpr std::size_t kMaxTurns = 400;
 constexpr std::size_t kTurnsPerAlignment = 10;
 constexpr double kRecent_s = 1.5;
 // Bounds of the pose noise per axis, and the weight of one frame in its mean.
-constexpr double kMinPoseSigma_rad = 0.001, kMaxPoseSigma_rad = 0.02;
-constexpr double kMinPoseSigma_m = 0.002, kMaxPoseSigma_m = 0.04, kMaxStartSigma_m = 0.02;
+constexpr double kMinPoseSigma_rad = 0.0003, kMaxPoseSigma_rad = 0.02;
+constexpr double kMinPoseSigma_m = 0.0006, kMaxPoseSigma_m = 0.04, kMaxStartSigma_m = 0.02;
 constexpr double kNoiseRate = 0.05;
 constexpr std::size_t kMinRecent = 8;
 // An interval without poses of this length is a bridge. It exceeds the interval of slow cameras.
