@@ -4,8 +4,8 @@
     tools/scripts/solver_page.py --graphs=DIR [--pairs=DIR] [--tools=DIR] [--output=FILE] [PEERS]
 
 DIR of --graphs contains .g2o files. DIR of --pairs contains pairs.csv with the columns name, source, target, truth,
-max_m and gate_m: two clouds, a file with the 4 x 4 matrix target_from_source, the largest correct error of the
-position, and the gate of PCL. Peers that are not installed are reported as absent:
+max_m and gate_m. `truth` is a file with the 4 x 4 matrix target_from_source. `max_m` is the largest correct error of
+the position, and `gate_m` the gate of PCL. Peers that are not installed are reported as absent:
 
     --ceres   folder with the programs pose_graph_2d and pose_graph_3d of examples/slam of Ceres
     --gtsam   command of a Python with the module gtsam (Debian 13: python3-gtsam)
