@@ -30,6 +30,13 @@ std::string Cell(const char* format, const std::optional<double>& value, double 
   return text;
 }
 
+// Ratio of converged runs with its 95 % interval, in percent.
+std::string Converged(const ComparisonRow& row) {
+  const std::string ratio = Cell("%.0f %%", row.converged_ratio, 100);
+  if (!row.converged_low) return ratio;
+  return ratio + Cell(" (%.0f", row.converged_low, 100) + Cell("-%.0f)", row.converged_high, 100);
+}
+
 void PrintTable(const std::vector<ComparisonRow>& rows) {
   std::vector<std::vector<std::string>> table = {
       {"association", "residual", "solver", "threads", "points", "runs", "build ms", "linearize ms",
@@ -44,8 +51,7 @@ void PrintTable(const std::vector<ComparisonRow>& rows) {
          Cell("%.1f", row.memory_bytes, 1e-6),
          Cell(row.iteration_ms ? "%.9g" : "%.5g", row.final_cost),
          Cell("%.2g", row.rotation_error_deg), Cell("%.2g", row.translation_error_m, 1000),
-         Cell("%.0f %%", row.converged_ratio, 100),
-         row.termination.empty() ? "-" : row.termination});
+         Converged(row), row.termination.empty() ? "-" : row.termination});
   }
   std::fputs(TextTable(table, 3).c_str(), stdout);
 }

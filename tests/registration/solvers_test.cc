@@ -2,9 +2,11 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/QR>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <thread>
 
 #include "registration/dual_system.h"
 #include "registration/global/register_from.h"
@@ -181,6 +183,36 @@ TEST_P(CeresSolvers, ReportSystemBeforeStep) {
   EXPECT_EQ(ceres.system.inlier_count, tiny.system.inlier_count);
   EXPECT_EQ(ceres.system.hessian, tiny.system.hessian);
   EXPECT_EQ(ceres.observability.eigenvalues, tiny.observability.eigenvalues);
+}
+
+class SlowAssociation final : public Association {
+ public:
+  explicit SlowAssociation(const Association& inner) : inner_(inner) {}
+  int source_count() const override { return inner_.source_count(); }
+  int block_count() const override { return inner_.block_count(); }
+  int block_capacity() const override { return inner_.block_capacity(); }
+  std::unique_ptr<const PairFinder> At(const Rigid3d& target_from_source) const override {
+    std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(kTime_ms));
+    return inner_.At(target_from_source);
+  }
+
+  static constexpr double kTime_ms = 20;
+
+ private:
+  const Association& inner_;
+};
+
+TEST(SolveReport, TimesOfAllSolversIncludeTheAssociation) {
+  const CornerViews corner;
+  const SlowAssociation slow(corner.association);
+  for (const std::string& name : PoseSolverNames()) {
+    PoseSolverOptions options;
+    options.name = name;
+    options.residual = ResidualType::kPointToPoint;
+    const SolveReport report = MakePoseSolver(options)->Step(slow, corner.pose).report;
+    EXPECT_GE(report.linearize_ms, SlowAssociation::kTime_ms) << name;
+    EXPECT_GE(report.solve_ms, report.linearize_ms) << name;
+  }
 }
 
 // Ceres ends with a point that it does not accept. With a large tolerance, its cost can be larger.

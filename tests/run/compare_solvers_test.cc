@@ -66,13 +66,31 @@ TEST(ComparisonRows, HaveNoErrorsWithoutGroundTruth) {
   EXPECT_EQ(row.final_cost, 7);
 }
 
-TEST(ComparisonRows, CountTheRatiosOfACell) {
+TEST(ComparisonRows, CountTheRunsOfACell) {
   ComparedRuns runs;
   runs.runs = {RunOf(0.001, 1), RunOf(0.5, 1), RunOf(0.5, 1)};
   runs.runs[2].cell = {1, 2};
-  EXPECT_EQ(ConvergedRatio(runs, {0, 0}), 0.5);
-  EXPECT_EQ(ConvergedRatio(runs, {1, 2}), 0);
-  EXPECT_EQ(ConvergedRatio(runs, {2, 1}), std::nullopt);
+  EXPECT_EQ(CountsOf(runs, {0, 0}).Ratio(), 0.5);
+  EXPECT_EQ(CountsOf(runs, {1, 2}).Ratio(), 0);
+  EXPECT_EQ(CountsOf(runs, {2, 1}).Ratio(), std::nullopt);
+}
+
+// The limits p solve (p - q)^2 = z^2 p (1 - p) / n for the ratio q, with z = 1.96.
+TEST(WilsonInterval, ContainsTheProbabilitiesThatExplainTheRatio) {
+  for (const RunCounts counts : {RunCounts{6, 4}, RunCounts{6, 0}, RunCounts{50, 49}}) {
+    const auto [low, high] = WilsonInterval(counts);
+    EXPECT_LE(low, *counts.Ratio() + 1e-12);
+    EXPECT_GE(high, *counts.Ratio());
+    for (const double p : {low, high}) {
+      const double z = (p - *counts.Ratio()) / std::sqrt(p * (1 - p) / counts.runs);
+      if (p > 1e-9) {
+        EXPECT_NEAR(std::abs(z), 1.96, 1e-3) << counts.converged;
+      }
+    }
+  }
+  EXPECT_EQ(WilsonInterval({6, 0}).first, 0);
+  EXPECT_EQ(WilsonInterval({6, 6}).second, 1);
+  EXPECT_EQ(WilsonInterval({}), std::make_pair(0., 1.));
 }
 
 CompareOptions OnKnownPairs() {

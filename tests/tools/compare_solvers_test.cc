@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -36,6 +37,8 @@ TEST_F(CompareTool, ComparesAllSolversOverKnownPairs) {
     EXPECT_EQ(row["runs"], slow ? 2 : 4);
     EXPECT_EQ(row["points"], 2000);
     EXPECT_EQ(row["converged_ratio"], 1);
+    EXPECT_NEAR(row["converged_low"], slow ? 0.342 : 0.510, 1e-3);  // 95 % interval of Wilson
+    EXPECT_EQ(row["converged_high"], 1);
     // Single precision rounds coordinates up to 6 m by 2.4e-7 m.
     EXPECT_LT(row["translation_error_m"], 1e-6);
     const bool builds = slow || row["solver"] == "ceres" || row["solver"] == "tiny";
@@ -55,7 +58,8 @@ TEST_F(CompareTool, ComparesAllSolversOverKnownPairs) {
 }
 
 // Noise of 1 cm on 2000 points causes a pose error of 1 cm / sqrt(2000). The rotation error about
-// the origin, 3 m away, adds a few times that.
+// the origin, 3 m away, adds a few times that. The error model has the standard deviation of the
+// noise, so twice the cost is chi-square with 3 * 2000 - 6 degrees of freedom.
 TEST_F(CompareTool, ErrorMatchesTheNoiseOverKnownPairs) {
   Succeeded(Compare({"--synthetic_points=2000", "--noise_m=0.01", "--rotations_deg=5",
                      "--translations_m=0.1", "--solver=svd,closed_form_ldlt,ceres",
@@ -68,9 +72,27 @@ TEST_F(CompareTool, ErrorMatchesTheNoiseOverKnownPairs) {
     // All solvers converge to the same minimum.
     EXPECT_NEAR(row["final_cost"], rows[0]["final_cost"],
                 1e-5 * rows[0]["final_cost"].get<double>());
+    EXPECT_NEAR(2 * row["final_cost"].get<double>(), 5994, 4 * std::sqrt(2 * 5994));
   }
   EXPECT_EQ(rows[0]["threads"], 1);
   EXPECT_EQ(rows[1]["threads"], 2);
+}
+
+// The covariances of planes rotate with the source points, so each solver must repeat its step.
+// Each step keeps the covariances constant. The gradient of the final cost is therefore not zero,
+// and the final cost is proportional to the remaining pose difference of 1e-6.
+TEST_F(CompareTool, SolversFindTheSameMinimumOverKnownPairs) {
+  Succeeded(Compare(
+      {"--synthetic_points=2000", "--noise_m=0.01", "--rotations_deg=10", "--translations_m=0.1"}));
+  std::map<std::string, double> cost_of;
+  for (const auto& row : Rows()) {
+    SCOPED_TRACE(row.dump());
+    const double cost = row["final_cost"];
+    const auto [first, is_new] = cost_of.emplace(row["residual"], cost);
+    const double tolerance = row["residual"] == "plane_to_plane" ? 2e-5 : 1e-6;
+    EXPECT_NEAR(cost, first->second, tolerance * cost);
+  }
+  EXPECT_EQ(cost_of.size(), 4u);
 }
 
 TEST_F(CompareTool, ComparesOverPairsOfFrames) {

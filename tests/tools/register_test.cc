@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -273,6 +274,27 @@ TEST_F(AlignTool, PrintsEachIterationAndWritesCloudsAndPictures) {
     EXPECT_EQ(cloud.colors.size(), cloud.points.size());
     EXPECT_THAT(ReadBytes(own_ / "out" + "/" + name + ".png"), StartsWith("\x89PNG"));
   }
+}
+
+TEST_F(AlignTool, WritesPoseAndCovariance) {
+  Succeeded(Align(Room(), {"--source_frame=0", "--target_frame=5", "--start=features"}));
+  const std::string folder = own_ / "out" + "/";
+  const Rigid3d pose = ParseTransform(ReadBytes(folder + "transform.txt"));
+  const auto json = nlohmann::json::parse(ReadBytes(folder + "registration.json"));
+  const Eigen::Matrix4d matrix = pose.Matrix();
+  for (int i = 0; i < 16; ++i) {
+    EXPECT_NEAR(json["target_from_source"][i / 4][i % 4], matrix(i / 4, i % 4), 1e-12);
+  }
+  EXPECT_EQ(json["succeeded"], true);
+  EXPECT_EQ(json["start"], "features");
+  EXPECT_GT(json["verification"]["overlap_ratio"], 0.5);
+  ASSERT_EQ(json["covariance"].size(), 6u);
+  const double sigma_m = std::sqrt(json["covariance"][5][5].get<double>());
+  EXPECT_GT(sigma_m, 1e-5);
+  EXPECT_LT(sigma_m, 0.01);
+  EXPECT_LT(json["pose_error"]["after"]["m"], 0.008);
+  EXPECT_GT(json["pose_error"]["before"]["m"], 0.05);
+  EXPECT_EQ(json["options"]["start"], "features");
 }
 
 TEST_F(AlignTool, FailsWithValueAndConstraint) {

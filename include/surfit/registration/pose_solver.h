@@ -40,7 +40,7 @@ struct PoseSolverOptions {
 // Times and costs of a solve.
 struct SolveReport {
   double build_ms = 0;        // construction of the Ceres problem
-  double linearize_ms = 0;    // one linearisation, with data association if both are combined
+  double linearize_ms = 0;    // data association, and one linearisation in the form of the solver
   double solve_ms = 0;        // everything except build_ms
   std::vector<double> costs;  // joint cost at each linearisation; costs[0]: before the step
 };

@@ -59,7 +59,9 @@ void CompareOptions::Visit(OptionVisitor& v) {
   v.Add(synthetic_points, "synthetic_points",
         "compare on this number of random points with known correspondences, without robust kernel",
         ZeroIs("none"), Everyday());
-  v.Add(noise_m, "noise_m", "standard deviation of the coordinates of the random points",
+  v.Add(noise_m, "noise_m",
+        "standard deviation of the coordinates of the random points, also in the error model; 0: "
+        "exact points",
         AtLeast(0), AsFlag());
   v.AddPart(sequence, "sequence", "compare on frames of a sequence", WithoutFlags({"stride"}),
             OptionalPart());

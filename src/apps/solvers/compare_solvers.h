@@ -20,7 +20,9 @@ class OptionVisitor;
 // with sequence.
 struct CompareOptions {
   int synthetic_points = 0;  // number of random points with known correspondences; 0: off
-  double noise_m = 0;        // noise of these points: standard deviation per coordinate
+  // Standard deviation per coordinate of these points, also in the error model. 0: exact points,
+  // with floor_sigma_m in the error model.
+  double noise_m = 0;
 
   SequenceOptions sequence;  // empty path: none; `stride` is not used
   int pairs = 4;             // number of frame pairs, evenly spread; 0: none, requires `slam`
@@ -81,7 +83,7 @@ struct ComparisonRow {
   int threads = 0;
   int runs = 0;
   std::optional<double> build_ms;  // construction of a Ceres problem
-  // One linearisation, with the association if the solver combines both.
+  // Data association, except for known correspondences, and one linearisation.
   std::optional<double> linearize_ms;
   std::optional<double> solve_ms;  // one solve, without build_ms
   double total_ms = 0;             // from the initial to the final pose
@@ -91,6 +93,7 @@ struct ComparisonRow {
   std::optional<double> final_cost;  // 1/2 sum of rho(s)
   std::optional<double> rotation_error_deg, translation_error_m;
   std::optional<double> converged_ratio;
+  std::optional<double> converged_low, converged_high;  // 95 % interval, see WilsonInterval()
   std::string termination;  // most frequent value; empty for synthetic points
 };
 

@@ -55,6 +55,8 @@ Json ToJson(const ComparisonRow& row) {
           {"rotation_error_deg", ToJson(row.rotation_error_deg)},
           {"translation_error_m", ToJson(row.translation_error_m)},
           {"converged_ratio", ToJson(row.converged_ratio)},
+          {"converged_low", ToJson(row.converged_low)},
+          {"converged_high", ToJson(row.converged_high)},
           {"termination", ToJson(row.termination)}};
 }
 

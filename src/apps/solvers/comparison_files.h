@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/solvers/compare_solvers.h"
@@ -32,8 +33,20 @@ ComparedRun Compare(SolveOutcome outcome, const std::optional<Rigid3d>& truth,
 // Medians of the runs, see ComparisonRow. Requires at least one run.
 ComparisonRow RowOf(const ComparedRuns& runs);
 
-// Converged runs / runs of a cell. std::nullopt without runs or if the truth is unknown.
-std::optional<double> ConvergedRatio(const ComparedRuns& runs, const PerturbationCell& cell);
+// Numbers of runs with a known truth.
+struct RunCounts {
+  int runs = 0;
+  int converged = 0;
+
+  // Converged runs / runs. std::nullopt without runs.
+  std::optional<double> Ratio() const;
+};
+
+RunCounts CountsOf(const ComparedRuns& runs, const PerturbationCell& cell);
+
+// 95 % confidence interval of the probability of convergence (Wilson: Probable inference, the law
+// of succession, and statistical inference, 1927). {0, 1} without runs.
+std::pair<double, double> WilsonInterval(const RunCounts& counts);
 
 // Runs SLAM with each combination. Results are in <output>/slam. If interrupted, returns the rows
 // so far. `progress` must not be empty.

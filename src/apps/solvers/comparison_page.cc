@@ -13,15 +13,17 @@ PerturbationCell ShownStart(const CompareOptions& options) {
   return has_second ? PerturbationCell{1, 1} : PerturbationCell{0, 0};
 }
 
-// Rows: initial rotation errors. Columns: initial translation errors. null without ground truth.
+// Elements: [ratio, lower limit, upper limit] of converged runs, see WilsonInterval(). Rows:
+// initial rotation errors. Columns: initial translation errors. null without ground truth.
 Json SharesOf(const ComparedRuns& runs, const CompareOptions& options) {
   if (!runs.runs.front().converged) return nullptr;
   Json shares = Json::array();
   for (std::size_t i = 0; i < options.rotations_deg.size(); ++i) {
     Json row = Json::array();
     for (std::size_t j = 0; j < options.translations_m.size(); ++j) {
-      const auto share = ConvergedRatio(runs, {static_cast<int>(i), static_cast<int>(j)});
-      row.push_back(share ? Json(*share) : Json(nullptr));
+      const RunCounts counts = CountsOf(runs, {static_cast<int>(i), static_cast<int>(j)});
+      const auto [low, high] = WilsonInterval(counts);
+      row.push_back(counts.runs > 0 ? Json{*counts.Ratio(), low, high} : Json(nullptr));
     }
     shares.push_back(row);
   }

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
+#include <tuple>
 
 #include "apps/solvers/comparison_files.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
@@ -19,15 +21,14 @@ std::optional<double> Median(const std::vector<ComparedRun>& runs, const F& valu
 }
 
 template <typename Chosen>
-std::optional<double> ShareConverged(const std::vector<ComparedRun>& runs, const Chosen& chosen) {
-  int count = 0, converged = 0;
+RunCounts Count(const std::vector<ComparedRun>& runs, const Chosen& chosen) {
+  RunCounts counts;
   for (const ComparedRun& run : runs) {
     if (!run.converged || !chosen(run)) continue;
-    ++count;
-    if (*run.converged) ++converged;
+    ++counts.runs;
+    if (*run.converged) ++counts.converged;
   }
-  if (count == 0) return std::nullopt;
-  return static_cast<double>(converged) / count;
+  return counts;
 }
 
 std::string MostFrequentTermination(const std::vector<ComparedRun>& runs) {
@@ -85,13 +86,31 @@ ComparisonRow RowOf(const ComparedRuns& compared) {
   row.final_cost = Median(good, [](auto& run) { return Optional(run.outcome.final_cost); });
   row.rotation_error_deg = Median(good, [](auto& run) { return run.rotation_error_deg; });
   row.translation_error_m = Median(good, [](auto& run) { return run.translation_error_m; });
-  row.converged_ratio = ShareConverged(compared.runs, [](auto&) { return true; });
+  const RunCounts counts = Count(compared.runs, [](auto&) { return true; });
+  row.converged_ratio = counts.Ratio();
+  if (counts.runs > 0) {
+    std::tie(row.converged_low, row.converged_high) = WilsonInterval(counts);
+  }
   row.termination = MostFrequentTermination(compared.runs);
   return row;
 }
 
-std::optional<double> ConvergedRatio(const ComparedRuns& runs, const PerturbationCell& cell) {
-  return ShareConverged(runs.runs, [&](const ComparedRun& run) { return run.cell == cell; });
+std::optional<double> RunCounts::Ratio() const {
+  if (runs == 0) return std::nullopt;
+  return static_cast<double>(converged) / runs;
+}
+
+RunCounts CountsOf(const ComparedRuns& runs, const PerturbationCell& cell) {
+  return Count(runs.runs, [&](const ComparedRun& run) { return run.cell == cell; });
+}
+
+std::pair<double, double> WilsonInterval(const RunCounts& counts) {
+  if (counts.runs == 0) return {0, 1};
+  constexpr double kZ = 1.959963985;  // 97.5 % quantile of the normal distribution
+  const double n = counts.runs, p = counts.converged / n, z2 = kZ * kZ;
+  const double center = (p + z2 / (2 * n)) / (1 + z2 / n);
+  const double half = kZ * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n)) / (1 + z2 / n);
+  return {std::max(0., center - half), std::min(1., center + half)};
 }
 
 }  // namespace surfit

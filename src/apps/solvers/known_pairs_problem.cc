@@ -21,11 +21,13 @@ Eigen::Vector3d RandomVector(double size, std::mt19937_64* rng) {
 }
 
 // Random correspondences. The source points are in a cube with sides of 2 m, centred 3 m in front
-// of the camera. The target points have noise.
+// of the camera. The target points have noise, which is also the standard deviation of the error
+// model. Exact points have floor_sigma_m.
 PairBuffer MakePairs(const CompareOptions& options, const Rigid3d& target_from_source) {
   std::mt19937_64 rng(options.seed);
   std::normal_distribution<double> noise(0, 1);
-  const double sigma_m = options.icp.error_model.floor_sigma_m;
+  const double sigma_m =
+      options.noise_m > 0 ? options.noise_m : options.icp.error_model.floor_sigma_m;
   PairBuffer pairs;
   for (int i = 0; i < options.synthetic_points; ++i) {
     const Eigen::Vector3d p = Eigen::Vector3d(0, 0, 3) + RandomVector(1, &rng);
@@ -69,6 +71,12 @@ PoseSolverOptions SolverOptionsOf(const SolverCombination& combination, const Ic
   return options;
 }
 
+// A step with constant covariances of the residuals. The covariances of planes rotate with the
+// source points between steps, so that steps repeat.
+bool EndsAfterOneStep(const PoseSolver& solver, ResidualType residual) {
+  return solver.ReachesMinimum() && residual != ResidualType::kPlaneToPlane;
+}
+
 SolveOutcome Solve(const PairBuffer& pairs, const PoseSolverOptions& options,
                    const Rigid3d& start) {
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(options);
@@ -82,7 +90,8 @@ SolveOutcome Solve(const PairBuffer& pairs, const PoseSolverOptions& options,
     MoveSource(pairs, outcome.target_from_source, &moved);
     const StepResult step = solver->Step(moved);
     outcome.target_from_source = LeftIncrement<double>(step.increment, outcome.target_from_source);
-    outcome.succeeded = solver->ReachesMinimum() || step.increment.norm() < kSmallestStep;
+    outcome.succeeded =
+        EndsAfterOneStep(*solver, options.residual) || step.increment.norm() < kSmallestStep;
     reports.push_back(step.report);
   }
   outcome.total_ms = total.Milliseconds();

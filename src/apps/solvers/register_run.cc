@@ -151,16 +151,22 @@ AlignRunResult RunAlign(const AlignRunOptions& options) {
   const ThreadLimit limit(options.threads);
   const PosedPair pair = ReadPosedPair(options.sequence, options.source, options.target,
                                        options.preprocess, options.icp.error_model);
-  const OutputFolder owned(options.output, {"before.ply", "after.ply", "before.png", "after.png"});
+  const OutputFolder owned(options.output, {"transform.txt", "registration.json", "before.ply",
+                                            "after.ply", "before.png", "after.png"});
 
   AlignRunResult result;
   result.registration =
       RegisterGlobally(pair.source.view, pair.target.view, options.initialize, options.icp);
-  const Rigid3d& estimated = result.registration.icp.target_from_source;
+  IcpResult& icp = result.registration.icp;
+  icp.covariance =
+      CovarianceOfViews(pair.source.view.pyramid, pair.target.view.pyramid, icp, options.icp);
+  const Rigid3d& estimated = icp.target_from_source;
   if (const std::optional<Rigid3d> truth = pair.TargetFromSource()) {
     result.initial_error = ErrorOf(Rigid3d(), *truth);
     result.final_error = ErrorOf(estimated, *truth);
   }
+  WriteTransform(estimated, options.output + "/transform.txt");
+  WriteAlignmentJson(result, options, options.output + "/registration.json");
   WriteClouds(pair, Rigid3d(), options.output + "/before");
   WriteClouds(pair, estimated, options.output + "/after");
   return result;

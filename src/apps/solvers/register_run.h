@@ -35,10 +35,15 @@ struct AlignRunResult {
   std::optional<PoseError> final_error;
 };
 
-// Registers two frames of a sequence (RegisterGlobally()). Writes before.ply, after.ply,
-// before.png and after.png into the output folder. They show both frames in target camera
-// coordinates: source in orange, target in blue. Throws InputError for invalid options,
-// unreadable frames, or results that cannot be written.
+// Registers two frames of a sequence (RegisterGlobally()).
+//
+// Files in the output folder:
+//   transform.txt            target_from_source, 4 x 4, of the camera frames
+//   registration.json        target_from_source, its covariance (CovarianceOfViews()), the
+//                            verification result, and the statistics of ICP
+//   before.ply, after.ply    both frames in target camera coordinates: source in orange, target in
+//   before.png, after.png    blue
+// Throws InputError for invalid options, unreadable frames, or results that cannot be written.
 AlignRunResult RunAlign(const AlignRunOptions& options);
 
 class OptionVisitor;

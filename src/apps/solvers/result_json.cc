@@ -63,46 +63,88 @@ Json ToJson(const RefinementRound& round) {
           {"calibration", ToJson(round.calibration)}};
 }
 
-}  // namespace
+Json ToJson(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
-void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOptions& options,
-                           const std::string& path) {
-  const CloudRegistration& registration = result.registration;
-  const IcpResult& icp = registration.icp;
+// First members of registration.json. The caller adds further members of `verification`.
+template <typename Verified, typename Criteria>
+Json PoseToJson(const IcpResult& icp, const Verified& verified, const Criteria& criteria) {
   Json j;
   j["target_from_source"] = Rows(icp.target_from_source.Matrix());
   j["termination"] = ToString(icp.termination);
-  j["succeeded"] = registration.accepted();
-  j["start"] = registration.start;
-  j["verification"] = {
-      {"result", ToString(registration.reason)},
-      {"violated_criterion", ViolatedCriterion(registration, options.start.criteria)},
-      {"overlap_ratio", registration.overlap_ratio},
-      {"surface_inlier_ratio", registration.inlier_ratio},
-      {"free_space_violation_ratio", registration.free_space_violation_ratio
-                                         ? Json(*registration.free_space_violation_ratio)
-                                         : Json()},
-      {"score_margin", registration.score_margin},
-      {"forward_backward_m", registration.disagreement_m},
-      {"largest_sigma_m", registration.sigma_m},
-      {"point_spacing_m", registration.spacing_m},
-      {"noise_m", registration.noise_m}};
+  j["succeeded"] = verified.accepted();
+  j["start"] = nullptr;
+  j["verification"] = {{"result", ToString(verified.reason)},
+                       {"violated_criterion", ViolatedCriterion(verified, criteria)},
+                       {"overlap_ratio", verified.overlap_ratio},
+                       {"score_margin", verified.score_margin},
+                       {"forward_backward_m", verified.disagreement_m},
+                       {"largest_sigma_m", verified.sigma_m}};
+  return j;
+}
+
+void AddStatistics(const IcpResult& icp, const IcpOptions& options, const std::string& assumptions,
+                   Json* json) {
+  Json& j = *json;
   j["rmse_m"] = icp.rmse_m;
   j["inlier_count"] = icp.inlier_count;
   j["inlier_ratio"] = icp.inlier_ratio;
   j["step_count"] = icp.step_count;
   j["information"] = Rows(icp.information);
   j["covariance"] = icp.covariance ? Rows(*icp.covariance) : Json();
-  j["covariance_assumptions"] = Concat(
-      "left perturbation (rad, m) about the origin of the target; errors of points more than ",
-      kErrorSpacings, " point spacings apart are independent; no systematic error of the sensor");
+  j["covariance_assumptions"] =
+      Concat("left perturbation (rad, m) about the origin of the target; ", assumptions,
+             "; no systematic error of the sensor");
   j["eigenvalues"] = icp.eigenvalues;
   j["degenerate_directions"] = icp.degenerate_directions;
+  j["residual"] = options.residual;
+  j["association"] = options.association;
+  j["solver"] = options.solver;
+}
+
+Json ToJson(const std::optional<PoseError>& error) {
+  if (!error) return nullptr;
+  return {{"m", error->translation_m}, {"deg", error->rotation_deg}};
+}
+
+}  // namespace
+
+void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOptions& options,
+                           const std::string& path) {
+  const CloudRegistration& registration = result.registration;
+  Json j = PoseToJson(registration.icp, registration, options.start.criteria);
+  j["start"] = registration.start;
+  j["verification"]["surface_inlier_ratio"] = registration.inlier_ratio;
+  j["verification"]["free_space_violation_ratio"] = ToJson(registration.free_space_violation_ratio);
+  j["verification"]["point_spacing_m"] = registration.spacing_m;
+  j["verification"]["noise_m"] = registration.noise_m;
+  AddStatistics(registration.icp, options.registration.icp,
+                Concat("errors of points more than ", kErrorSpacings,
+                       " point spacings apart are independent"),
+                &j);
   j["source"] = ToJson(result.source, options.source);
   j["target"] = ToJson(result.target, options.target);
-  j["residual"] = options.registration.icp.residual;
-  j["association"] = options.registration.icp.association;
-  j["solver"] = options.registration.icp.solver;
+  j["options"] = FlagValues(options);
+  WriteJson(j, path);
+}
+
+void WriteAlignmentJson(const AlignRunResult& result, const AlignRunOptions& options,
+                        const std::string& path) {
+  const GlobalRegistrationResult& registration = result.registration;
+  Json j = PoseToJson(registration.icp, registration, options.initialize.fit);
+  j["start"] = options.initialize.method;
+  if (options.initialize.method == "identity") {
+    j["verification"] = nullptr;
+  } else {
+    j["verification"]["value_correlation"] = registration.value_correlation;
+    j["verification"]["detail_correlation"] = registration.detail_correlation;
+  }
+  j["free_space_violation_ratio"] = registration.icp.free_space_violation_ratio;
+  AddStatistics(registration.icp, options.icp, "errors of different image blocks are independent",
+                &j);
+  j["pose_error"] = {{"before", ToJson(result.initial_error)},
+                     {"after", ToJson(result.final_error)}};
+  j["source_frame"] = options.source;
+  j["target_frame"] = options.target;
   j["options"] = FlagValues(options);
   WriteJson(j, path);
 }

@@ -33,10 +33,16 @@ class PairSolver : public PoseSolver {
 
   StepResult Step(const Association& association,
                   const Rigid3d& target_from_source) const override {
+    const Stopwatch associating;
     IntensityPairs intensities;
     if (photometric() != nullptr) intensities = photometric()->Collect(target_from_source);
-    return derived().StepOver(association.Collect(target_from_source), intensities,
-                              prior() != nullptr ? &target_from_source : nullptr);
+    PairBuffer pairs = association.Collect(target_from_source);
+    const double associate_ms = associating.Milliseconds();
+    StepResult result = derived().StepOver(std::move(pairs), intensities,
+                                           prior() != nullptr ? &target_from_source : nullptr);
+    result.report.linearize_ms += associate_ms;
+    result.report.solve_ms += associate_ms;
+    return result;
   }
   StepResult Step(const PairBuffer& pairs) const override {
     return derived().StepOver(pairs, {}, nullptr);

@@ -57,7 +57,7 @@ surfit.showTimes = (rows) => {
   }
 };
 
-// Adds a table of ratios as coloured percentages.
+// Adds a table of ratios as coloured percentages, with their intervals as tooltips.
 surfit.addShares = (parent, shares, rowLabels, columnLabels) => {
   const table = surfit.element('table', parent, { className: 'shares' });
   const head = surfit.element('tr', table);
@@ -66,10 +66,12 @@ surfit.addShares = (parent, shares, rowLabels, columnLabels) => {
   shares.forEach((row, i) => {
     const line = surfit.element('tr', table);
     surfit.element('th', line, { textContent: rowLabels[i] });
-    for (const share of row) {
+    for (const element of row) {
       const cell = surfit.element('td', line);
-      if (share === null) continue;
+      if (element === null) continue;
+      const [share, low, high] = element;
       cell.textContent = Math.round(100 * share);
+      cell.title = `95 % interval: ${Math.round(100 * low)} to ${Math.round(100 * high)} %`;
       cell.style.background = surfit.cssColor(surfit.scaleColor(share, 0, 1));
       cell.style.color = share > 0.6 ? '#141414' : '#ffffff';
     }

@@ -1,0 +1,405 @@
+#!/usr/bin/env python3
+"""Creates docs/solvers.md: Surfit and its peers on public pose graphs and cloud pairs.
+
+    tools/scripts/solver_page.py --graphs=DIR [--pairs=DIR] [--tools=DIR] [--output=FILE] [PEERS]
+
+DIR of --graphs contains .g2o files. DIR of --pairs contains pairs.csv with the columns name, source, target, truth,
+max_m and gate_m. `truth` is a file with the 4 x 4 matrix target_from_source. `max_m` is the largest correct error of
+the position, and `gate_m` the gate of PCL. Peers that are not installed are reported as absent:
+
+    --ceres   folder with the programs pose_graph_2d and pose_graph_3d of examples/slam of Ceres
+    --gtsam   command of a Python with the module gtsam (Debian 13: python3-gtsam)
+    --open3d  command of a Python with the module open3d (Debian 12: python3-open3d)
+    --pcl     folder with the programs pcl_icp and pcl_ply2pcd (Debian 12: pcl-tools)
+
+Requires numpy.
+"""
+
+import argparse
+import csv
+import datetime
+import json
+import pathlib
+import resource
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+LIMIT_S = 600  # of a program
+WRONG_SHARES, WRONG_DRAWS, WRONG_MAX_POSES = (0.2, 0.5), 3, 2000
+MAX_DEGREES = 2  # of a correct registration
+
+HEAD = """# Solvers and their peers
+
+`tools/scripts/solver_page.py` created this page on {date} from commit {commit}. {machine}.
+Peers: {found}. Absent: {absent}. Times are processor seconds of one run.
+
+## Pose graphs
+
+Cells are the final cost in the metric of `surfit_optimize` ([error](understand.md#loop-closure-and-pose-graph)) and
+the time. "Chordal" and "given" are values of `--start`. Ceres is the example program of Ceres, which starts from the
+given poses. GTSAM is Levenberg-Marquardt from chordal poses, in SE(2) from LAGO or the given poses. Peers minimise
+costs of their own.
+
+"""
+WRONG = """
+## Wrong loop closures
+
+Cells are the ATE in m to the optimum without wrong loop closures, of {draws} draws with GNC. Wrong loop closures are a
+ratio of the loop closures of the graph. They connect random poses, with a random rotation and a translation of 5 % of
+the size of the graph.
+
+"""
+PAIRS = """
+## Pairs of clouds
+
+A registration is right up to {degrees} degrees, and up to `max_m` of `pairs.csv` at the origin of the source. Surfit is
+`surfit_register` with default options. "Refused" is exit code 2. Open3D is point to plane on voxels of 8, 4, 2 and 1
+point spacings from the identity, and after RANSAC over FPFH features. PCL is `pcl_icp` from the identity.
+
+"""
+
+
+class Graph:
+    """Lines of a .g2o file by id. Files without vertices get chained poses."""
+
+    def __init__(self, path, tools, folder):
+        out = folder / "prepared.g2o"  # has positive semidefinite information matrices
+        surfit_graph(tools, path, out, "--start=given", "--max_graph_iterations=1")
+        self.edges = [line.split() for line in out.read_text().splitlines() if line.startswith("EDGE")]
+        lines = [line.split() for line in path.read_text().splitlines()]
+        self.planar = self.edges[0][0] == "EDGE_SE2"
+        self.vertices = {int(w[1]): w[2:] for w in lines if w and w[0].startswith("VERTEX")} or self.chain()
+        rank = {id_: i for i, id_ in enumerate(sorted(self.vertices))}
+        self.loops = [e for e in self.edges if abs(rank[int(e[1])] - rank[int(e[2])]) != 1]
+
+    def chain(self):
+        poses = {int(self.edges[0][1]): [0, 0, 0]}
+        for _, a, b, dx, dy, turn, *_ in self.edges:
+            if int(a) in poses and int(b) not in poses:
+                x, y, angle = poses[int(a)]
+                c, s = np.cos(angle), np.sin(angle)
+                poses[int(b)] = [x + c * float(dx) - s * float(dy), y + s * float(dx) + c * float(dy),
+                                 angle + float(turn)]
+        return poses
+
+    def write(self, path, vertices=None, more=()):
+        tag = "VERTEX_SE2" if self.planar else "VERTEX_SE3:QUAT"
+        rows = [[tag, id_, *pose] for id_, pose in (vertices or self.vertices).items()] + self.edges + list(more)
+        path.write_text("".join(" ".join(map(str, row)) + "\n" for row in rows))
+
+    def wrong_loops(self, ratio, seed):
+        """Random edges between poses more than 10 apart, with the information of a random loop."""
+        random, ids, added = np.random.default_rng(seed), sorted(self.vertices), []
+        size = 3 if self.planar else 7
+        spread = 0.05 * np.sqrt(positions(self.vertices).var(0).sum())
+        while len(added) < ratio * len(self.loops):
+            a, b = sorted(random.integers(0, len(ids), 2))
+            if b - a <= 10:
+                continue
+            loop = self.loops[random.integers(len(self.loops))]
+            turn = [random.uniform(-np.pi, np.pi)]
+            if not self.planar:
+                turn = random.normal(size=4)
+                turn /= np.linalg.norm(turn)
+            move = random.normal(0, spread, 2 if self.planar else 3)
+            added.append([loop[0], ids[a], ids[b], *move, *turn, *loop[3 + size:]])
+        return added
+
+
+def read_poses(path):
+    """Numbers by id, of vertices of a .g2o file or of rows with id and pose."""
+    rows = (line.replace("VERTEX_SE2", "").replace("VERTEX_SE3:QUAT", "").split()
+            for line in path.read_text().splitlines())
+    return {int(w[0]): w[1:] for w in rows if w and w[0].isdigit()}
+
+
+def positions(vertices):
+    """The first two or three numbers of the poses, by id."""
+    return np.array([list(map(float, vertices[id_][:3 if len(vertices[id_]) == 7 else 2])) for id_ in sorted(vertices)])
+
+
+def rmse_after_alignment(a, b):
+    p, q = a - a.mean(0), b - b.mean(0)
+    u, _, vt = np.linalg.svd(q.T @ p)
+    u[:, -1] *= np.sign(np.linalg.det(u @ vt))
+    return float(np.sqrt(((p @ (u @ vt).T - q) ** 2).sum(1).mean()))
+
+
+def run(command, folder):
+    """Exit code, standard output and processor seconds. The exit code is None after LIMIT_S."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    try:
+        done = subprocess.run([str(word) for word in command], cwd=folder, capture_output=True, text=True,
+                              timeout=LIMIT_S)
+        code, text = done.returncode, done.stdout
+        if code not in (0, 2):
+            print(command[0], done.stderr[-500:], sep="\n", file=sys.stderr)
+    except (subprocess.TimeoutExpired, FileNotFoundError) as error:
+        print(error, file=sys.stderr)
+        code, text = None, ""
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return code, text, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def surfit_graph(tools, path, out, *flags):
+    """Summary and processor seconds; (None, 0) without a result. Writes the optimised graph to `out`."""
+    summary = out.with_suffix(".json")
+    code, _, seconds = run([tools / "surfit_optimize", f"--graph={path}", f"--output={out}", f"--summary={summary}",
+                            "--indefinite_information=blocks", *flags], out.parent)
+    return (json.loads(summary.read_text()), seconds) if code in (0, 2) else (None, 0)
+
+
+def gtsam_peer(path, out, robust):
+    """Optimises a graph from chordal poses. Writes rows of id and pose."""
+    import gtsam
+    begin = time.process_time()
+    planar = "VERTEX_SE2" in pathlib.Path(path).read_text()
+    graph, given = gtsam.readG2o(path, not planar)
+    first, size = min(given.keys()), graph.size()
+    noise = gtsam.noiseModel.Isotropic.Sigma(3 if planar else 6, 1e-6)
+    graph.add(gtsam.PriorFactorPose2(first, given.atPose2(first), noise) if planar else
+              gtsam.PriorFactorPose3(first, given.atPose3(first), noise))
+    try:
+        initial = gtsam.lago.initialize(graph) if planar else gtsam.InitializePose3.initialize(graph)
+    except ValueError:  # LAGO requires diagonal information
+        initial = given
+    optimizer = gtsam.LevenbergMarquardtOptimizer(graph, initial)
+    if robust:
+        rank = {key: i for i, key in enumerate(sorted(given.keys()))}
+        ends = [[rank[key] for key in graph.at(i).keys()] for i in range(size)]
+        params = gtsam.GncLMParams()
+        params.setKnownInliers([*(i for i in range(size) if abs(ends[i][0] - ends[i][1]) == 1), size])
+        optimizer = gtsam.GncLMOptimizer(graph, initial, params)
+        optimizer.setInlierCostThresholdsAtProbability(0.999)
+    found = optimizer.optimize()
+    seconds = time.process_time() - begin
+    with open(out, "w", encoding="utf-8") as file:
+        for key in given.keys():
+            pose = found.atPose2(key) if planar else found.atPose3(key)
+            numbers = [pose.x(), pose.y(), *([pose.theta()] if planar else [pose.z()])]
+            if not planar:
+                q = pose.rotation().toQuaternion()
+                numbers += [q.x(), q.y(), q.z(), q.w()]
+            print(key, *numbers, file=file)
+    print(json.dumps(seconds))
+
+
+def open3d_peer(source, target, method, out):
+    """Registers two clouds by point to plane, with "global" from RANSAC over FPFH. Writes target_from_source."""
+    import open3d
+    begin = time.process_time()
+    reg, search = open3d.pipelines.registration, open3d.geometry.KDTreeSearchParamHybrid
+    clouds = [open3d.io.read_point_cloud(path).remove_non_finite_points() for path in (source, target)]
+    clouds = [cloud.remove_duplicated_points() for cloud in clouds]
+    spacing = max(float(np.median(cloud.compute_nearest_neighbor_distance())) for cloud in clouds)
+    pose, scales = np.eye(4), (8, 4, 2, 1)
+
+    def thinned(voxel):
+        thin = [cloud.voxel_down_sample(voxel) for cloud in clouds]
+        for cloud in thin:
+            cloud.estimate_normals(search(2 * voxel, 30))
+        return thin
+
+    if method == "global":
+        scales, voxel = (4, 2, 1), 4 * spacing
+        thin = thinned(voxel)
+        features = [reg.compute_fpfh_feature(cloud, search(5 * voxel, 100)) for cloud in thin]
+        checks = [reg.CorrespondenceCheckerBasedOnEdgeLength(0.9),
+                  reg.CorrespondenceCheckerBasedOnDistance(1.5 * voxel)]
+        pose = reg.registration_ransac_based_on_feature_matching(
+            *thin, *features, True, 1.5 * voxel, reg.TransformationEstimationPointToPoint(False), 3, checks,
+            reg.RANSACConvergenceCriteria(100000, 0.999)).transformation
+    for scale in scales:
+        pose = reg.registration_icp(
+            *thinned(scale * spacing), 3 * scale * spacing, pose, reg.TransformationEstimationPointToPlane(),
+            reg.ICPConvergenceCriteria(max_iteration=100)).transformation
+    np.savetxt(out, pose)
+    print(json.dumps(time.process_time() - begin))
+
+
+class Page:
+    """Rows of the tables. Peers that are not installed have no column."""
+
+    def __init__(self, options, folder):
+        self.tools, self.folder = options.tools.resolve(), folder
+        script = pathlib.Path(__file__).resolve()
+        self.found = {}
+        for name in ("gtsam", "open3d"):
+            command = shlex.split(getattr(options, name))
+            if run([*command, "-c", f"import numpy, {name}"], folder)[0] == 0:
+                self.found[name] = [*command, script, f"--peer={name}"]
+        for name, program in (("ceres", "pose_graph_3d"), ("pcl", "pcl_icp")):
+            path = shutil.which(program, path=getattr(options, name))
+            if path:
+                self.found[name] = pathlib.Path(path).resolve().parent
+
+    def python_peer(self, name, *arguments):
+        """Processor seconds that a Python peer reports; None: no result."""
+        code, text, _ = run([*self.found[name], *arguments], self.folder)
+        return json.loads(text.splitlines()[-1]) if code == 0 else None
+
+    def peer_poses(self, name, graph, path, *more):
+        """Poses by id and processor seconds; (None, None): no result."""
+        out = self.folder / "poses_optimized.txt"
+        if name == "gtsam":
+            seconds = self.python_peer(name, path, out, *more)
+        else:
+            program = self.found[name] / ("pose_graph_2d" if graph.planar else "pose_graph_3d")
+            code, _, seconds = run([program, f"--input={path}"], self.folder)
+            seconds = seconds if code == 0 else None
+        return (read_poses(out), seconds) if seconds is not None else (None, None)
+
+    def graph_row(self, name, graph):
+        path, out = self.folder / "graph.g2o", self.folder / "out.g2o"
+        graph.write(path)
+        cells = [name, len(graph.vertices), len(graph.edges)]
+        for start in ("chordal", "given"):
+            summary, seconds = surfit_graph(self.tools, path, out, f"--start={start}")
+            if summary is None:
+                cells.append("failed")
+                continue
+            at_limit = " (limit)" * (summary["termination"] == "max_iterations")
+            cells.append(f"{summary['final_cost']:.7g}, {seconds:.2f} s{at_limit}")
+        for peer in self.graph_peers():
+            poses, seconds = self.peer_poses(peer, graph, path)
+            cells.append("failed")
+            if poses:
+                graph.write(self.folder / "peer.g2o", poses)
+                summary, _ = surfit_graph(self.tools, self.folder / "peer.g2o", out, "--start=given",
+                                          "--max_graph_iterations=1")
+                cells[-1] = f"{summary['given_cost']:.7g}, {seconds:.2f} s"
+        return cells
+
+    def graph_peers(self):
+        return [name for name in ("ceres", "gtsam") if name in self.found]
+
+    def wrong_loop_row(self, name, graph, ratio):
+        path, out = self.folder / "graph.g2o", self.folder / "out.g2o"
+        graph.write(path)
+        surfit_graph(self.tools, path, out)
+        best, found, by_gtsam = positions(read_poses(out)), [], []
+        for draw in range(WRONG_DRAWS):
+            graph.write(path, more=graph.wrong_loops(ratio, draw))
+            summary, _ = surfit_graph(self.tools, path, out, "--loop_robustness=gnc")
+            error = rmse_after_alignment(positions(read_poses(out)), best)
+            found.append(f"{error:.1g}" + " (doubtful)" * (summary["status"] == "doubtful"))
+            if "gtsam" in self.found:
+                poses, _ = self.peer_poses("gtsam", graph, path, "robust")
+                by_gtsam.append(f"{rmse_after_alignment(positions(poses), best):.1g}" if poses else "no result")
+        return [name, f"{100 * ratio:.0f} %", ", ".join(found), *([", ".join(by_gtsam)] if by_gtsam else [])]
+
+    def pair_row(self, pair):
+        out = self.folder / "pair"
+        code, _, seconds = run([self.tools / "surfit_register", f"--source={pair['source']}",
+                                f"--target={pair['target']}", f"--output={out}"], self.folder)
+        cells = [pair["name"], "failed"]
+        if code in (0, 2):
+            cells[1] = verdict(pair, np.loadtxt(out / "transform.txt"), seconds, code == 2)
+        if "open3d" in self.found:
+            for method in ("identity", "global"):
+                seconds = self.python_peer("open3d", pair["source"], pair["target"], method, "pose.txt")
+                cells.append("failed" if seconds is None else
+                             verdict(pair, np.loadtxt(self.folder / "pose.txt"), seconds))
+        if "pcl" in self.found:
+            cells.append(self.pcl_cell(pair))
+        return cells
+
+    def pcl_cell(self, pair):
+        clouds = []
+        for key in ("target", "source"):
+            clouds.append(pair[key])
+            if pair[key].suffix == ".ply":
+                clouds[-1] = self.folder / f"{key}.pcd"
+                run([self.found["pcl"] / "pcl_ply2pcd", pair[key], clouds[-1]], self.folder)
+        code, text, seconds = run([self.found["pcl"] / "pcl_icp", "-d", pair["gate_m"], "-i", 100, *clouds],
+                                  self.folder)
+        rows = [line.split() for line in text.splitlines() if len(line.split()) == 4]
+        return verdict(pair, np.array(rows[-4:], float), seconds) if code == 0 else "failed"
+
+
+def verdict(pair, pose, seconds, refused=False):
+    truth = pair["truth"]
+    turn = truth[:3, :3].T @ pose[:3, :3]
+    degrees = np.degrees(np.arctan2(np.linalg.norm(turn - turn.T) / 8 ** 0.5, (np.trace(turn) - 1) / 2))
+    metres = np.linalg.norm(pose[:3, 3] - truth[:3, 3])
+    right = degrees <= MAX_DEGREES and metres <= float(pair["max_m"])
+    word = "refused" if refused else "right" if right else "wrong"
+    return f"{word}: {degrees:.2f}°, {1000 * metres:.0f} mm, {seconds:.1f} s"
+
+
+def read_pairs(folder):
+    with open(folder / "pairs.csv", encoding="utf-8") as file:
+        for pair in csv.DictReader(file):
+            paths = {key: (folder / pair[key]).resolve() for key in ("source", "target")}
+            yield {**pair, **paths, "truth": np.loadtxt(folder / pair["truth"])}
+
+
+def table(head, rows):
+    """Table of rows, which are also printed on stderr when they are ready."""
+    text = "".join("| " + " | ".join(line) + " |\n" for line in (head, ["---"] * len(head)))
+    for row in rows:
+        print(*row, sep="  ", file=sys.stderr, flush=True)
+        text += "| " + " | ".join(map(str, row)) + " |\n"
+    return text
+
+
+def machine():
+    info = pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    names = [line.split(":")[1].strip() for line in info if line.startswith("model name")]
+    return f"{len(names)} processors, {names[0]}" if names else "Unknown processor"
+
+
+def write_page(options, folder):
+    page = Page(options, folder)
+    paths = [path for path in sorted(options.graphs.glob("*.g2o")) if path.stat().st_size > 0]
+    graphs = {path.stem: Graph(path.resolve(), page.tools, folder) for path in paths}
+    names = {"ceres": "Ceres", "gtsam": "GTSAM", "open3d": "Open3D", "pcl": "PCL"}
+    commit = run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], folder)[1].strip() or "unknown"
+    text = HEAD.format(date=datetime.date.today(), commit=commit, machine=machine(),
+                       found=", ".join(names[name] for name in names if name in page.found) or "none",
+                       absent=", ".join(names[name] for name in names if name not in page.found) or "none")
+    peers = [names[name] for name in page.graph_peers()]
+    text += table(["graph", "poses", "edges", "Surfit, chordal", "Surfit, given", *peers],
+                  (page.graph_row(name, graph) for name, graph in graphs.items()))
+    small = [(name, graph, ratio) for name, graph in graphs.items() for ratio in WRONG_SHARES
+             if len(graph.loops) > 10 and len(graph.vertices) <= WRONG_MAX_POSES]
+    if small:
+        text += WRONG.format(draws=WRONG_DRAWS) + table(
+            ["graph", "wrong", "Surfit", *(["GTSAM"] if "gtsam" in page.found else [])],
+            (page.wrong_loop_row(*row) for row in small))
+    if options.pairs:
+        columns = [["Open3D, identity", "Open3D, FPFH"], ["PCL"]]
+        columns = [c for name, group in zip(("open3d", "pcl"), columns) if name in page.found for c in group]
+        text += PAIRS.format(degrees=MAX_DEGREES) + table(
+            ["pair", "Surfit", *columns], (page.pair_row(pair) for pair in read_pairs(options.pairs)))
+    options.output.write_text(text, encoding="utf-8")
+
+
+def main():
+    if sys.argv[1:2] == ["--peer=gtsam"]:
+        return gtsam_peer(*sys.argv[2:4], robust=len(sys.argv) > 4)
+    if sys.argv[1:2] == ["--peer=open3d"]:
+        return open3d_peer(*sys.argv[2:])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--graphs", type=pathlib.Path, required=True)
+    parser.add_argument("--pairs", type=pathlib.Path)
+    parser.add_argument("--tools", type=pathlib.Path, default=ROOT / "build/release/tools")
+    parser.add_argument("--output", type=pathlib.Path, default=ROOT / "docs/solvers.md")
+    parser.add_argument("--gtsam", default=sys.executable)
+    parser.add_argument("--open3d", default=sys.executable)
+    parser.add_argument("--ceres", default=None)
+    parser.add_argument("--pcl", default=None)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        write_page(options, pathlib.Path(folder))
+
+
+if __name__ == "__main__":
+    main()
