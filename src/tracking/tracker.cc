@@ -15,6 +15,8 @@ namespace {
 constexpr std::size_t kReadoutLevel = 3;
 // Minimum inlier ratio of a pose that is certain by depth alone.
 constexpr double kCertainInliers = 0.6;
+// Maximum time to the second frame without verification, s. Hand motion in this time is small.
+constexpr double kMaxUnverified_s = 0.05;
 }  // namespace
 
 Tracker::Tracker(const TrackingOptions& options, const Rigid3d& world_from_first_camera,
@@ -179,6 +181,7 @@ Tracked Tracker::TrackFirst(const PreprocessedFrame& frame) {
   Tracked tracked;
   tracked.state = HasEnoughDepth(frame, options_.icp) ? FrameState::kFirst : FrameState::kLost;
   tracked.world_from_camera = last_.world_from_view;
+  tracked.quality.is_first = true;
   WatchCorners(frame);
   corners_.Follow(frame.view, frame.images.stamp_s);
   return CheckFeatures(frame, std::move(tracked));
@@ -333,6 +336,7 @@ bool Tracker::IsUncertain(const PreprocessedFrame& frame, const Prediction& pred
     return true;
   return options_.VerifiesBySearch() &&
          (state_.NeedsVerification() ||
+          (state_.last.is_first && SecondsTo(frame) > kMaxUnverified_s) ||
           tracked.icp.inlier_ratio < options_.confident_inlier_ratio ||
           IsFar(frame, prediction.world_from_camera) || IsFar(frame, tracked.world_from_camera));
 }

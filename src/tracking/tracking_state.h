@@ -38,6 +38,7 @@ enum class TrackingEvent {
 struct FrameQuality {
   bool is_weakly_constrained = false;  // see TrackingOptions::min_turn_eigenvalue
   bool is_by_newest = false;           // registered to all surfels, including unstable surfels
+  bool is_first = false;               // first frame of the recording: no motion is known
 };
 
 // State of the tracker between two frames.
