@@ -42,9 +42,9 @@ int main() {
   surfit::PoseInformation information = surfit::PoseInformation::Zero();
   std::array<std::array<double, surfit::kPoseSize>, kPoses> poses;
   std::array<std::array<double, surfit::kMotionSize>, kPoses> motions = {};
-  std::array<double, 3> gravity = {0, 0, -surfit::kGravity_m_per_s2};
-  // A wrong start: gravity is known to 30 degrees.
-  gravity = {0, 0.5 * gravity[2], std::sqrt(0.75) * gravity[2]};
+  // The start errs by 30 degrees.
+  constexpr double kSize = surfit::kGravity_m_per_s2;
+  std::array<double, 3> gravity = {0, -0.5 * kSize, -std::sqrt(0.75) * kSize};
   ceres::Problem problem;
   for (int i = 0; i < kPoses; ++i) {
     surfit::Rigid3d measured = path.At(i * kInterval_s);

@@ -51,7 +51,8 @@ struct Tracked {
   double behind_ratio = 0;       // cells behind the model / compared cells
   bool has_two_motions = false;  // see FeatureMotion; false if the check did not run
   // Registered pose without any prior, and its information (1/rad^2, 1/m^2): left perturbation of
-  // the identity in the camera frame. Zero information: not registered.
+  // the identity in the camera frame. Directions that depth may not constrain have none. Zero
+  // information: no direction is known, or not registered.
   Rigid3d world_from_registered;
   Matrix6d registered_information = Matrix6d::Zero();
   // Covariance (rad, m) of the registered pose without any prior: left perturbation of the identity
