@@ -63,6 +63,15 @@ void ShowProgress(const SlamRunProgress& progress) {
   line.Show(text, progress.frames_done == progress.frames_total);
 }
 
+void WarnAboutDegenerateFrames(const SlamRunSummary& s) {
+  if (s.frames_degenerate == 0) return;
+  LOG(WARNING)
+      << s.frames_degenerate << " of " << s.frames_total
+      << " frames are degenerate: their depth leaves directions open, as along a wall or a "
+         "corridor. There the pose follows colour and the predicted motion, and can slide "
+         "(frames.csv: state)";
+}
+
 void PrintLoops(const BackendCounts& c) {
   std::printf("%zu keyframes, %zu of %zu loop candidates accepted, %zu map corrections\n",
               c.keyframes, c.loops_accepted, c.loop_candidates, c.corrections);
@@ -204,6 +213,7 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
   if (closes_loops && !options.localize) PrintLoops(s.loops);
   PrintSession(s, options);
   WarnAboutMovingObjects(s);
+  WarnAboutDegenerateFrames(s);
   PrintCalibration(s, output);
   if (s.evaluation && s.evaluation->ate) {
     std::printf("ATE RMSE %.4f m over %.1f %% of the frames\n",

@@ -57,6 +57,7 @@ void RunStatistics::CountProcessed(const RgbdFrame& frame, const FrameReport& re
     return;
   }
   ++summary_.frames_tracked;
+  summary_.frames_degenerate += report.state == FrameState::kDegenerate;
   has_much_motion_ = report.moving_ratio > kMuchMotion;
   summary_.frames_with_motion += has_much_motion_;
   if (report.is_held_out) summary_.held_out_frames.push_back(report.index);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "registration/solvers/decompositions.h"
 #include "tracking/pose_validation.h"
@@ -23,6 +24,17 @@ constexpr double kWeakDirections = 2.5;
 // Directions with smaller eigenvalues do not correct an inertial prediction. The value is between
 // those of walls (3e-4) and of rooms (5e-3), see ObservabilityOptions.
 constexpr double kSpuriousEigenvalue = 1e-3;
+
+// Depth leaves directions with a smaller ratio of information to spurious information open. Along
+// walls and corridors, the ratio is at most 1. In recordings of rooms, it is at least 1.6.
+constexpr double kMinInformationRatio = 1.25;
+
+std::vector<Vector6d> DegenerateDirections(const IcpResult& icp) {
+  if (icp.iterations.empty()) return {};
+  ObservabilityOptions options;
+  options.min_information_ratio = kMinInformationRatio;
+  return Observe(icp.system, options).DegenerateDirections();
+}
 
 // Moves the pose of `by_shape` towards `with_intensities`, along weak directions only. Colour with
 // an inaccurate timestamp or inaccurate extrinsics thus does not change the other directions.
@@ -87,7 +99,7 @@ Tracked FrameRegistration::Register(const PreprocessedFrame& frame, const Refere
   const Tracked again = Validate(
       frame, target,
       {hidden.icp, icp_options, reference.world_from_view.Inverse() * hidden.world_from_registered,
-       hidden.quality.is_weakly_constrained, std::nullopt});
+       hidden.quality.is_weakly_constrained, hidden.icp.degenerate_directions, std::nullopt});
   return again.has_pose() ? again : tracked;
 }
 
@@ -145,8 +157,10 @@ FrameRegistration::Estimate FrameRegistration::FromData(
   Estimate estimate;
   estimate.options = target.icp;
   estimate.icp = surfit::Register(frame, model, reference_from_initial, target.icp);
-  estimate.is_weakly_constrained = !estimate.icp.iterations.empty() &&
-                                   estimate.icp.eigenvalues[0] < options_.min_turn_eigenvalue;
+  estimate.degenerate_directions = DegenerateDirections(estimate.icp);
+  estimate.is_weakly_constrained = !estimate.degenerate_directions.empty() ||
+                                   (!estimate.icp.iterations.empty() &&
+                                    estimate.icp.eigenvalues[0] < options_.min_turn_eigenvalue);
   const bool can_help = options_.weakly_constrained_photometric_weight > 0 &&
                         !target.icp.error_model.UsesIntensities() &&
                         !frame.levels.front().intensity.empty() &&
@@ -208,14 +222,16 @@ Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target
         ValidateRegistration(tracked.icp, views, moving, options_) == Verdict::kAccepted;
   }
   if (tracked.verdict == Verdict::kRejected) return tracked;
+  tracked.icp.degenerate_directions = std::move(best.degenerate_directions);
+  tracked.state =
+      tracked.icp.degenerate_directions.empty() ? FrameState::kTracked : FrameState::kDegenerate;
+  if (tracked.state == FrameState::kDegenerate) return tracked;
   const FramePyramid& registered = tracked.moving.empty() ? frame.view.pyramid : unmoved;
   if (const std::optional<Matrix6d> covariance =
           CovarianceByBlocks(registered, model, best.registered, target.icp)) {
     tracked.registered_covariance =
         In(best.registered.Inverse(), {Rigid3d(), *covariance}).covariance;
   }
-  tracked.state =
-      tracked.icp.degenerate_directions.empty() ? FrameState::kTracked : FrameState::kDegenerate;
   return tracked;
 }
 

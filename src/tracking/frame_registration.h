@@ -47,8 +47,9 @@ class FrameRegistration {
     IcpOptions options;  // of the registration
     Rigid3d registered;  // pose without the motion prior
     bool is_weakly_constrained = false;
-    std::optional<Matrix6d> covariance;  // of the left increment; only with a motion prior
-    double squared_difference = 0;       // of `registered` from the motion prior
+    std::vector<Vector6d> degenerate_directions;  // of the registration by depth
+    std::optional<Matrix6d> covariance;           // of the left increment; only with a motion prior
+    double squared_difference = 0;                // of `registered` from the motion prior
   };
 
   // Registers a weakly constrained frame again with photometric residuals.

@@ -134,6 +134,11 @@ Prediction Tracker::PredictAt(const PreprocessedFrame& frame) {
 
 Tracked Tracker::Track(const PreprocessedFrame& frame, const Prediction& prediction) {
   Tracked tracked = Register(frame, *prediction.reference, prediction.world_from_camera);
+  if (LacksIntensities(frame, tracked)) {
+    PreprocessedFrame textured = frame;
+    AddIntensity(frame.images.color, &textured.view.pyramid);
+    return Track(textured, PredictAt(textured));
+  }
   const CellMask moving = MovingCells(frame, tracked);
   if (moving.empty()) {
     return CheckFeatures(frame, TrackFrom(frame, prediction, std::move(tracked)));
@@ -144,6 +149,13 @@ Tracked Tracker::Track(const PreprocessedFrame& frame, const Prediction& predict
   tracked = TrackFrom(rest, prediction, std::move(tracked));
   tracked.moving_ratio = AddMoving(frame.surface(), moving, &tracked.moving);
   return CheckFeatures(frame, std::move(tracked));
+}
+
+// The first weakly constrained frame has no intensities yet.
+bool Tracker::LacksIntensities(const PreprocessedFrame& frame, const Tracked& tracked) const {
+  return tracked.quality.is_weakly_constrained && !frame.HasIntensities() &&
+         !frame.images.color.empty() && !options_.IsFrameToFrame() &&
+         options_.weakly_constrained_photometric_weight > 0;
 }
 
 // Returns the moving cells if the pose contradicts the motion of static corners. A pose with many

@@ -116,6 +116,7 @@ class Tracker {
 
  private:
   void WatchCorners(const PreprocessedFrame& frame);
+  bool LacksIntensities(const PreprocessedFrame& frame, const Tracked& tracked) const;
   CellMask MovingCells(const PreprocessedFrame& frame, const Tracked& tracked);
   Tracked TrackFrom(const PreprocessedFrame& frame, const Prediction& prediction, Tracked tracked);
   Tracked CheckFeatures(const PreprocessedFrame& frame, Tracked tracked);

@@ -163,6 +163,7 @@ struct SlamRunSummary {
   int frames_lost_in_motion = 0;
   // Frames with FrameReport::has_two_motions, tracked or lost.
   int frames_with_two_motions = 0;
+  int frames_degenerate = 0;  // see FrameState::kDegenerate
   int frames_fused = 0;
   // Indices of the frames that SlamOptions::hold_out has excluded from fusion.
   std::vector<int> held_out_frames;

@@ -34,7 +34,8 @@ struct TrackingOptions {
   // image width, at the mean depth. A larger shift triggers a new view, fusion, or verification by
   // global registration.
   double max_view_shift = 0.1;
-  // A frame is weakly constrained if its smallest IcpResult::eigenvalues is below this bound.
+  // A frame is weakly constrained if it is degenerate, or if its smallest IcpResult::eigenvalues is
+  // below this bound.
   // The next frame then gets its own view, is registered with all rows, and is fused. 0:
   // never.
   double min_turn_eigenvalue = 2e-3;
@@ -87,7 +88,7 @@ struct PriorPoseSummary {
 enum class FrameState {
   kFirst,        // first frame with sufficient depth, at the initial pose
   kTracked,      // registered
-  kDegenerate,   // registered; unobservable directions keep the predicted pose
+  kDegenerate,   // registered; depth leaves directions open, which follow colour and prediction
   kDuplicate,    // duplicate depth image: pose of the last frame, not fused
   kGiven,        // fused at a given pose, not tracked
   kLost,         // no pose, not fused

@@ -206,6 +206,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["frames_with_motion"] = s.frames_with_motion;
   j["frames_confirmed"] = s.frames_confirmed;
   j["frames_lost_in_motion"] = s.frames_lost_in_motion;
+  j["frames_degenerate"] = s.frames_degenerate;
   j["frames_with_two_motions"] = s.frames_with_two_motions;
   j["frames_fused"] = s.frames_fused;
   j["held_out_frames"] = s.held_out_frames;
