@@ -19,6 +19,11 @@ LOOPS = """source,target,reason,matches,agreeing_features,inlier_ratio,rmse_m
 """
 
 
+# Pieces in summary.json, as of a camera that was lost.
+PIECES = [{"first_frame": 0, "last_frame": 19, "frames": 20, "ate_rmse_m": 0.00123},
+          {"first_frame": 22, "last_frame": 29, "frames": 8, "ate_rmse_m": None}]
+
+
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     """Folders of two runs in one room. The first run has a separate report."""
@@ -26,6 +31,8 @@ def runs(tmp_path_factory):
     room = simulate_room(folder, FRAMES)
     run_slam(room, folder / "plane", "--residual=point_to_plane", "--report")
     (folder / "plane" / "loops.csv").write_text(LOOPS)
+    summary = json.loads((folder / "plane" / "summary.json").read_text())
+    (folder / "plane" / "summary.json").write_text(json.dumps({**summary, "pieces": PIECES}))
     done = run_tool("surfit_report", f"--run={folder / 'plane'}")
     assert done.returncode == 0, done.stderr
     run_slam(room, folder / "symmetric")
@@ -51,6 +58,15 @@ def test_opens_from_disk_without_errors_or_network(page):
     assert page.console() == []
     urls = page.script("return performance.getEntriesByType('resource').map((e) => e.name)")
     assert [url for url in urls if not url.startswith("data:")] == []
+
+
+def test_pieces_are_listed(page):
+    table = page.script("return document.querySelector('#trajectory .pieces').innerText").split("\n")
+    assert [row.split("\t") for row in table[1:]] == [["0", "19", "20", "1.23"], ["22", "29", "8", "unknown"]]
+
+
+def test_single_piece_is_not_listed(both):
+    assert both.script("return document.querySelectorAll('#trajectory .pieces').length") == 1
 
 
 def test_every_colour_mode_is_drawn(page):

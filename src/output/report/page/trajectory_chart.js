@@ -23,8 +23,22 @@ surfit.equalAspect = (chart) => {
   chart.update('none');
 };
 
+// Tables of the pieces of runs with more than one piece.
+surfit.showPieces = (runs, parent) => {
+  for (const { label, summary } of runs) {
+    if (!summary.pieces || summary.pieces.length < 2) continue;
+    surfit.say(parent, `${label} has ${summary.pieces.length} pieces. No loop closure connects them, so only poses of `
+      + 'one piece are comparable. Pieces are placed beside each other.');
+    surfit.addTable(surfit.element('div', parent, { className: 'table pieces' }),
+      ['first frame', 'last frame', 'frames with a pose', 'ATE, mm'],
+      summary.pieces.map((piece) => [piece.first_frame, piece.last_frame, piece.frames,
+        piece.ate_rmse_m === null ? 'unknown' : (1000 * piece.ate_rmse_m).toFixed(2)].map(String)));
+  }
+};
+
 surfit.showTrajectories = (runs) => {
   const parent = surfit.byId('trajectory-charts');
+  surfit.showPieces(runs, parent);
   const [right, ahead] = surfit.floorDirections(runs[0]);
   const onFloor = (run, points) => points.map((point) => point.applyMatrix4(surfit.firstFromRun(run))).map(
     (p) => ({ x: right.dot(p), y: ahead.dot(p) }));
