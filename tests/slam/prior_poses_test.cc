@@ -165,7 +165,7 @@ TEST(PriorPoses, CeresGivesTheSamePoseAsTheClosedForm) {
   }
 }
 
-// Room with a Kinect. From frame 60 on, depth shows the floor alone, which does not constrain
+// Room with a Kinect. Depth shows the floor alone from frame 60 on. The floor does not constrain
 // motion along the floor.
 SimulatedSequence RoomThenFloor(int frames) {
   SimulatedSequence room = SimulateRoom(2, frames, Sensor::kKinect);

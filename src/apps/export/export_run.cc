@@ -317,7 +317,7 @@ class Exporter {
   }
 
   // Mask of an image. The given and the estimated colour camera both contribute to the mask.
-  // pixels are not used, so a large mask is better than a small one.
+  // A large mask is better than a small one, because masked pixels are not used.
   Image<std::uint8_t> MaskOf(const PosedImage& image, const Image<float>& depth_m,
                              const DepthSensor& sensor, const PinholeCamera& lens) const {
     const Rigid3d& world_from_depth = run_.world_from_camera.at(image.source.index);
