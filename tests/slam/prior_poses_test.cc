@@ -165,8 +165,8 @@ TEST(PriorPoses, CeresGivesTheSamePoseAsTheClosedForm) {
   }
 }
 
-// Room with a Kinect. After frame 59, depth shows only the floor. The floor does not constrain motion
-// along itself.
+// Room with a Kinect. After frame 59, depth shows only the floor. The floor does not constrain
+// motion along itself.
 SimulatedSequence RoomThenFloor(int frames) {
   SimulatedSequence room = SimulateRoom(2, frames, Sensor::kKinect);
   for (int i = 60; i < frames; ++i) {
