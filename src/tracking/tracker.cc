@@ -105,20 +105,21 @@ Tracked Tracker::TrackGiven(const PreprocessedFrame& frame, const Rigid3d& world
 
 Prediction Tracker::Predict(const PreprocessedFrame& frame) {
   prior_motion_.reset();
-  if (prior_poses_ && state_.HasStarted() && state_.is_localised && !state_.IsTentative()) {
+  if (prior_poses_ && !imu_ && state_.HasStarted() && state_.is_localised &&
+      !state_.IsTentative()) {
     prior_motion_ = prior_poses_->Trusted(last_stamp_s_, frame.images.stamp_s);
   }
   return PredictAt(frame);
 }
 
-// Predicts by the prior poses if they have a motion to the frame.
+// Predicts by the inertial sensor, else by the prior poses, else by the motion model.
 Prediction Tracker::PredictAt(const PreprocessedFrame& frame) {
   Prediction prediction;
   imu_prediction_ = PredictByImu(frame.images.stamp_s);
-  if (prior_motion_) {
-    prediction.world_from_camera = last_.world_from_view * prior_motion_->last_from_frame;
-  } else if (imu_prediction_) {
+  if (imu_prediction_) {
     prediction.world_from_camera = imu_prediction_->world_from_camera;
+  } else if (prior_motion_) {
+    prediction.world_from_camera = last_.world_from_view * prior_motion_->last_from_frame;
   } else if (const std::optional<Rigid3d> predicted = PredictedPose()) {
     prediction.world_from_camera = *predicted;
   } else {

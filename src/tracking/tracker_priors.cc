@@ -44,8 +44,9 @@ std::optional<ImuTracking::Prediction> Tracker::PredictByImu(double stamp_s) con
   return imu_->Predict(stamp_s);
 }
 
-// Uncertainty of the prediction: of the prior poses, else of the inertial sensor, else of the
-// motion model.
+// Uncertainty of the prediction: of the inertial sensor, else of the prior poses, else of the
+// motion model. Drift of prior poses is larger than the noise of most registrations, so prior poses
+// change the poses of weakly constrained frames only.
 std::optional<MotionUncertainty> Tracker::PredictedUncertainty(
     const PreprocessedFrame& frame) const {
   MotionUncertainty motion;
@@ -53,6 +54,7 @@ std::optional<MotionUncertainty> Tracker::PredictedUncertainty(
     motion.covariance = last_covariance_ + prior_motion_->covariance;
     motion.registration_scale = prior_poses_->registration_scale();
     motion.max_sigmas = kMaxPriorSigmas;
+    motion.holds_weak_frames_only = true;
     return motion;
   }
   if (imu_prediction_ && imu_prediction_->covariance) {

@@ -81,5 +81,16 @@ TEST(Occupancy, WritesTheFilesOfTheMapServer) {
             HasSubstr("1 m"), ::testing::EndsWith("</svg>\n")));
 }
 
+// The camera walks outside the grid.
+TEST(FloorPlan, HasItsScaleBarBelowThePath) {
+  OccupancyGrid grid;
+  grid.cells = Image<CellState>(2, 3, CellState::kFree);
+  const TempFolder folder;
+  WriteFloorPlan(grid, {}, {{-1, 0.1, 1}, {0.05, -2, 1}}, folder / "plan.svg");
+  EXPECT_THAT(ReadBytes(folder / "plan.svg"),
+              AllOf(HasSubstr("viewBox=\"-100 0 110 275\""), HasSubstr("points=\"-100,5 5,215 \""),
+                    HasSubstr("d=\"M-80 224v12m0-6h100m0-6v12\"")));
+}
+
 }  // namespace
 }  // namespace surfit::testing

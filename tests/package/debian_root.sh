@@ -1,15 +1,23 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of a build on a clean Debian 12 and uses them there:
-#   debian_root.sh BUILD [ROOT]
+# Uses Surfit on a clean Debian, in a root of its own:
+#   debian_root.sh BUILD [ROOT]           installs the Debian 12 packages of a build, and uses them
+#   debian_root.sh --suite=SUITE [ROOT]   clones this repository and runs demo.sh and test.sh there
 # BUILD: build folder of the preset `package` after `cpack`.
+# SUITE: release of Debian, for example bookworm or trixie.
 # ROOT: folder of a Debian root. If it is empty, debootstrap creates the root with the apt sources of
 # this machine. Default: a temporary folder that is removed at the end.
+# DEMO_ONLY=1 in the environment: without test.sh, which takes an hour on two cores.
 # Needs root permissions, and a few minutes for downloads.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-build=$1
-debs=("$build"/*.deb)
-[[ -e ${debs[0]} ]] || { echo "error: no packages in $build: run cpack there" >&2; exit 1; }
+suite=bookworm
+if [[ ${1:-} == --suite=* ]]; then
+  suite=${1#--suite=}
+else
+  build=${1:?BUILD or --suite=SUITE}
+  debs=("$build"/*.deb)
+  [[ -e ${debs[0]} ]] || { echo "error: no packages in $build: run cpack there" >&2; exit 1; }
+fi
 [[ $(id -u) == 0 ]] || { echo "error: chroot needs root" >&2; exit 1; }
 
 if [[ $# -ge 2 ]]; then
@@ -19,17 +27,39 @@ else
   trap 'rm -rf --one-file-system "$root"' EXIT
 fi
 
+mirror_of() {  # mirror_of CODENAME: address of the apt source of this machine
+  apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' "Codename: $1" | head -n 1
+}
 if [[ ! -e $root/etc/debian_version ]]; then
-  mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' \
-           | head -n 1)
-  debootstrap --variant=minbase bookworm "$root" "$mirror"
+  debootstrap --variant=minbase "$suite" "$root" "$(mirror_of bookworm)"
 fi
-rm -rf "$root/etc/apt/sources.list"
-cp -a /etc/apt/. "$root/etc/apt/"
+if [[ $suite == bookworm ]]; then
+  rm -rf "$root/etc/apt/sources.list"
+  cp -a /etc/apt/. "$root/etc/apt/"
+else
+  security=$(mirror_of bookworm-security)
+  {
+    echo "deb $(mirror_of bookworm) $suite main"
+    echo "deb $(mirror_of bookworm) $suite-updates main"
+    [[ -z $security ]] || echo "deb $security $suite-security main"
+  } >"$root/etc/apt/sources.list"
+fi
 [[ ! -e /etc/resolv.conf ]] || cp -L /etc/resolv.conf "$root/etc/resolv.conf"
 
 inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 \
   DEBIAN_FRONTEND=noninteractive "$@"; }
+
+if [[ -z ${build:-} ]]; then
+  inside apt-get update -q
+  inside apt-get install -q -y --no-install-recommends ca-certificates git
+  rm -rf "$root/surfit"
+  git clone --quiet --no-hardlinks "$here/../.." "$root/surfit"
+  inside bash /surfit/tools/scripts/demo.sh
+  [[ -s $root/surfit/out/demo/map_color.png && -s $root/surfit/out/demo/report.html ]]
+  [[ ${DEMO_ONLY:-} == 1 ]] || inside bash /surfit/tools/scripts/test.sh
+  echo "The commands of the README work on Debian $(<"$root/etc/debian_version") ($suite)"
+  exit 0
+fi
 
 mkdir -p "$root/packages" "$root/consumer"
 rm -rf "$root"/{packages,consumer}/* "$root"/{room,out}

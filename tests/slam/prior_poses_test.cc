@@ -165,6 +165,62 @@ TEST(PriorPoses, CeresGivesTheSamePoseAsTheClosedForm) {
   }
 }
 
+// Room with a Kinect. After frame 59, depth shows only the floor. The floor does not constrain
+// motion along itself.
+SimulatedSequence RoomThenFloor(int frames) {
+  SimulatedSequence room = SimulateRoom(2, frames, Sensor::kKinect);
+  for (int i = 60; i < frames; ++i) {
+    Image<float>& depth_m = room.frames[i].depth_m;
+    for (int v = 0; v < depth_m.height(); ++v) {
+      for (int u = 0; u < depth_m.width(); ++u) {
+        const Eigen::Vector3d point = depth_m(u, v) * room.camera.Ray(u, v);
+        if ((room.world_from_camera[i] * point).z() > 0.05) depth_m(u, v) = 0;
+      }
+    }
+  }
+  return room;
+}
+
+// Runs with the true poses, times a drift per frame. The second half of the prior jumps by
+// `jump_m`. Returns the largest error of a pose during the run, m.
+double LargestErrorWithPrior(const SimulatedSequence& sequence, double sigma_rad, double sigma_m,
+                             double jump_m) {
+  std::mt19937_64 rng(3);
+  Trajectory prior;
+  Rigid3d drift;
+  for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
+    drift = drift * LeftIncrement<double>(PoseNoise(sigma_rad, sigma_m, &rng), {});
+    Rigid3d pose = sequence.world_from_camera[i] * drift;
+    if (2 * i >= sequence.frames.size()) pose.translation.y() += jump_m;
+    prior.push_back({sequence.frames[i].stamp_s, pose});
+  }
+  Slam slam({sequence.camera, {}}, SlamOptions(), sequence.world_from_camera.front());
+  slam.UsePriorPoses(prior);
+  SlamRun run;
+  for (const RgbdFrame& frame : sequence.frames) run.reports.push_back(slam.Process(frame));
+  EXPECT_GT(slam.prior_poses()->frames_used, 20);
+  return ErrorsOf(run, sequence.world_from_camera).max_m;
+}
+
+double LargestErrorWithoutPrior(const SimulatedSequence& sequence) {
+  const SlamRun run = RunSlam(sequence, SlamOptions(), sequence.world_from_camera.front());
+  return ErrorsOf(run, sequence.world_from_camera).max_m;
+}
+
+TEST(SlamPriorPoses, HoldThePoseWhereDepthDoesNot) {
+  const SimulatedSequence room = RoomThenFloor(80);
+  const double error_m = LargestErrorWithPrior(room, 1e-4, 2e-4, 0);
+  EXPECT_LT(error_m, 0.01);
+  EXPECT_LT(error_m, 0.5 * LargestErrorWithoutPrior(room));
+}
+
+TEST(SlamPriorPoses, JumpAndDriftDoNotMoveConstrainedFrames) {
+  const SimulatedSequence room = SimulateRoom(2, 80, Sensor::kKinect);
+  const double without_m = LargestErrorWithoutPrior(room);
+  EXPECT_LT(LargestErrorWithPrior(room, 1e-4, 2e-4, 0.2), 1.1 * without_m);
+  EXPECT_LT(LargestErrorWithPrior(room, 1e-3, 2e-3, 0), 1.1 * without_m);
+}
+
 TEST(SlamPriorPoses, RejectsFewerThanTwoPoses) {
   Slam slam({SimulatedCamera(), {}}, SlamOptions(), {});
   EXPECT_THROW(slam.UsePriorPoses({{0, Rigid3d()}}), InputError);

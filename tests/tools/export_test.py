@@ -194,7 +194,11 @@ def check_transforms(output, export):
         # The colour camera is estimated, within the errors of small images.
         assert np.linalg.norm(expected[:3, 3] - actual[:3, 3]) < 0.01
         assert angle_deg(expected, actual) < 0.5
+        # Nothing moves in this room.
+        assert "mask_path" not in frame
     assert (export / transforms["ply_file_path"]).read_bytes().startswith(b"ply\n")
+    camera = json.loads((export / "export.json").read_text())["color_camera"]
+    assert camera["fx"] == transforms["fl_x"] > 0
 
 
 def check_colmap(export):

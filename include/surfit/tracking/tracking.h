@@ -75,7 +75,7 @@ struct TrackingOptions {
 struct PriorPoseSummary {
   int frames_compared = 0;  // tracked frames with a prior motion since the last tracked frame
   int frames_without = 0;   // tracked frames without a prior motion: no prior pose at their times
-  int frames_used = 0;      // frames whose pose includes the prior
+  int frames_used = 0;      // frames whose registration begins at the prior
   int frames_rejected = 0;  // frames of `rejected`
   // Times of the first and the last frame of each stretch that contradicts the registered motion.
   std::vector<std::pair<double, double>> rejected;

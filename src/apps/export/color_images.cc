@@ -163,8 +163,12 @@ std::vector<ColorImage> ChooseImages(const std::vector<ColorImage>& images, int 
   return result;
 }
 
-void ReadColorImages(const SequenceOptions& sequence, const std::vector<ColorImage>& images,
-                     const std::function<void(std::size_t, const Image<Rgb8>&)>& call) {
+namespace {
+
+// Calls `call` with the position in `images`, the sequence and the raw frame.
+template <typename Call>
+void ReadFrames(const SequenceOptions& sequence, const std::vector<ColorImage>& images,
+                const Call& call) {
   const RawSequence opened = OpenRawSequence(sequence);
   std::size_t next = 0;
   while (next < images.size()) {
@@ -172,9 +176,25 @@ void ReadColorImages(const SequenceOptions& sequence, const std::vector<ColorIma
     if (!raw) break;
     if (raw->head.index != images[next].index) continue;
     ThrowIf(!raw->head.error.empty(), raw->head.error);
-    call(next++, opened.frames->Read().color);
+    call(next++, opened, *raw);
   }
   ThrowIf(next < images.size(), sequence.path, ": the sequence has changed during the export");
+}
+
+}  // namespace
+
+void ReadColorImages(const SequenceOptions& sequence, const std::vector<ColorImage>& images,
+                     const std::function<void(std::size_t, const Image<Rgb8>&)>& call) {
+  ReadFrames(sequence, images, [&](std::size_t i, const RawSequence& opened, const RawFrame&) {
+    call(i, opened.frames->Read().color);
+  });
+}
+
+void ReadDepthImages(const SequenceOptions& sequence, const std::vector<ColorImage>& images,
+                     const std::function<void(std::size_t, const Image<float>&)>& call) {
+  ReadFrames(sequence, images, [&](std::size_t i, const RawSequence& opened, const RawFrame& raw) {
+    call(i, opened.MakeFrame(raw, opened.frames->Read()).depth_m);
+  });
 }
 
 }  // namespace surfit

@@ -60,5 +60,8 @@ std::vector<ColorImage> ChooseImages(const std::vector<ColorImage>& images, int 
 // `images` must be ascending in their index. Throws InputError if an image cannot be read again.
 void ReadColorImages(const SequenceOptions& sequence, const std::vector<ColorImage>& images,
                      const std::function<void(std::size_t, const Image<Rgb8>&)>& call);
+// As ReadColorImages(), with the rectified depth images (m) of the frames.
+void ReadDepthImages(const SequenceOptions& sequence, const std::vector<ColorImage>& images,
+                     const std::function<void(std::size_t, const Image<float>&)>& call);
 
 }  // namespace surfit

@@ -16,6 +16,7 @@
 #include "apps/export/gaussian_colors.h"
 #include "apps/export/gaussians.h"
 #include "apps/export/map_visibility.h"
+#include "apps/export/moving_masks.h"
 #include "apps/export/nerfstudio_files.h"
 #include "apps/export/occupancy.h"
 #include "apps/export/sparse_points.h"
@@ -55,7 +56,7 @@ std::vector<std::string> FormerFiles(const std::string& folder) {
                                     "sparse_text/images.txt",
                                     "sparse_text/points3D.txt"};
   if (!fs::is_regular_file(folder + "/" + kExportJson)) return files;
-  for (const std::string part : {"images", "depth"}) {
+  for (const std::string part : {"images", "depth", "masks"}) {
     std::error_code error;
     for (const fs::directory_entry& entry :
          fs::directory_iterator(Concat(folder, "/", part), error)) {
@@ -173,16 +174,16 @@ class Exporter {
         options_.sequence, run_, [&](int i) { progress_(Concat("reading images, ", i)); }, &unused);
     ThrowIf(all.empty(), options_.run, ": no frame has both colour and a pose");
     ColorCalibration found;
-    found.camera = GivenColorCamera(info, run_);
+    found.camera = camera_ = given_camera_ = GivenColorCamera(info, run_);
     if (options_.to != "gaussians") {
       found = EstimateColorCamera(
           found.camera, info.sensor().prior, options_.sequence, all, map_,
           [&](int i) { progress_(Concat("estimating the colour camera, ", i)); });
+      camera_ = found.camera;
       Report(found);
     }
     const std::vector<ColorImage> chosen = ChooseImages(all, most);
     unused.not_chosen = static_cast<int>(all.size() - chosen.size());
-    camera_ = found.camera;
     for (const ColorImage& image : chosen) {
       const Rigid3d world_from_depth = ExtrapolatedTo(image, -found.latency_s);
       images_.push_back({image, world_from_depth * camera_.color_from_depth.Inverse()});
@@ -309,9 +310,51 @@ class Exporter {
       cloud.colors.push_back(surfel.color);
     }
     WritePly(cloud, Path("points.ply"));
-    WriteTransformsJson(lens, images_, export_from_world_, Path("transforms.json"));
+    const bool has_masks = WriteMasks(lens);
+    WriteTransformsJson(lens, images_, has_masks, export_from_world_, Path("transforms.json"));
     json_["points"] = {{"written", cloud.points.size()}};
     Say(cloud.points.size(), " points in points.ply");
+  }
+
+  // Mask of an image. The given and the estimated colour camera both contribute to the mask.
+  // A large mask is better than a small one, because masked pixels are not used.
+  Image<std::uint8_t> MaskOf(const PosedImage& image, const Image<float>& depth_m,
+                             const DepthSensor& sensor, const PinholeCamera& lens) const {
+    const Rigid3d& world_from_depth = run_.world_from_camera.at(image.source.index);
+    const Image<std::uint8_t> in_front =
+        PixelsInFront(depth_m, DrawBlended(map_, sensor, world_from_depth).depth_m);
+    const Rigid3d by_estimate = image.world_from_color.Inverse() * world_from_depth;
+    Image<std::uint8_t> mask =
+        MaskOfColor(in_front, depth_m, sensor.camera, by_estimate, camera_.lens);
+    const Rigid3d as_given =
+        given_camera_.color_from_depth * image.source.world_from_depth.Inverse() * world_from_depth;
+    const Image<std::uint8_t> given =
+        MaskOfColor(in_front, depth_m, sensor.camera, as_given, given_camera_.lens);
+    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = std::min(mask[i], given[i]);
+    return WritesUndistorted() ? UndistortMask(mask, camera_.lens, lens) : mask;
+  }
+
+  // nerfstudio needs masks of all images or of none. Returns whether masks are written: an object
+  // in an image is not part of the map.
+  bool WriteMasks(const PinholeCamera& lens) {
+    std::vector<ColorImage> sources;
+    for (const PosedImage& image : images_) sources.push_back(image.source);
+    std::vector<Image<std::uint8_t>> masks;
+    int with_object = 0;
+    const DepthSensor sensor = OpenSequence(options_.sequence)->info().sensor();
+    ReadDepthImages(options_.sequence, sources, [&](std::size_t i, const Image<float>& depth_m) {
+      progress_(Concat("looking for moving objects, ", i));
+      masks.push_back(MaskOf(images_[i], depth_m, sensor, lens));
+      with_object += std::count(masks.back().begin(), masks.back().end(), 0) > 0;
+    });
+    json_["images"]["with_moving_objects"] = with_object;
+    if (with_object == 0) return false;
+    Say(with_object, " images show objects that are not part of the map: see masks");
+    CreateFolder(Path("masks"));
+    for (std::size_t i = 0; i < masks.size(); ++i) {
+      WriteBytes("masks/" + sources[i].Name(), EncodePng(masks[i]));
+    }
+    return true;
   }
 
   void ExportGaussians() {
@@ -392,7 +435,7 @@ class Exporter {
   Rigid3d export_from_world_;
   bool is_upright_ = false;
   std::string reason_;  // why the world frame of the run is kept
-  ColorCamera camera_;
+  ColorCamera camera_, given_camera_;
   std::vector<PosedImage> images_;
   Json json_;
   ExportSummary summary_;

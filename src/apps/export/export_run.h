@@ -43,6 +43,8 @@ struct ExportSummary {
 //   sparse_text/*.txt       the same as text
 // nerfstudio:
 //   transforms.json, images/N.png, depth/N.png (mm, rendered from the map), points.ply
+//   masks/N.png             0: objects in front of the map, 255: other pixels. Not written if no
+//                           image shows such an object.
 // gaussians:
 //   splats.ply              one flat Gaussian per surfel, in the format of 3D Gaussian splatting.
 //                           The colours are fitted to at most 48 images, if there are any.

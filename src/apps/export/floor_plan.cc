@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -152,14 +153,21 @@ class Svg {
         cell_(kUnits_per_m * grid.cell_m),
         height_(cell_ * grid.cells.height()) {
     out_.precision(6);
+    page_.extend(Eigen::Vector2d::Zero());
+    page_.extend(Eigen::Vector2d(cell_ * grid.cells.width(), height_));
   }
 
+  // Extends the page to a point, before Begin().
+  void Include(const Eigen::Vector2d& point) { page_.extend(PageOf(point)); }
+
+  // The scale bar is below everything else.
   void Begin() {
-    const double width = cell_ * grid_.cells.width(), height = height_ + kFooter;
-    out_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << width << ' ' << height
-         << "\" width=\"" << width << "\" height=\"" << height
+    const Eigen::Vector2d at = page_.min(), size = page_.sizes() + Eigen::Vector2d(0, kFooter);
+    out_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"" << at.x() << ' ' << at.y() << ' '
+         << size.x() << ' ' << size.y() << "\" width=\"" << size.x() << "\" height=\"" << size.y()
          << "\" font-family=\"sans-serif\" font-size=\"14\">\n"
-         << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
+         << "<rect x=\"" << at.x() << "\" y=\"" << at.y()
+         << "\" width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   }
   void End() { out_ << "</svg>\n"; }
 
@@ -195,11 +203,11 @@ class Svg {
     out_ << "\"/>\n";
   }
   void ScaleBar() {
-    const double y = height_ + 15;
-    out_ << "<path fill=\"none\" stroke=\"#000000\" stroke-width=\"2\" d=\"M20 " << y - 6
-         << "v12m0-6h" << kUnits_per_m << "m0-6v12\"/>\n<text x=\"" << 30 + kUnits_per_m
-         << "\" y=\"" << y + 5 << "\">1 m</text>\n<text x=\"20\" y=\"" << y + 30 << "\">heights "
-         << grid_.low_m << " to " << grid_.high_m << " m</text>\n";
+    const double x = page_.min().x() + 20, y = page_.max().y() + 15;
+    out_ << "<path fill=\"none\" stroke=\"#000000\" stroke-width=\"2\" d=\"M" << x << ' ' << y - 6
+         << "v12m0-6h" << kUnits_per_m << "m0-6v12\"/>\n<text x=\"" << x + 10 + kUnits_per_m
+         << "\" y=\"" << y + 5 << "\">1 m</text>\n<text x=\"" << x << "\" y=\"" << y + 30
+         << "\">heights " << grid_.low_m << " to " << grid_.high_m << " m</text>\n";
   }
 
  private:
@@ -214,6 +222,7 @@ class Svg {
   std::ostream& out_;
   const OccupancyGrid& grid_;
   const double cell_, height_;
+  Eigen::AlignedBox2d page_;  // without the footer
 };
 
 }  // namespace
@@ -245,6 +254,11 @@ void WriteFloorPlan(const OccupancyGrid& grid, const std::vector<WallLine>& wall
                     const std::vector<Eigen::Vector3d>& path, const std::string& file) {
   WriteFileAtomically(file, [&](std::ostream& out) {
     Svg svg(out, grid);
+    for (const WallLine& wall : walls) {
+      svg.Include(wall.begin);
+      svg.Include(wall.end);
+    }
+    for (const Eigen::Vector3d& point : path) svg.Include(point.head<2>());
     svg.Begin();
     svg.Cells(CellState::kFree, "#eef2f6");
     svg.Cells(CellState::kOccupied, "#b8b8b8");

@@ -56,7 +56,8 @@ Image<std::uint16_t> DepthForImage(const SurfelMap& map, const PinholeCamera& le
 }
 
 void WriteTransformsJson(const PinholeCamera& lens, const std::vector<PosedImage>& images,
-                         const Rigid3d& export_from_world, const std::string& path) {
+                         bool has_masks, const Rigid3d& export_from_world,
+                         const std::string& path) {
   const auto& [k1, k2, p1, p2, k3] = lens.distortion;
   Json json = {{"camera_model", "OPENCV"},
                {"w", lens.width},
@@ -83,6 +84,7 @@ void WriteTransformsJson(const PinholeCamera& lens, const std::vector<PosedImage
                               {"depth_file_path", "depth/" + image.source.Name()},
                               {"timestamp", image.source.stamp_s},
                               {"transform_matrix", RowsOf(pose, 4)}});
+    if (has_masks) json["frames"].back()["mask_path"] = "masks/" + image.source.Name();
   }
   WriteJson(json, path);
 }

@@ -19,8 +19,9 @@ Image<std::uint16_t> DepthForImage(const SurfelMap& map, const PinholeCamera& le
 // Writes transforms.json of nerfstudio. Poses are camera-to-world with OpenGL axes (x right, y up,
 // z backward). All images have one camera, so the intrinsics are at the top level. cx and cy are
 // 0.5 px larger than those of `lens`. `applied_transform` is the 3 x 4 matrix from the world frame
-// of the run to that of the file. Throws InputError with the path if writing fails.
+// of the run to that of the file. `has_masks`: each image has a mask. Throws InputError with the
+// path if writing fails.
 void WriteTransformsJson(const PinholeCamera& lens, const std::vector<PosedImage>& images,
-                         const Rigid3d& export_from_world, const std::string& path);
+                         bool has_masks, const Rigid3d& export_from_world, const std::string& path);
 
 }  // namespace surfit

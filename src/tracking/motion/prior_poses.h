@@ -61,7 +61,7 @@ class PriorPoses {
   // Covariance of the error of one registered pose relative to the map.
   Matrix6d RegistrationNoise() const;
 
-  // Counts a frame whose pose includes the prior.
+  // Counts a frame whose registration begins at the prior motion.
   void CountUse() { ++used_; }
   PriorPoseSummary Summary() const;
 
