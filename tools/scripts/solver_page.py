@@ -40,7 +40,8 @@ PEER_POINTS = 30000  # maximum number of points of a cloud at the finest voxel s
 HEAD = """# Solvers and their peers
 
 `tools/scripts/solver_page.py` created this page on {date} from commit {commit}. {machine}.
-Peers: {found}. Absent: {absent}. Times are processor seconds of one run.
+Peers: {found}. Absent: {absent}. Times are processor seconds of one run. Other
+programs on the machine increase them.
 
 ## Pose graphs
 
