@@ -139,10 +139,13 @@ def rmse_after_alignment(a, b):
 
 
 def run(command, folder):
-    """Exit code, standard output and processor seconds. The exit code is negative after LIMIT_S."""
+    """Exit code, standard output and processor seconds. The exit code is negative after LIMIT_S, None without a program."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run([str(word) for word in command], cwd=folder, capture_output=True, text=True,
-                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (LIMIT_S, LIMIT_S)))
+    try:
+        done = subprocess.run([str(word) for word in command], cwd=folder, capture_output=True, text=True,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (LIMIT_S, LIMIT_S)))
+    except FileNotFoundError:
+        return None, "", 0
     if done.returncode not in (0, 2):
         print(*command, f"exit code {done.returncode}", done.stderr[-500:], file=sys.stderr)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
