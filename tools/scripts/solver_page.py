@@ -49,8 +49,8 @@ Cells are the final cost in the metric of `surfit_optimize` ([error](understand.
 the time. "Chordal" and "given" are values of `--start`. Ceres is the example program of Ceres, which starts from the
 given poses. GTSAM is Levenberg-Marquardt from chordal poses, in SE(2) from LAGO or the given poses. Peers minimise
 costs of their own. The last column is the cost of the result of "Surfit, chordal" in the metric of GTSAM, relative to
-the result of GTSAM. "No result" is an error or the limit of {limit} s. Times of Surfit include the start of the process,
-the chi-square test and the output files. Times of GTSAM include the input file only.
+the result of GTSAM. "No result" is an error or the limit of {limit} s. Times of Surfit include the start of the
+process, the chi-square test and the output files. Times of GTSAM include the input file only.
 
 """
 WRONG = """
@@ -139,7 +139,7 @@ def rmse_after_alignment(a, b):
 
 
 def run(command, folder):
-    """Exit code, standard output and processor seconds. The exit code is negative after LIMIT_S, None without a program."""
+    """Exit code, standard output and processor seconds. Exit codes: negative after LIMIT_S, None without a program."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
         done = subprocess.run([str(word) for word in command], cwd=folder, capture_output=True, text=True,
