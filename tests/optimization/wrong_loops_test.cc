@@ -157,6 +157,48 @@ TEST(WrongLoops, AreRejectedIfInformationUnderstatesAccuracy) {
   }
 }
 
+// Straight walk in SE(2) whose errors are 0.3 of the stated standard deviation. Loop closures
+// connect the first half. The last edge, a loop closure over 49 exact edges, is 1.4 m too long.
+PoseGraph MakeLongChain() {
+  constexpr double kSigma = 0.1, kRotationSigma = 1e-3;
+  std::mt19937_64 rng(1);
+  std::normal_distribution<double> normal(0, 0.3);
+  PoseGraph graph;
+  graph.planar = true;
+  graph.poses.resize(100);
+  for (std::size_t i = 0; i < 100; ++i) graph.poses[i].id = static_cast<std::int64_t>(i);
+  const auto add = [&](std::size_t a, std::size_t b, double scale, double extra_m) {
+    Eigen::Matrix<double, 6, 1> left = Eigen::Matrix<double, 6, 1>::Zero();
+    left[2] = scale * kRotationSigma * normal(rng);
+    left[3] = scale * kSigma * normal(rng);
+    left[4] = scale * kSigma * normal(rng);
+    PoseGraphEdge edge;
+    edge.a = a, edge.b = b, edge.loop = b != a + 1;
+    edge.a_from_b = LeftIncrement<double>(
+        left, Rigid3d(Eigen::Matrix3d::Identity(), Eigen::Vector3d(1. * (b - a) + extra_m, 0, 0)));
+    const double rotation = std::pow(kRotationSigma, -2), translation = std::pow(kSigma, -2);
+    edge.information.setZero();
+    edge.information.diagonal() << 0, 0, rotation, translation, translation, 0;
+    graph.edges.push_back(edge);
+  };
+  for (std::size_t i = 0; i < 99; ++i) add(i, i + 1, i < 50 ? 1 : 0, 0);
+  for (std::size_t i = 0; i < 45; ++i) add(i, i + 5, 1, 0);
+  add(50, 99, 0, 1.4);
+  return graph;
+}
+
+// The squared error of the last loop closure is 196 if it is rejected. It adds 2 to the cost if it
+// is accepted, because the 49 edges share the error.
+TEST(WrongLoops, GncAcceptsCorrectLoopOfLongChain) {
+  PoseGraph graph = MakeLongChain();
+  PoseGraphOptions options;
+  options.loop_robustness = "gnc";
+  const PoseGraphSummary summary = OptimizePoseGraph(options, &graph);
+  EXPECT_EQ(summary.termination, PoseGraphTermination::kConverged);
+  EXPECT_TRUE(summary.outlier_edges.empty());
+  EXPECT_LT(SquaredError(graph, graph.edges.back()), 1);
+}
+
 // A threshold below the noise rejects most loops.
 TEST(WrongLoops, MakeResultDoubtfulIfMostLoopsAreRejected) {
   TrueGraph grid = MakeGrid(4);

@@ -33,7 +33,7 @@ def main():
         circle(folder / "circle.g2o")
         page = folder / "page.md"
         subprocess.run([sys.executable, script, f"--graphs={folder}", f"--tools={tools}", f"--output={page}",
-                        "--gtsam=false", "--open3d=false", "--ceres=/none", "--pcl=/none"], check=True)
+                        "--gtsam=false", "--open3d=/none", "--ceres=/none", "--pcl=/none"], check=True)
         text = page.read_text(encoding="utf-8")
     assert "Peers: none. Absent: Ceres, GTSAM, Open3D, PCL." in text, text
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith("| circle")]

@@ -4,13 +4,14 @@
     tools/scripts/solver_page.py --graphs=DIR [--pairs=DIR] [--tools=DIR] [--output=FILE] [PEERS]
 
 DIR of --graphs contains .g2o files. DIR of --pairs contains pairs.csv with the columns name, source, target, truth,
-max_m and gate_m. `truth` is a file with the 4 x 4 matrix target_from_source. `max_m` is the largest correct error of
-the position, and `gate_m` the gate of PCL. Peers that are not installed are reported as absent:
+center and max_m. `truth` is a file with the 4 x 4 matrix target_from_source. `center` is the centroid of the source,
+"x y z" in m, and `max_m` the largest correct position error of the centroid. Peers that are not installed are
+reported as absent:
 
     --ceres   folder with the programs pose_graph_2d and pose_graph_3d of examples/slam of Ceres
     --gtsam   command of a Python with the module gtsam (Debian 13: python3-gtsam)
     --open3d  command of a Python with the module open3d (Debian 12: python3-open3d)
-    --pcl     folder with the programs pcl_icp and pcl_ply2pcd (Debian 12: pcl-tools)
+    --pcl     folder with the program pcl_icp (Debian 12: pcl-tools); requires --open3d, which thins the clouds
 
 Requires numpy.
 """
@@ -31,21 +32,25 @@ import time
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-LIMIT_S = 600  # of a program
-WRONG_SHARES, WRONG_DRAWS, WRONG_MAX_POSES = (0.2, 0.5), 3, 2000
+LIMIT_S = 120  # processor seconds of a program
+WRONG_SHARES, WRONG_DRAWS, WRONG_MAX_EDGES = (0.2, 0.5), 3, 2600
 MAX_DEGREES = 2  # of a correct registration
+PEER_POINTS = 30000  # maximum number of points of a cloud at the finest voxel size of Open3D
 
 HEAD = """# Solvers and their peers
 
 `tools/scripts/solver_page.py` created this page on {date} from commit {commit}. {machine}.
-Peers: {found}. Absent: {absent}. Times are processor seconds of one run.
+Peers: {found}. Absent: {absent}. Times are processor seconds of one run. Other
+programs on the machine increase them.
 
 ## Pose graphs
 
 Cells are the final cost in the metric of `surfit_optimize` ([error](understand.md#loop-closure-and-pose-graph)) and
 the time. "Chordal" and "given" are values of `--start`. Ceres is the example program of Ceres, which starts from the
 given poses. GTSAM is Levenberg-Marquardt from chordal poses, in SE(2) from LAGO or the given poses. Peers minimise
-costs of their own.
+costs of their own. The last column is the cost of the result of "Surfit, chordal" in the metric of GTSAM, relative to
+the result of GTSAM. "No result" is an error or the limit of {limit} s. Times of Surfit include the start of the
+process, the chi-square test and the output files. Times of GTSAM include the input file only.
 
 """
 WRONG = """
@@ -53,15 +58,16 @@ WRONG = """
 
 Cells are the ATE in m to the optimum without wrong loop closures, of {draws} draws with GNC. Wrong loop closures are a
 ratio of the loop closures of the graph. They connect random poses, with a random rotation and a translation of 5 % of
-the size of the graph.
+the size of the graph. GTSAM is its GNC optimiser with trusted odometry and the threshold of 99.9 %.
 
 """
 PAIRS = """
 ## Pairs of clouds
 
-A registration is right up to {degrees} degrees, and up to `max_m` of `pairs.csv` at the origin of the source. Surfit is
-`surfit_register` with default options. "Refused" is exit code 2. Open3D is point to plane on voxels of 8, 4, 2 and 1
-point spacings from the identity, and after RANSAC over FPFH features. PCL is `pcl_icp` from the identity.
+A registration is right up to {degrees} degrees, and up to the given error of the centroid of the source. Surfit is
+`surfit_register` with default options on all points. "Refused" is exit code 2. Peers use at most {points:,} points
+of a cloud, in voxels of size v. Open3D is point to plane at 8 v, 4 v, 2 v and v from the identity, and from 4 v after
+RANSAC over FPFH features at 2 v. PCL is `pcl_icp` from the identity at v with a gate of 24 v.
 
 """
 
@@ -133,19 +139,17 @@ def rmse_after_alignment(a, b):
 
 
 def run(command, folder):
-    """Exit code, standard output and processor seconds. The exit code is None after LIMIT_S."""
+    """Exit code, standard output and processor seconds. Exit codes: negative after LIMIT_S, None without a program."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
         done = subprocess.run([str(word) for word in command], cwd=folder, capture_output=True, text=True,
-                              timeout=LIMIT_S)
-        code, text = done.returncode, done.stdout
-        if code not in (0, 2):
-            print(command[0], done.stderr[-500:], sep="\n", file=sys.stderr)
-    except (subprocess.TimeoutExpired, FileNotFoundError) as error:
-        print(error, file=sys.stderr)
-        code, text = None, ""
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (LIMIT_S, LIMIT_S)))
+    except FileNotFoundError:
+        return None, "", 0
+    if done.returncode not in (0, 2):
+        print(*command, f"exit code {done.returncode}", done.stderr[-500:], file=sys.stderr)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return code, text, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return done.returncode, done.stdout, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def surfit_graph(tools, path, out, *flags):
@@ -156,22 +160,23 @@ def surfit_graph(tools, path, out, *flags):
     return (json.loads(summary.read_text()), seconds) if code in (0, 2) else (None, 0)
 
 
-def gtsam_peer(path, out, robust):
-    """Optimises a graph from chordal poses. Writes rows of id and pose."""
+def gtsam_peer(path, out, rival):
+    """Optimises a graph from chordal poses. Writes rows of id and pose. `rival`: "gnc", or a result to evaluate."""
     import gtsam
     begin = time.process_time()
     planar = "VERTEX_SE2" in pathlib.Path(path).read_text()
     graph, given = gtsam.readG2o(path, not planar)
+    measured = gtsam.NonlinearFactorGraph(graph)
     first, size = min(given.keys()), graph.size()
     noise = gtsam.noiseModel.Isotropic.Sigma(3 if planar else 6, 1e-6)
     graph.add(gtsam.PriorFactorPose2(first, given.atPose2(first), noise) if planar else
               gtsam.PriorFactorPose3(first, given.atPose3(first), noise))
     try:
         initial = gtsam.lago.initialize(graph) if planar else gtsam.InitializePose3.initialize(graph)
-    except ValueError:  # LAGO requires diagonal information
+    except (IndexError, ValueError):  # LAGO fails on some graphs
         initial = given
     optimizer = gtsam.LevenbergMarquardtOptimizer(graph, initial)
-    if robust:
+    if rival == "gnc":
         rank = {key: i for i, key in enumerate(sorted(given.keys()))}
         ends = [[rank[key] for key in graph.at(i).keys()] for i in range(size)]
         params = gtsam.GncLMParams()
@@ -188,17 +193,23 @@ def gtsam_peer(path, out, robust):
                 q = pose.rotation().toQuaternion()
                 numbers += [q.x(), q.y(), q.z(), q.w()]
             print(key, *numbers, file=file)
-    print(json.dumps(seconds))
+    ratio = None if rival == "gnc" else measured.error(gtsam.readG2o(rival, not planar)[1]) / measured.error(found)
+    print(json.dumps([seconds, ratio]))
 
 
-def open3d_peer(source, target, method, out):
-    """Registers two clouds by point to plane, with "global" from RANSAC over FPFH. Writes target_from_source."""
+def open3d_peer(source, target, method):
+    """Registers two clouds by point to plane, with "global" from RANSAC over FPFH. "thin": thins them for PCL.
+
+    Writes pose.txt with target_from_source, or source.pcd and target.pcd.
+    """
     import open3d
     begin = time.process_time()
     reg, search = open3d.pipelines.registration, open3d.geometry.KDTreeSearchParamHybrid
     clouds = [open3d.io.read_point_cloud(path).remove_non_finite_points() for path in (source, target)]
     clouds = [cloud.remove_duplicated_points() for cloud in clouds]
-    spacing = max(float(np.median(cloud.compute_nearest_neighbor_distance())) for cloud in clouds)
+    finest = max(float(np.median(cloud.compute_nearest_neighbor_distance())) for cloud in clouds)
+    while max(len(cloud.voxel_down_sample(finest).points) for cloud in clouds) > PEER_POINTS:
+        finest *= 1.2
     pose, scales = np.eye(4), (8, 4, 2, 1)
 
     def thinned(voxel):
@@ -207,8 +218,12 @@ def open3d_peer(source, target, method, out):
             cloud.estimate_normals(search(2 * voxel, 30))
         return thin
 
+    if method == "thin":
+        for name, cloud in zip(("source.pcd", "target.pcd"), clouds):
+            open3d.io.write_point_cloud(name, open3d.geometry.PointCloud(cloud.voxel_down_sample(finest).points))
+        return print(json.dumps(24 * finest))
     if method == "global":
-        scales, voxel = (4, 2, 1), 4 * spacing
+        scales, voxel = (4, 2, 1), 2 * finest
         thin = thinned(voxel)
         features = [reg.compute_fpfh_feature(cloud, search(5 * voxel, 100)) for cloud in thin]
         checks = [reg.CorrespondenceCheckerBasedOnEdgeLength(0.9),
@@ -218,10 +233,10 @@ def open3d_peer(source, target, method, out):
             reg.RANSACConvergenceCriteria(100000, 0.999)).transformation
     for scale in scales:
         pose = reg.registration_icp(
-            *thinned(scale * spacing), 3 * scale * spacing, pose, reg.TransformationEstimationPointToPlane(),
+            *thinned(scale * finest), 3 * scale * finest, pose, reg.TransformationEstimationPointToPlane(),
             reg.ICPConvergenceCriteria(max_iteration=100)).transformation
-    np.savetxt(out, pose)
-    print(json.dumps(time.process_time() - begin))
+    np.savetxt("pose.txt", pose)
+    return print(json.dumps(time.process_time() - begin))
 
 
 class Page:
@@ -237,45 +252,47 @@ class Page:
                 self.found[name] = [*command, script, f"--peer={name}"]
         for name, program in (("ceres", "pose_graph_3d"), ("pcl", "pcl_icp")):
             path = shutil.which(program, path=getattr(options, name))
-            if path:
+            if path and (name != "pcl" or "open3d" in self.found):
                 self.found[name] = pathlib.Path(path).resolve().parent
 
     def python_peer(self, name, *arguments):
-        """Processor seconds that a Python peer reports; None: no result."""
+        """Number or list that a Python peer reports; None: no result."""
         code, text, _ = run([*self.found[name], *arguments], self.folder)
         return json.loads(text.splitlines()[-1]) if code == 0 else None
 
-    def peer_poses(self, name, graph, path, *more):
-        """Poses by id and processor seconds; (None, None): no result."""
+    def peer_poses(self, name, graph, path, rival):
+        """Poses by id, processor seconds and ratio of costs in the metric of GTSAM; None: no result."""
         out = self.folder / "poses_optimized.txt"
         if name == "gtsam":
-            seconds = self.python_peer(name, path, out, *more)
+            reported = self.python_peer(name, path, out, rival)
         else:
             program = self.found[name] / ("pose_graph_2d" if graph.planar else "pose_graph_3d")
             code, _, seconds = run([program, f"--input={path}"], self.folder)
-            seconds = seconds if code == 0 else None
-        return (read_poses(out), seconds) if seconds is not None else (None, None)
+            reported = [seconds, None] if code == 0 else None
+        return reported and (read_poses(out), *reported)
 
     def graph_row(self, name, graph):
-        path, out = self.folder / "graph.g2o", self.folder / "out.g2o"
+        path, best, out = (self.folder / f"{word}.g2o" for word in ("graph", "chordal", "out"))
         graph.write(path)
         cells = [name, len(graph.vertices), len(graph.edges)]
-        for start in ("chordal", "given"):
+        for start, out in (("chordal", best), ("given", out)):
             summary, seconds = surfit_graph(self.tools, path, out, f"--start={start}")
             if summary is None:
-                cells.append("failed")
+                cells.append("no result")
                 continue
             at_limit = " (limit)" * (summary["termination"] == "max_iterations")
             cells.append(f"{summary['final_cost']:.7g}, {seconds:.2f} s{at_limit}")
+        ratio = None
         for peer in self.graph_peers():
-            poses, seconds = self.peer_poses(peer, graph, path)
-            cells.append("failed")
-            if poses:
+            result = self.peer_poses(peer, graph, path, best)
+            cells.append("no result")
+            if result:
+                poses, seconds, ratio = result
                 graph.write(self.folder / "peer.g2o", poses)
                 summary, _ = surfit_graph(self.tools, self.folder / "peer.g2o", out, "--start=given",
                                           "--max_graph_iterations=1")
                 cells[-1] = f"{summary['given_cost']:.7g}, {seconds:.2f} s"
-        return cells
+        return cells + [f"{ratio:.6f}" if ratio else ""] * ("gtsam" in self.found)
 
     def graph_peers(self):
         return [name for name in ("ceres", "gtsam") if name in self.found]
@@ -290,45 +307,40 @@ class Page:
             summary, _ = surfit_graph(self.tools, path, out, "--loop_robustness=gnc")
             error = rmse_after_alignment(positions(read_poses(out)), best)
             found.append(f"{error:.1g}" + " (doubtful)" * (summary["status"] == "doubtful"))
-            if "gtsam" in self.found:
-                poses, _ = self.peer_poses("gtsam", graph, path, "robust")
-                by_gtsam.append(f"{rmse_after_alignment(positions(poses), best):.1g}" if poses else "no result")
+            if "gtsam" in self.found and by_gtsam[-1:] != ["no result"]:
+                result = self.peer_poses("gtsam", graph, path, "gnc")
+                by_gtsam.append(f"{rmse_after_alignment(positions(result[0]), best):.1g}" if result else "no result")
         return [name, f"{100 * ratio:.0f} %", ", ".join(found), *([", ".join(by_gtsam)] if by_gtsam else [])]
 
     def pair_row(self, pair):
         out = self.folder / "pair"
         code, _, seconds = run([self.tools / "surfit_register", f"--source={pair['source']}",
                                 f"--target={pair['target']}", f"--output={out}"], self.folder)
-        cells = [pair["name"], "failed"]
+        cells = [pair["name"], "no result"]
         if code in (0, 2):
             cells[1] = verdict(pair, np.loadtxt(out / "transform.txt"), seconds, code == 2)
         if "open3d" in self.found:
             for method in ("identity", "global"):
-                seconds = self.python_peer("open3d", pair["source"], pair["target"], method, "pose.txt")
-                cells.append("failed" if seconds is None else
+                seconds = self.python_peer("open3d", pair["source"], pair["target"], method)
+                cells.append("no result" if seconds is None else
                              verdict(pair, np.loadtxt(self.folder / "pose.txt"), seconds))
         if "pcl" in self.found:
             cells.append(self.pcl_cell(pair))
         return cells
 
     def pcl_cell(self, pair):
-        clouds = []
-        for key in ("target", "source"):
-            clouds.append(pair[key])
-            if pair[key].suffix == ".ply":
-                clouds[-1] = self.folder / f"{key}.pcd"
-                run([self.found["pcl"] / "pcl_ply2pcd", pair[key], clouds[-1]], self.folder)
-        code, text, seconds = run([self.found["pcl"] / "pcl_icp", "-d", pair["gate_m"], "-i", 100, *clouds],
+        gate_m = self.python_peer("open3d", pair["source"], pair["target"], "thin")
+        code, text, seconds = run([self.found["pcl"] / "pcl_icp", "-d", gate_m, "-i", 100, "target.pcd", "source.pcd"],
                                   self.folder)
-        rows = [line.split() for line in text.splitlines() if len(line.split()) == 4]
-        return verdict(pair, np.array(rows[-4:], float), seconds) if code == 0 else "failed"
+        rows = [line.split() for line in text.splitlines() if len(line.split()) == 4 and "saving" not in line]
+        return verdict(pair, np.array(rows[-4:], float), seconds) if code == 0 else "no result"
 
 
 def verdict(pair, pose, seconds, refused=False):
     truth = pair["truth"]
     turn = truth[:3, :3].T @ pose[:3, :3]
     degrees = np.degrees(np.arctan2(np.linalg.norm(turn - turn.T) / 8 ** 0.5, (np.trace(turn) - 1) / 2))
-    metres = np.linalg.norm(pose[:3, 3] - truth[:3, 3])
+    metres = np.linalg.norm((pose - truth) @ [*map(float, pair["center"].split()), 1])
     right = degrees <= MAX_DEGREES and metres <= float(pair["max_m"])
     word = "refused" if refused else "right" if right else "wrong"
     return f"{word}: {degrees:.2f}°, {1000 * metres:.0f} mm, {seconds:.1f} s"
@@ -363,13 +375,14 @@ def write_page(options, folder):
     names = {"ceres": "Ceres", "gtsam": "GTSAM", "open3d": "Open3D", "pcl": "PCL"}
     commit = run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], folder)[1].strip() or "unknown"
     text = HEAD.format(date=datetime.date.today(), commit=commit, machine=machine(),
-                       found=", ".join(names[name] for name in names if name in page.found) or "none",
+                       limit=LIMIT_S, found=", ".join(names[name] for name in names if name in page.found) or "none",
                        absent=", ".join(names[name] for name in names if name not in page.found) or "none")
     peers = [names[name] for name in page.graph_peers()]
-    text += table(["graph", "poses", "edges", "Surfit, chordal", "Surfit, given", *peers],
+    text += table(["graph", "poses", "edges", "Surfit, chordal", "Surfit, given", *peers,
+                   *(["metric of GTSAM"] if "gtsam" in page.found else [])],
                   (page.graph_row(name, graph) for name, graph in graphs.items()))
     small = [(name, graph, ratio) for name, graph in graphs.items() for ratio in WRONG_SHARES
-             if len(graph.loops) > 10 and len(graph.vertices) <= WRONG_MAX_POSES]
+             if len(graph.loops) > 10 and len(graph.edges) <= WRONG_MAX_EDGES]
     if small:
         text += WRONG.format(draws=WRONG_DRAWS) + table(
             ["graph", "wrong", "Surfit", *(["GTSAM"] if "gtsam" in page.found else [])],
@@ -377,14 +390,14 @@ def write_page(options, folder):
     if options.pairs:
         columns = [["Open3D, identity", "Open3D, FPFH"], ["PCL"]]
         columns = [c for name, group in zip(("open3d", "pcl"), columns) if name in page.found for c in group]
-        text += PAIRS.format(degrees=MAX_DEGREES) + table(
+        text += PAIRS.format(degrees=MAX_DEGREES, points=PEER_POINTS) + table(
             ["pair", "Surfit", *columns], (page.pair_row(pair) for pair in read_pairs(options.pairs)))
     options.output.write_text(text, encoding="utf-8")
 
 
 def main():
     if sys.argv[1:2] == ["--peer=gtsam"]:
-        return gtsam_peer(*sys.argv[2:4], robust=len(sys.argv) > 4)
+        return gtsam_peer(*sys.argv[2:])
     if sys.argv[1:2] == ["--peer=open3d"]:
         return open3d_peer(*sys.argv[2:])
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)

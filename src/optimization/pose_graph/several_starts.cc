@@ -28,6 +28,10 @@ constexpr int kMaxRepeats = 6;
 // Errors of correct loop closures have heavier tails than a normal distribution. The limit accepts
 // a loop closure with twice the standard deviation of the other loop closures.
 constexpr double kTailFactor = 4;
+// First limits of the trials of AcceptTails(), relative to the largest limit. 0: no first run. A
+// rejected loop closure of a long odometry chain can exceed the largest limit by far. The chain
+// bends at a small cost. Example: CSAIL has a squared error of 26, which costs 2.6 if accepted.
+constexpr double kFirstLimits[] = {0, 1, 10};
 
 // The information matrices of many graphs understate the accuracy. Then wrong loop closures that
 // bend the odometry a little fit max_loop_squared_error, and the truncated cost can be smaller with
@@ -87,28 +91,30 @@ class SeveralStarts {
   }
 
   // Accepts correct loop closures that the smallest limit rejects. They deviate more if they are
-  // rejected. Therefore, one of the two trials begins with the largest limit.
+  // rejected. Therefore, trials begin with larger limits. Keeps the smallest truncated cost.
   void AcceptTails() {
-    GraphAttempt narrow = best_, wide = best_;
-    for (GraphAttempt* attempt : {&narrow, &wide}) {
-      attempt->summary.iterations.clear();
-      attempt->summary.round_count = 0;
-      attempt->summary.initialize_ms = attempt->summary.solve_ms = 0;
-    }
-    Polish(options_, &wide);
+    std::vector<GraphAttempt> trials;
     double factor = factor_;
-    for (GraphAttempt* attempt : {&narrow, &wide}) {
-      if (attempt->summary.Succeeded()) {
-        const double own = attempt == &wide ? VarianceFactor(wide.summary) : factor_;
-        Polish(WithLimit(std::min(1., kTailFactor * own)), attempt);
+    for (const double first_limit : kFirstLimits) {
+      GraphAttempt trial = best_;
+      trial.summary.iterations.clear();
+      trial.summary.round_count = 0;
+      trial.summary.initialize_ms = trial.summary.solve_ms = 0;
+      if (first_limit > 0) Polish(WithLimit(first_limit), &trial);
+      if (trial.summary.Succeeded()) {
+        const double own = first_limit > 0 ? VarianceFactor(trial.summary) : factor_;
+        Polish(WithLimit(std::min(1., kTailFactor * own)), &trial);
       }
-      Count(&attempt->summary);
-      factor = std::min(factor, VarianceFactor(attempt->summary));
+      Count(&trial.summary);
+      if (!trial.summary.Succeeded()) continue;
+      factor = std::min(factor, VarianceFactor(trial.summary));
+      trials.push_back(std::move(trial));
     }
     const double common = std::min(1., kTailFactor * factor);
-    if (!narrow.summary.Succeeded()) return;
-    const bool is_wider = wide.summary.Succeeded() && CostOf(wide, common) < CostOf(narrow, common);
-    best_ = std::move(is_wider ? wide : narrow);
+    const auto best = std::min_element(trials.begin(), trials.end(), [&](auto& a, auto& b) {
+      return CostOf(a, common) < CostOf(b, common);
+    });
+    if (best != trials.end()) best_ = std::move(*best);
   }
 
   // Few accepted loop closures do not show the accuracy of the information: the factor is 1.
