@@ -65,11 +65,10 @@ void ShowProgress(const SlamRunProgress& progress) {
 
 void WarnAboutDegenerateFrames(const SlamRunSummary& s) {
   if (s.frames_degenerate == 0) return;
-  LOG(WARNING)
-      << s.frames_degenerate << " of " << s.frames_total
-      << " frames are degenerate: their depth leaves directions open, as along a wall or a "
-         "corridor. There the pose follows colour and the predicted motion, and can slide "
-         "(frames.csv: state)";
+  LOG(WARNING) << "degenerate frames: " << s.frames_degenerate << " of " << s.frames_total
+               << ". Their depth leaves directions open, as along a wall or a corridor. There the "
+                  "pose follows colour and the predicted motion, and can slide (state in "
+                  "frames.csv)";
 }
 
 void PrintLoops(const BackendCounts& c) {
@@ -153,17 +152,16 @@ void PrintCalibration(const SlamRunSummary& s, const std::string& output) {
 
 void WarnAboutMovingObjects(const SlamRunSummary& s) {
   if (s.frames_with_two_motions > 0) {
-    std::fprintf(stderr,
-                 "warning: %d frames show two motions, their poses may be wrong: the camera may be "
-                 "registered "
-                 "to a moving object (apart in frames.csv)\n",
-                 s.frames_with_two_motions);
+    std::fprintf(
+        stderr,
+        "warning: frames that show two motions: %d. Their poses may be wrong: the camera may be "
+        "registered to a moving object (two_motions in frames.csv)\n",
+        s.frames_with_two_motions);
   }
   if (20 * s.frames_with_motion <= s.frames_total && s.frames_lost_in_motion == 0) return;
   std::fprintf(stderr,
-               "warning: in %d frames moving objects cover more than 10 %% of the view and are "
-               "excluded from "
-               "tracking and map; %d frames were lost after such frames\n",
+               "warning: frames where moving objects cover more than 10 %% of the view, and are "
+               "excluded from tracking and map: %d; frames lost after such frames: %d\n",
                s.frames_with_motion, s.frames_lost_in_motion);
 }
 
