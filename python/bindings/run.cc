@@ -31,7 +31,7 @@ void BindRunSummary(py::module_& module) {
       .def_readonly(FIELD(Summary, frames_lost_in_motion),
                     "lost frames whose last tracked frame has moving objects")
       .def_readonly(FIELD(Summary, frames_degenerate),
-                    "frames whose depth leaves directions open, as along a wall or a corridor")
+                    "frames whose depth does not constrain all directions, as along a wall")
       .def_readonly(FIELD(Summary, frames_with_two_motions),
                     "frames with two motions: the camera may be registered to a moving object")
       .def_readonly(FIELD(Summary, frames_fused), "fused frames")
