@@ -1,7 +1,9 @@
 #include "apps/solvers/register_run.h"
 
 #include <fstream>
+#include <functional>
 #include <iomanip>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
@@ -198,10 +200,18 @@ RegisterRunResult RunRegister(const RegisterRunOptions& options) {
   const PointCloud aligned = Moved(source.cloud, pose, origin);
   WriteTransform(pose, options.output + "/transform.txt");
   WriteRegistrationJson(result, options, options.output + "/registration.json");
-  WritePly(aligned, options.output + "/aligned.ply");
-  WriteTwoCloudPicture(Moved(source.cloud, Rigid3d(), origin).points, target.cloud.points,
-                       options.output + "/before.png");
-  WriteTwoCloudPicture(aligned.points, target.cloud.points, options.output + "/after.png");
+  const std::function<void()> writers[] = {
+      [&] {
+        WriteTwoCloudPicture(Moved(source.cloud, Rigid3d(), origin).points, target.cloud.points,
+                             options.output + "/before.png");
+      },
+      [&] {
+        WriteTwoCloudPicture(aligned.points, target.cloud.points, options.output + "/after.png");
+      },
+      [&] { WritePly(aligned, options.output + "/aligned.ply"); }};
+  ParallelFor(0, static_cast<int>(std::size(writers)), 1, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) writers[i]();
+  });
   return result;
 }
 

@@ -15,6 +15,15 @@ constexpr int kFittedMatches = 30;       // maximum number of fitted matches per
 constexpr int kLeastCompatible = 3;      // minimum number of compatible matches of a seed
 constexpr float kMaxAngleCosine = 0.3f;  // maximum difference of the cosines of the normal angles
 
+// Number of set bits, by sums of neighbouring fields. Processors without an own instruction would
+// call a library function.
+int CountBits(std::uint64_t bits) {
+  bits -= (bits >> 1) & 0x5555555555555555;
+  bits = (bits & 0x3333333333333333) + ((bits >> 2) & 0x3333333333333333);
+  bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0f;
+  return static_cast<int>((bits * 0x0101010101010101) >> 56);
+}
+
 // Compatibility graph of the matches, one row of bits per match.
 class MatchGraph {
  public:
@@ -27,7 +36,7 @@ class MatchGraph {
   int CountCommon(int a, int b) const {
     int count = 0;
     for (std::size_t k = 0; k < words_; ++k) {
-      count += __builtin_popcountll(bits_[a * words_ + k] & bits_[b * words_ + k]);
+      count += CountBits(bits_[a * words_ + k] & bits_[b * words_ + k]);
     }
     return count;
   }

@@ -1,9 +1,10 @@
 #include "registration/global/key_poses.h"
 
 #include <algorithm>
-#include <utility>
+#include <optional>
 
 #include "registration/global/cloud_features.h"
+#include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
@@ -39,18 +40,26 @@ std::vector<ScoredKeyPose> RegisterKeys(const CloudPair& pair, const KeyPoints& 
   options.icp.error_model.floor_sigma_m = kKeySigmaCells * cell_m;
   options.icp.min_inliers = 20;
   options.icp.min_inlier_ratio = 0.01;
-  std::vector<ScoredKeyPose> registered;
-  for (const ScoredKeyPose& pose : poses) {
-    PointSet turned = from, facing = to;
-    FaceViewpoint(pair.target().viewpoint, &facing);
-    FaceViewpoint(pose.target_from_source.Inverse() * pair.target().viewpoint, &turned);
-    const IcpResult icp = RegisterClouds(turned, facing, pose.target_from_source, options);
-    const Rigid3d found = icp.Succeeded() ? icp.target_from_source : pose.target_from_source;
+  PointSet facing = to;
+  FaceViewpoint(pair.target().viewpoint, &facing);
+  std::vector<std::optional<ScoredKeyPose>> registered(poses.size());
+  const auto register_from = [&](const Rigid3d& start) -> std::optional<ScoredKeyPose> {
+    PointSet turned = from;
+    FaceViewpoint(start.Inverse() * pair.target().viewpoint, &turned);
+    const IcpResult icp = RegisterClouds(turned, facing, start, options);
+    const Rigid3d found = icp.Succeeded() ? icp.target_from_source : start;
     const double violations = pair.ViolationRatio(found).value_or(0);
-    if (violations > 2 * pair.criteria().max_free_space_violation_ratio) continue;
-    registered.push_back({found, pair.KeyScore(found)});
+    if (violations > 2 * pair.criteria().max_free_space_violation_ratio) return std::nullopt;
+    return ScoredKeyPose{found, pair.KeyScore(found)};
+  };
+  // One pose does not have enough points for all threads.
+  ParallelFor(0, static_cast<int>(poses.size()), 1, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) registered[i] = register_from(poses[i].target_from_source);
+  });
+  poses.clear();
+  for (const std::optional<ScoredKeyPose>& pose : registered) {
+    if (pose) poses.push_back(*pose);
   }
-  poses = std::move(registered);
   sort();
   return poses;
 }
