@@ -91,9 +91,10 @@ void WriteRunResults(const RunOutcome& run, Failures* failures) {
   Trajectory truth;
   failures->Try([&] { truth = TruthDuring(run.stamps_s, run.info.ground_truth); });
   failures->Try([&] {
-    WritePosesJson({sensor.camera, run.found, run.trajectory.poses(), run.trajectory.frames(),
-                    truth, run.evaluation, views, thumbnails, keyframes, run.upright},
-                   folder + "/poses.json");
+    WritePosesJson(
+        {sensor.camera, run.found, run.trajectory.poses(), run.trajectory.frames(),
+         run.largest_piece, truth, run.evaluation, views, thumbnails, keyframes, run.upright},
+        folder + "/poses.json");
   });
   if (run.options.pictures) WritePictures(run, truth, failures);
 }

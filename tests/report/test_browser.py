@@ -33,6 +33,8 @@ def runs(tmp_path_factory):
     (folder / "plane" / "loops.csv").write_text(LOOPS)
     summary = json.loads((folder / "plane" / "summary.json").read_text())
     (folder / "plane" / "summary.json").write_text(json.dumps({**summary, "pieces": PIECES}))
+    poses = json.loads((folder / "plane" / "poses.json").read_text())
+    (folder / "plane" / "poses.json").write_text(json.dumps({**poses, "largest_piece": list(range(20))}))
     done = run_tool("surfit_report", f"--run={folder / 'plane'}")
     assert done.returncode == 0, done.stderr
     run_slam(room, folder / "symmetric")
@@ -63,6 +65,12 @@ def test_opens_from_disk_without_errors_or_network(page):
 def test_pieces_are_listed(page):
     table = page.script("return document.querySelector('#trajectory .pieces').innerText").split("\n")
     assert [row.split("\t") for row in table[1:]] == [["0", "19", "20", "1.23"], ["22", "29", "8", "unknown"]]
+
+
+def test_chart_shows_the_largest_piece(page):
+    page.scroll_to("trajectory")
+    points = page.script("return Chart.getChart(document.querySelector('#trajectory canvas')).data.datasets[0].data.length")
+    assert points == 20
 
 
 def test_single_piece_is_not_listed(both):

@@ -135,6 +135,7 @@ class RefineRun {
                     found,
                     refined,
                     run_.frames,
+                    refined,
                     TruthDuring(run_.stamps_s, run_.info.ground_truth),
                     summary_.after,
                     {},

@@ -93,11 +93,24 @@ Json ErrorsOf(const RunPoses& run, const Rigid3d& estimated_from_true) {
     frame_at[run.trajectory[i].stamp_s] = run.frames[i];
   }
   Json errors = Json::array();
-  for (const MatchedPose& pose : MatchPoses(run.truth, run.trajectory, MatchOptions())) {
+  for (const MatchedPose& pose : MatchPoses(run.truth, run.largest_piece, MatchOptions())) {
     const Eigen::Vector3d truth = estimated_from_true * pose.ground_truth.translation;
     errors.push_back({frame_at.at(pose.stamp_s), (truth - pose.estimate.translation).norm()});
   }
   return errors;
+}
+
+// Both trajectories are in the order of their timestamps.
+Json FramesOfLargestPiece(const RunPoses& run) {
+  if (run.largest_piece.size() == run.trajectory.size()) return nullptr;
+  Json frames = Json::array();
+  auto pose = run.largest_piece.begin();
+  for (std::size_t i = 0; i < run.trajectory.size() && pose != run.largest_piece.end(); ++i) {
+    if (run.trajectory[i].stamp_s != pose->stamp_s) continue;
+    frames.push_back(run.frames[i]);
+    ++pose;
+  }
+  return frames;
 }
 
 template <typename Kept>
@@ -345,6 +358,7 @@ void WritePosesJson(const RunPoses& run, const std::string& path) {
     j["truth"] = TruthOf(run, estimated_from_true);
     j["errors_m"] = ErrorsOf(run, estimated_from_true);
   }
+  j["largest_piece"] = FramesOfLargestPiece(run);
   j["up"] = nullptr;
   if (run.upright) j["up"] = UpIn(run.upright->upright_from_world);
   j["views"] = ToJson<KeptViews>(run.views);

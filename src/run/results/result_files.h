@@ -28,9 +28,10 @@ void WriteSummaryJson(const SlamRunSummary& summary, const SlamRunOptions& optio
 struct RunPoses {
   const PinholeCamera& camera;
   const EstimatedSensor& found;
-  const Trajectory& trajectory;    // estimated poses
-  const std::vector<int>& frames;  // frame index of each pose
-  const Trajectory& truth;         // ground truth in its own world frame; empty if unknown
+  const Trajectory& trajectory;     // estimated poses
+  const std::vector<int>& frames;   // frame index of each pose
+  const Trajectory& largest_piece;  // part of the trajectory; `evaluation` is for it
+  const Trajectory& truth;          // ground truth in its own world frame; empty if unknown
   const std::optional<TrajectoryEvaluation>& evaluation;  // std::nullopt: no ground truth
   const std::vector<KeptView>& views;
   const std::vector<KeptView>& thumbnails;
@@ -47,8 +48,9 @@ struct RunPoses {
 //   poses           one row per tracked frame: index stamp_s tx ty tz qx qy qz qw, camera-to-world
 //   truth           ground-truth positions, aligned to the estimate as for the ATE: stamp_s tx ty
 //                   tz; null without an ATE
-//   errors_m        position error of each frame with a ground-truth pose: index, distance; null
-//                   without an ATE
+//   errors_m        position error of each frame of the largest piece with a ground-truth pose:
+//                   index, distance; null without an ATE
+//   largest_piece   frame indices of the largest piece; null: all poses are of one piece
 //   views           one per KeptView: index, stamp_s, why, and files: path by picture name
 //   up              unit vector opposite to gravity; null: unknown
 //   thumbnails      one per thumbnail, with the keys of `views`

@@ -28,12 +28,18 @@ surfit.showPieces = (runs, parent) => {
   for (const { label, summary } of runs) {
     if (!summary.pieces || summary.pieces.length < 2) continue;
     surfit.say(parent, `${label} has ${summary.pieces.length} pieces. No loop closure connects them, so only poses of `
-      + 'one piece are comparable. Pieces are placed beside each other.');
+      + 'one piece are comparable. The charts show the largest piece.');
     surfit.addTable(surfit.element('div', parent, { className: 'table pieces' }),
       ['first frame', 'last frame', 'frames with a pose', 'ATE, mm'],
       summary.pieces.map((piece) => [piece.first_frame, piece.last_frame, piece.frames,
         piece.ate_rmse_m === null ? 'unknown' : (1000 * piece.ate_rmse_m).toFixed(2)].map(String)));
   }
+};
+
+// Poses of the largest piece.
+surfit.comparablePoses = ({ poses, largest_piece: frames }) => {
+  const shown = new Set(frames || []);
+  return frames ? poses.filter(([frame]) => shown.has(frame)) : poses;
 };
 
 surfit.showTrajectories = (runs) => {
@@ -45,7 +51,8 @@ surfit.showTrajectories = (runs) => {
   const errors = runs.flatMap((run) => [...run.errors.values()]);
   const most = surfit.range(errors)[1];
   const datasets = runs.flatMap((run, i) => {
-    const { poses, truth } = run.poses;
+    const { truth } = run.poses;
+    const poses = surfit.comparablePoses(run.poses);
     const colors = run.errors.size === 0 ? {} : { pointRadius: 2, pointBorderWidth: 0,
       pointBackgroundColor: poses.map(([frame]) => surfit.cssColor(
         surfit.scaleColor(run.errors.get(frame) || 0, 0, most))) };
