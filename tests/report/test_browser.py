@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import shutil
 
 import pytest
 from report_page import (Page, differing_ratio, drawn_ratio, expect_every_mode_drawn, numbers, run_slam,
@@ -31,10 +32,6 @@ def runs(tmp_path_factory):
     room = simulate_room(folder, FRAMES)
     run_slam(room, folder / "plane", "--residual=point_to_plane", "--report")
     (folder / "plane" / "loops.csv").write_text(LOOPS)
-    summary = json.loads((folder / "plane" / "summary.json").read_text())
-    (folder / "plane" / "summary.json").write_text(json.dumps({**summary, "pieces": PIECES}))
-    poses = json.loads((folder / "plane" / "poses.json").read_text())
-    (folder / "plane" / "poses.json").write_text(json.dumps({**poses, "largest_piece": list(range(20))}))
     done = run_tool("surfit_report", f"--run={folder / 'plane'}")
     assert done.returncode == 0, done.stderr
     run_slam(room, folder / "symmetric")
@@ -44,6 +41,17 @@ def runs(tmp_path_factory):
 @pytest.fixture
 def page(browser, runs):
     return Page(browser, runs / "plane" / "report.html")
+
+
+@pytest.fixture
+def in_pieces(browser, runs, tmp_path):
+    folder = shutil.copytree(runs / "plane", tmp_path / "pieces")
+    for name, added in (("summary", {"pieces": PIECES}), ("poses", {"largest_piece": list(range(20))})):
+        path = folder / f"{name}.json"
+        path.write_text(json.dumps({**json.loads(path.read_text()), **added}))
+    done = run_tool("surfit_report", f"--run={folder}")
+    assert done.returncode == 0, done.stderr
+    return Page(browser, folder / "report.html")
 
 
 @pytest.fixture
@@ -62,19 +70,16 @@ def test_opens_from_disk_without_errors_or_network(page):
     assert [url for url in urls if not url.startswith("data:")] == []
 
 
-def test_pieces_are_listed(page):
-    table = page.script("return document.querySelector('#trajectory .pieces').innerText").split("\n")
+def test_pieces_are_listed_and_the_chart_shows_the_largest(in_pieces):
+    table = in_pieces.script("return document.querySelector('#trajectory .pieces').innerText").split("\n")
     assert [row.split("\t") for row in table[1:]] == [["0", "19", "20", "1.23"], ["22", "29", "8", "unknown"]]
+    in_pieces.scroll_to("trajectory")
+    canvas = "document.querySelector('#trajectory canvas')"
+    assert in_pieces.script(f"return Chart.getChart({canvas}).data.datasets[0].data.length") == 20
 
 
-def test_chart_shows_the_largest_piece(page):
-    page.scroll_to("trajectory")
-    points = page.script("return Chart.getChart(document.querySelector('#trajectory canvas')).data.datasets[0].data.length")
-    assert points == 20
-
-
-def test_single_piece_is_not_listed(both):
-    assert both.script("return document.querySelectorAll('#trajectory .pieces').length") == 1
+def test_single_piece_is_not_listed(page):
+    assert page.script("return document.querySelectorAll('#trajectory .pieces').length") == 0
 
 
 def test_every_colour_mode_is_drawn(page):
