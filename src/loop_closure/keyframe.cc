@@ -12,15 +12,29 @@
 namespace surfit {
 namespace {
 
+// 0 if the depth is too large.
+std::uint16_t CompactDepth(double depth_m) {
+  const double units = std::round(depth_m * PlaceView::kDepthUnitsPerMetre);
+  return units <= std::numeric_limits<std::uint16_t>::max() ? static_cast<std::uint16_t>(units) : 0;
+}
+
 Image<std::uint16_t> CompactDepth(const Image<float>& depth_m) {
   Image<std::uint16_t> compact(depth_m.width(), depth_m.height());
   for (std::size_t i = 0; i < depth_m.size(); ++i) {
-    const double units = std::round(depth_m[i] * PlaceView::kDepthUnitsPerMetre);
-    if (units <= std::numeric_limits<std::uint16_t>::max()) {
-      compact[i] = static_cast<std::uint16_t>(units);
-    }
+    compact[i] = CompactDepth(static_cast<double>(depth_m[i]));
   }
   return compact;
+}
+
+// 0 if the corrected depth is not valid.
+std::uint16_t RecalibratedDepth(std::uint16_t depth, const Eigen::Vector2d& pixel,
+                                const DepthCalibration& from, const DepthCalibration& to) {
+  if (depth == 0) return 0;
+  const Eigen::Vector3d before = from.camera.Ray(pixel.x(), pixel.y());
+  const Eigen::Vector3d after = to.camera.Ray(pixel.x(), pixel.y());
+  const double inverse = PlaceView::kDepthUnitsPerMetre / depth -
+                         from.field.At(before.x(), before.y()) + to.field.At(after.x(), after.y());
+  return inverse > InverseDepthField::kMinInverse ? CompactDepth(1 / inverse) : 0;
 }
 
 Image<float> DepthOf(const PlaceView& view) {
@@ -144,6 +158,29 @@ PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
                       ? FindPlaceFeatures(ReliefOf(surface), surface, options.max_features)
                       : FindPlaceFeatures(color, pyramid.levels.front(), options.max_features);
   return view;
+}
+
+void Recalibrate(const DepthCalibration& to, PlaceView* view) {
+  if (view->empty()) return;
+  const DepthCalibration old = {view->camera, view->field, 0};
+  const auto pixels = std::lround(static_cast<double>(to.camera.width) / view->camera.width);
+  const DepthCalibration changed = {to.camera.Binned(static_cast<int>(pixels)), to.field, 0};
+  if (AreSame(old, changed)) return;
+  view->camera = changed.camera;
+  view->field = changed.field;
+  for (int v = 0; v < view->depth.height(); ++v) {
+    for (int u = 0; u < view->depth.width(); ++u) {
+      view->depth(u, v) = RecalibratedDepth(view->depth(u, v), {u, v}, old, changed);
+    }
+  }
+  std::vector<PlaceFeature> features;
+  for (PlaceFeature& feature : view->features) {
+    const Eigen::Vector3d point = Recalibrated(feature.point.cast<double>(), old, changed);
+    if (!(point.z() > 0 && point.z() < 1 / InverseDepthField::kMinInverse)) continue;
+    feature.point = point.cast<float>();
+    features.push_back(feature);
+  }
+  view->features = std::move(features);
 }
 
 FramePyramid PyramidOf(const PlaceView& view, const PreprocessOptions& options) {

@@ -8,6 +8,7 @@
 
 #include "core/trace.h"
 #include "loop_closure/edge_information.h"
+#include "surfit/core/parallel.h"
 #include "surfit/loop_closure/place_index.h"
 
 namespace surfit {
@@ -36,8 +37,10 @@ std::vector<bool> LoopsInGraph(const PoseGraph& graph, const PoseGraphSummary& s
 // same view at the same time: a wait for a thread of lower priority would take longer.
 class LazyView {
  public:
-  LazyView(ColoredView source, const PlaceViewOptions& options)
-      : source_(std::make_shared<ColoredView>(std::move(source))), options_(options) {}
+  LazyView(ColoredView source, const InverseDepthField& field, const PlaceViewOptions& options)
+      : source_(std::make_shared<ColoredView>(std::move(source))),
+        field_(field),
+        options_(options) {}
 
   PlaceView Get() {
     std::shared_ptr<const ColoredView> source;
@@ -47,6 +50,7 @@ class LazyView {
       source = source_;
     }
     PlaceView view = MakePlaceView(source->pyramid, source->color, options_);
+    view.field = field_;
     const std::lock_guard<std::mutex> lock(mutex_);
     view_ = view;
     source_.reset();
@@ -56,6 +60,7 @@ class LazyView {
  private:
   std::mutex mutex_;
   std::shared_ptr<const ColoredView> source_;
+  InverseDepthField field_;
   PlaceViewOptions options_;
   PlaceView view_;
 };
@@ -84,6 +89,20 @@ void LoopCloser::AddSettled(std::vector<Keyframe> keyframes) {
     if (!keyframes_[k].view.empty()) index_.Add(static_cast<int>(k), keyframes_[k].view);
   }
   LimitKeyframes(options_.max_view_bytes, &keyframes_, &index_);
+  RecalibrateViews(0);
+}
+
+// Views with different calibrations would give wrong loop closures.
+void LoopCloser::RecalibrateViews(int first) {
+  if (!calibration_) return;
+  ParallelFor(first, static_cast<int>(keyframes_.size()), 1, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) Recalibrate(*calibration_, &keyframes_[k].view);
+  });
+}
+
+void LoopCloser::UseCalibration(const std::optional<DepthCalibration>& calibration) {
+  calibration_ = calibration;
+  RecalibrateViews(0);
 }
 
 void LoopCloser::Start(LoopTask task) {
@@ -98,6 +117,7 @@ LoopOutcome LoopCloser::Run(LoopTask task) {
   for (const KeyframeForLoops& added : task.added) {
     keyframes_.push_back({added.frame_index, added.stamp_s, {}, added.view()});
   }
+  RecalibrateViews(first);
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
     keyframes_[k].world_from_camera = task.graph.poses[k].world_from_pose;
     keyframes_[k].piece = task.piece_of_keyframe[k];
@@ -155,8 +175,9 @@ GlobalRegistrationResult LoopCloser::RegisterTo(const ColoredView& earlier,
                     options_.relocalize.verify);
 }
 
-ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options) {
-  auto made = std::make_shared<LazyView>(std::move(source), options);
+ViewOfKeyframe ViewOf(ColoredView source, const InverseDepthField& field,
+                      const PlaceViewOptions& options) {
+  auto made = std::make_shared<LazyView>(std::move(source), field, options);
   return [made] { return made->Get(); };
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "core/background_task.h"
@@ -14,8 +15,9 @@
 namespace surfit {
 
 // Callback that computes the place view of a keyframe at its first call, and then releases the
-// source.
-ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options);
+// source. `field`: PlaceView::field.
+ViewOfKeyframe ViewOf(ColoredView source, const InverseDepthField& field,
+                      const PlaceViewOptions& options);
 
 // Edge of an accepted loop: a is the target keyframe, b the source keyframe.
 PoseGraphEdge LoopEdge(const LoopVerification& attempt, const EdgeNoise& noise);
@@ -72,17 +74,23 @@ class LoopCloser {
   // Registers a view to the view of an earlier frame. Thread-safe.
   GlobalRegistrationResult RegisterTo(const ColoredView& earlier, const ColoredView& view) const;
 
+  // Calibration of all views, also those of later tasks. Requires that no task is running. Null: the
+  // views keep their calibrations.
+  void UseCalibration(const std::optional<DepthCalibration>& calibration);
+
   // Keyframes of all tasks, with the poses of the last task or Find(). Requires that no task is
   // running. Valid until the next Start().
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
 
  private:
   LoopOutcome Run(LoopTask task);
+  void RecalibrateViews(int first);
   void TryLoops(int source, PoseGraph* graph, LoopOutcome* outcome);
   void Optimise(PoseGraph graph, LoopOutcome* outcome) const;
 
   LoopOptions options_;
   LoopFinder finder_;
+  std::optional<DepthCalibration> calibration_;
   std::vector<Keyframe> keyframes_;
   PlaceIndex index_;
   BackgroundTask<LoopOutcome> task_;  // last member: the destructor waits for the task

@@ -174,6 +174,7 @@ KeyframeLink TakeKeyframe(RowReader* row) {
 Row RowOf(std::int64_t key, const PlaceView& view) {
   Packer packer;
   PutView(view, &packer);
+  PutField(view.field, &packer);
   return {key, Blob{packer.bytes()}};
 }
 
@@ -181,6 +182,7 @@ PlaceView TakeStoredView(RowReader* row) {
   row->TakeInt();
   Unpacker unpacker(row->Take<Blob>().bytes, row->from());
   PlaceView view = TakeView(PlacesPart::kAll, &unpacker);
+  if (!unpacker.IsAtEnd()) view.field = TakeField(&unpacker);
   unpacker.End();
   return view;
 }

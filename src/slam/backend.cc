@@ -60,6 +60,7 @@ void Backend::ContinueFrom(SlamState* state, StateUse use) {
   begins_submap_ = false;
   const PosedFrame& last = poses_.FrameOf(static_cast<int>(poses_.keyframes().size()) - 1);
   last_keyframe_ = {last.index, last.stamp_s, last.world_from_camera, state->views.back()};
+  closer_->UseCalibration(state->calibration);
   TakeViews(std::move(state->views), settled);
   if (goes_on && !waiting_.empty()) StartLoopTask();
   if (calibrator_) {
@@ -154,7 +155,7 @@ void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
   if (calibrator_) calibrator_->AddKeyframe(frame);
   if (closer_) {
     KeyframeForLoops added = {posed.index, posed.stamp_s,
-                              ViewOf({pyramid, frame.color}, options_.views)};
+                              ViewOf({pyramid, frame.color}, Field(), options_.views)};
     if (on_keyframe_) {
       on_keyframe_(posed.index, added.view, calibrator_ ? calibrator_->last_keyframe() : nullptr);
     }
@@ -299,6 +300,7 @@ void Backend::TakeCalibration(std::vector<WorldCorrection>* corrections) {
   WorldCorrection correction = Move(CorrectionsOfKeyframes(after));
   correction.recalibration = std::move(recalibration);
   poses_.RecalibrateEdges(before);
+  if (closer_) closer_->UseCalibration(to);
   corrections->push_back(std::move(correction));
 }
 
@@ -366,6 +368,10 @@ std::vector<Keyframe> Backend::keyframe_views() const {
 
 std::size_t Backend::settled_keyframes() const {
   return poses_.keyframes().size() - waiting_.size() - in_task_;
+}
+
+InverseDepthField Backend::Field() const {
+  return calibrator_ ? calibrator_->calibration().field : InverseDepthField();
 }
 
 const DepthCalibration* Backend::calibration() const {

@@ -33,6 +33,7 @@ RunPlaces SomePlaces() {
     view.camera.height = 6;
     view.camera.fx = view.camera.fy = 7;
     view.noise.inverse_depth_sigma = 0.003;
+    view.field = {{0.1, 0.2, 0.3, 0.4, 0.5, 0.6}};
     view.depth = Image<std::uint16_t>(8, 6);
     view.intensity = Image<std::uint8_t>(8, 6);
     for (int k = 0; k < 48; ++k) {
@@ -76,6 +77,7 @@ TEST(PlacesFile, RoundTripsBitwise) {
     EXPECT_EQ(read.keyframes[i].frame_index, written.keyframes[i].frame_index);
     ExpectSame(read.keyframes[i].world_from_camera, written.keyframes[i].world_from_camera);
     EXPECT_EQ(view.camera.fx, other.camera.fx);
+    EXPECT_EQ(view.field.coefficients, other.field.coefficients);
     EXPECT_EQ(view.noise.inverse_depth_sigma, other.noise.inverse_depth_sigma);
     EXPECT_TRUE(std::equal(view.depth.data(), view.depth.data() + 48, other.depth.data()));
     EXPECT_TRUE(
@@ -97,6 +99,20 @@ TEST(PlacesFile, ReadsFeaturesWithoutImages) {
   const RunPlaces read = ReadPlaces(folder / "places.bin", PlacesPart::kFeatures);
   EXPECT_TRUE(read.keyframes[0].view.depth.empty());
   EXPECT_EQ(read.keyframes[0].view.features.size(), 1u);
+}
+
+// Files of version 0.1 end after the edges.
+TEST(PlacesFile, ReadsFilesWithoutDepthCorrections) {
+  const TempFolder folder;
+  const RunPlaces written = SomePlaces();
+  WritePlaces(written, folder / "places.bin");
+  const std::string bytes = ReadBytes(folder / "places.bin");
+  const std::size_t fields = written.keyframes.size() * sizeof(InverseDepthField);
+  folder.Write("old.bin", bytes.substr(0, bytes.size() - fields));
+  const RunPlaces read = ReadPlaces(folder / "old.bin");
+  ASSERT_EQ(read.keyframes.size(), written.keyframes.size());
+  EXPECT_TRUE(read.keyframes[0].view.field.IsZero());
+  EXPECT_EQ(read.edges.size(), written.edges.size());
 }
 
 TEST(PlacesFile, RejectsDamagedFiles) {

@@ -5,6 +5,7 @@
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
 #include "surfit/frame/frame_pyramid.h"
+#include "surfit/frame/rectify_frame.h"
 #include "testing/matchers.h"
 #include "testing/pixels.h"
 
@@ -69,6 +70,64 @@ TEST(MakePlaceView, HasNoFeaturesWithoutTextureOrColor) {
   EXPECT_TRUE(colorless.features.empty());
   EXPECT_TRUE(colorless.intensity.empty());
   EXPECT_TRUE(PyramidOf(colorless, PreprocessOptions()).levels.front().intensity.empty());
+}
+
+// Input of a view: depth in m that is linear in both pixel coordinates.
+Image<float> SlopingDepth() {
+  Image<float> depth_m(320, 240);
+  for (const auto [u, v] : PixelsOf(320, 240)) {
+    depth_m(u, v) = 2.f + 0.002f * static_cast<float>(u) - 0.001f * static_cast<float>(v);
+  }
+  return depth_m;
+}
+
+// The calibration corrects the depth before or after the view is made. Without a depth filter, the
+// views differ by the rounding of depth, twice.
+TEST(Recalibrate, GivesViewOfCorrectedDepth) {
+  DepthCalibration calibration = {PlaceCamera(), {{0.01, -0.02, 0.005, 0.01, 0, -0.01}}, 0};
+  calibration.camera.fx += 4;
+  calibration.camera.cy -= 3;
+  PreprocessOptions preprocess;
+  preprocess.filter_radius_px = 0;
+  PlaceViewOptions options;
+  for (const int width : {320, 160}) {
+    options.max_width = width;
+    PlaceView view = MakePlaceView(PreprocessDepth(SlopingDepth(), {PlaceCamera(), {}}, preprocess),
+                                   {}, options);
+    Recalibrate(calibration, &view);
+    Image<float> corrected_m = SlopingDepth();
+    CorrectDepth(calibration.camera, calibration.field, &corrected_m);
+    const PlaceView expected = MakePlaceView(
+        PreprocessDepth(corrected_m, {calibration.camera, {}}, preprocess), {}, options);
+    EXPECT_EQ(view.field.coefficients, calibration.field.coefficients);
+    EXPECT_DOUBLE_EQ(view.camera.fx, expected.camera.fx);
+    EXPECT_DOUBLE_EQ(view.camera.cy, expected.camera.cy);
+    ASSERT_EQ(view.depth.size(), expected.depth.size());
+    for (std::size_t i = 0; i < view.depth.size(); ++i) {
+      ASSERT_NEAR(view.depth[i], expected.depth[i], 2) << width << ", pixel " << i;
+    }
+  }
+}
+
+TEST(Recalibrate, MovesFeaturesWithTheirPixels) {
+  const DepthCalibration calibration = {PlaceCamera(), {{0.02, 0, 0, 0, 0, 0}}, 0};
+  PlaceView view = MakePlaceView(Wall().pyramid, {}, PlaceViewOptions());
+  view.features = {{{0.5f, -0.25f, 2}, {}}, {{0, 0, 100}, {}}};
+  Recalibrate({PlaceCamera(), {{-0.02, 0, 0, 0, 0, 0}}, 0}, &view);
+  ASSERT_EQ(view.features.size(), 1u) << "the inverse depth of the second feature is negative";
+  Recalibrate(calibration, &view);
+  const Eigen::Vector3f expected = Eigen::Vector3f(0.5f, -0.25f, 2) / (1 + 2 * 0.02f);
+  EXPECT_LT((view.features[0].point - expected).norm(), 1e-5);
+}
+
+TEST(Recalibrate, KeepsViewWithSameCalibration) {
+  PlaceView view = MakePlaceView(Wall().pyramid, {}, PlaceViewOptions());
+  const PlaceView before = view;
+  Recalibrate({PlaceCamera(), {}, 0.01}, &view);
+  EXPECT_EQ(view.depth, before.depth);
+  PlaceView empty;
+  Recalibrate({PlaceCamera(), {}, 0}, &empty);
+  EXPECT_TRUE(empty.empty());
 }
 
 // 320 x 240 pixels of three bytes, and at most 500 features of 48 bytes.

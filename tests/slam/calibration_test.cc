@@ -89,6 +89,21 @@ TEST(SlamCalibration, KeepsCorrectCalibration) {
   }
 }
 
+// Loop closures compare views of keyframes before and after a calibration.
+TEST(SlamCalibration, RecalibratesViewsOfKeyframes) {
+  const SimulatedSequence room = WronglyGiven(SmallRoom());
+  Slam slam({room.camera, {}}, SlamOptions(), room.world_from_camera[0]);
+  for (const RgbdFrame& frame : room.frames) slam.Process(frame);
+  slam.Finish();
+  const Backend& backend = *slam.backend();
+  ASSERT_TRUE(backend.is_recalibrated());
+  ASSERT_FALSE(backend.keyframe_views().empty());
+  for (const Keyframe& keyframe : backend.keyframe_views()) {
+    EXPECT_EQ(keyframe.view.field.coefficients, backend.calibration()->field.coefficients);
+    EXPECT_EQ(keyframe.view.camera.fx, backend.calibration()->camera.fx);
+  }
+}
+
 TEST(SlamCalibration, CorrectsWrongCalibration) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const SimulatedSequence room = WronglyGiven(Room(seed));

@@ -9,6 +9,7 @@
 #include "surfit/frame/binary_descriptor.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/preprocess.h"
+#include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/sensor.h"
 
@@ -27,6 +28,7 @@ struct PlaceFeature {
 struct PlaceView {
   PinholeCamera camera;
   DepthNoise noise;
+  InverseDepthField field;             // correction in `depth` and `features`: see Recalibrate()
   Image<std::uint16_t> depth;          // filtered depth in 1/kDepthUnitsPerMetre m; 0: missing
   Image<std::uint8_t> intensity;       // 1: black, 255: white, 0: unknown or RGB 0; empty: none
   std::vector<PlaceFeature> features;  // empty without colour
@@ -38,6 +40,12 @@ struct PlaceView {
   // Memory of images and features, bytes.
   std::size_t Bytes() const;
 };
+
+// Converts camera, depth and features of a view to a calibration of the full resolution. Pixels and
+// measured depths do not change. The calibration of the view is `camera` and `field`. Points with a
+// corrected inverse depth of at most InverseDepthField::kMinInverse become missing. No effect on an
+// empty view.
+void Recalibrate(const DepthCalibration& to, PlaceView* view);
 
 // Frame with a stored view.
 struct Keyframe {

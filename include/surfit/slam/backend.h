@@ -178,6 +178,7 @@ class Backend {
   bool BecomesKeyframe(int frame_index, const Rigid3d& world_from_camera,
                        const FramePyramid& pyramid);
   void TakeViews(std::vector<PlaceView> views, std::size_t settled);
+  InverseDepthField Field() const;  // of the current calibration
   void AddEdgeTo(const PosedFrame& keyframe, int parent, const IcpResult& icp);
   void StartLoopTask();
   void StartLoopTaskIfFree();

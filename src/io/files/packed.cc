@@ -42,4 +42,17 @@ PlaceView TakeView(PlacesPart part, Unpacker* unpacker) {
   return view;
 }
 
+void PutField(const InverseDepthField& field, Packer* packer) {
+  for (const double coefficient : field.coefficients) packer->Put(coefficient);
+}
+
+InverseDepthField TakeField(Unpacker* unpacker) {
+  InverseDepthField field;
+  for (double& coefficient : field.coefficients) {
+    coefficient = unpacker->Take<double>();
+    if (!std::isfinite(coefficient)) unpacker->Fail("has an invalid depth correction");
+  }
+  return field;
+}
+
 }  // namespace surfit

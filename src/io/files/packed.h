@@ -110,6 +110,7 @@ class Unpacker {
     if (bytes > 0 && !Inflate(compressed, count, image.data(), bytes)) Fail("has a damaged image");
     return image;
   }
+  bool IsAtEnd() const { return at_ == bytes_.size(); }
   void End() const {
     if (at_ != bytes_.size()) Fail("has bytes after its end");
   }
@@ -132,8 +133,12 @@ class Unpacker {
 
 // Serialisation of a view. TakeView() throws InputError for damaged bytes, and for an invalid
 // camera or noise. With PlacesPart::kFeatures its images are empty. Without a depth image, camera
-// and noise are not checked. Distortion is not stored.
+// and noise are not checked. Distortion and PlaceView::field are not stored.
 void PutView(const PlaceView& view, Packer* packer);
 PlaceView TakeView(PlacesPart part, Unpacker* unpacker);
+
+// PlaceView::field. Files of version 0.1 have no fields.
+void PutField(const InverseDepthField& field, Packer* packer);
+InverseDepthField TakeField(Unpacker* unpacker);
 
 }  // namespace surfit

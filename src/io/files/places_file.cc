@@ -53,6 +53,7 @@ void WritePlaces(const RunPlaces& places, const std::string& path) {
   }
   writer.PutCount(places.edges.size());
   for (const PoseGraphEdge& edge : places.edges) PutEdge(edge, &writer);
+  for (const Keyframe& keyframe : places.keyframes) PutField(keyframe.view.field, &writer);
   WriteFileAtomically(path, [&](std::ostream& file) { file << kPlacesMagic << writer.bytes(); });
 }
 
@@ -87,6 +88,9 @@ RunPlaces ReadPlaces(const std::string& path, PlacesPart part) {
   }
   places.edges.resize(reader.TakeCount(kPoseBytes));
   for (PoseGraphEdge& edge : places.edges) edge = TakeEdge(places.keyframes.size(), &reader);
+  if (!reader.IsAtEnd()) {
+    for (Keyframe& keyframe : places.keyframes) keyframe.view.field = TakeField(&reader);
+  }
   reader.End();
   return places;
 }
