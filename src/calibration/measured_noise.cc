@@ -54,6 +54,13 @@ double RobustSigma(const std::vector<float>& residuals) {
   return sigma;
 }
 
+// Rounds to four digits, so that options and files contain the exact value.
+double Rounded(double sigma) {
+  if (sigma == 0) return 0;
+  const double digits = std::pow(10., 3 - std::floor(std::log10(sigma)));
+  return std::round(sigma * digits) / digits;
+}
+
 struct MeasuredFrame {
   Image<float> depth_m;  // unfiltered
   FramePyramid pyramid;
@@ -134,7 +141,7 @@ std::optional<MeasuredNoise> MeasureWith(const DepthSensor& sensor,
     reference_from_frame = {};
   }
   if (measured.pairs < kMinPairs) return std::nullopt;
-  measured.inverse_depth_sigma = RobustSigma(residuals) / std::sqrt(2.);
+  measured.inverse_depth_sigma = Rounded(RobustSigma(residuals) / std::sqrt(2.));
   measured.samples = static_cast<std::int64_t>(residuals.size());
   return measured;
 }
