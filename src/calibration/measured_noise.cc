@@ -71,9 +71,9 @@ struct Comparison {
   double motion_px = 0;          // mean displacement of the pixels
 };
 
-// Inverse depth of the surface at the pixel coordinates: unfiltered depth of the nearest pixel, and
-// the slope of inverse depth by its normal n, which is n_x / (fx n.X) along u. std::nullopt without
-// a surface.
+// Inverse depth of the surface at the pixel coordinates, 1/m: unfiltered depth of the nearest
+// pixel, plus the slope of inverse depth at this pixel. With the normal n, the slope along u is n_x
+// / (fx n.X). std::nullopt without a surface.
 std::optional<double> InverseDepthAt(const MeasuredFrame& frame, const Eigen::Vector2d& pixel) {
   const FrameLevel& level = frame.pyramid.levels.front();
   const int u = static_cast<int>(std::floor(pixel.x() + 0.5));
