@@ -18,6 +18,14 @@ void BindRunProgress(py::module_& module) {
 }
 
 void BindRunSummary(py::module_& module) {
+  BindReport<NoiseReport>(module, "NoiseReport", "Depth noise of a run, 1/m.")
+      .def_readonly(FIELD(NoiseReport, start), "of the camera file, the preset or the option")
+      .def_readonly(FIELD(NoiseReport, measured), "noise of the first frames; None: unknown")
+      .def_readonly(FIELD(NoiseReport, used), "noise of all stages")
+      .def_readonly(FIELD(NoiseReport, is_applied), "the measured noise is used")
+      .def_readonly(FIELD(NoiseReport, frames), "frames read for the measurement")
+      .def_readonly(FIELD(NoiseReport, pairs), "compared pairs of frames")
+      .def_readonly(FIELD(NoiseReport, samples), "compared pixels");
   using Summary = SlamRunSummary;
   BindReport<Summary>(module, "SlamRunSummary",
                       "Result of a run. The times of stages are in summary.json.")
@@ -53,6 +61,7 @@ void BindRunSummary(py::module_& module) {
       .def_readonly(FIELD(Summary, removed), "removed surfels, sum over all frames")
       .def_readonly(FIELD(Summary, map_points), "surfels at the end")
       .def_readonly(FIELD(Summary, compression_ratio), "input_points / map_points")
+      .def_readonly(FIELD(Summary, noise), "depth noise: start, measured and used, 1/m")
       .def_readonly(FIELD(Summary, evaluation), "errors; None without ground truth")
       .def_readonly(FIELD(Summary, sensor_latency_s),
                     "latency subtracted from the timestamps of the files, s")

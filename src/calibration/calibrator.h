@@ -1,14 +1,17 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/background_task.h"
 #include "surfit/calibration/calibration.h"
+#include "surfit/core/image.h"
 #include "surfit/frame/camera_motion.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/optimization/color_latency.h"
 #include "surfit/optimization/refine.h"
@@ -89,5 +92,40 @@ class Calibrator {
   std::size_t next_count_;        // number of keyframes for the next task; 0: no next task
   BackgroundTask<Outcome> task_;  // last member: the destructor waits for the task
 };
+
+// Depth noise that was measured in the first frames of a recording.
+struct MeasuredNoise {
+  // Number of frames for MeasureNoise().
+  static constexpr int kFrames = 16;
+  // Smaller noise is not distinguished from this value, 1/m: 4 mm at 2 m. Exact and smoothed depth
+  // have smaller noise, but the errors of map and normals remain (ErrorModel::floor_sigma_m).
+  static constexpr double kMinSigma = 0.001;
+  // A starting value that differs by more than this factor is wrong. Estimates from different
+  // frames of one real sensor differ by factors up to 1.6. Estimates of real sensors differ from
+  // their presets by factors up to 2.
+  static constexpr double kMaxRatio = 2.5;
+
+  double inverse_depth_sigma = 0;  // DepthNoise, 1/m
+  int pairs = 0;                   // number of compared pairs of frames
+  std::int64_t samples = 0;        // number of compared pixels
+
+  // Noise for SLAM: the measured noise, at least kMinSigma.
+  DepthNoise Noise() const;
+  // Returns true if Noise() and the starting value differ by more than kMaxRatio.
+  bool Contradicts(const DepthNoise& start) const;
+};
+
+// Measures the noise of a depth sensor from the first frames, without a starting value. Each frame
+// is registered to an earlier frame. A residual is the difference of the inverse depths of a point
+// in both frames. Its variance is twice the variance of the noise. This is also true if
+// neighbouring pixels have correlated noise, for example after smoothing. Residuals beyond three
+// standard deviations are outliers: depth edges and moving objects.
+//
+// Errors that do not change with the motion are not measured: depth distortion and multipath. Pairs
+// of frames with little motion are not used, because such errors can be constant in them. Images
+// are depth in m. Images of another size than the camera are ignored. Returns std::nullopt unless
+// two pairs of frames can be compared. The result does not depend on the number of threads.
+std::optional<MeasuredNoise> MeasureNoise(const std::vector<Image<float>>& depths_m,
+                                          const PinholeCamera& camera);
 
 }  // namespace surfit

@@ -21,6 +21,7 @@
 #include "output/output_files.h"
 #include "run/given_poses.h"
 #include "run/map_period.h"
+#include "run/measured_source.h"
 #include "run/posed_views.h"
 #include "run/results/evaluate_run.h"
 #include "run/results/failures.h"
@@ -63,12 +64,16 @@ class SlamRun {
         session_(session),
         statistics_(options.slam),
         map_period_(options.slam.map_period),
-        source_(OpenSource(options, interrupted)),
+        source_(std::make_unique<MeasuredSource>(OpenSource(options, interrupted))),
         info_(WithGroundTruth(source_->info(), options)),
         given_field_(ReadDepthField(options.sequence, info_.format)),
         given_poses_(info_.pinhole),
         folder_(options.output, RunFileNames(), {options.sequence.camera}) {
     if (!options.trace.empty()) trace_ = std::make_unique<TraceRecorder>(options.trace);
+    noise_ = source_->Measure(options_);
+    info_.camera.noise.inverse_depth_sigma = noise_.used;
+    // The sequence is opened again after the last frame.
+    if (noise_.is_applied) options_.sequence.inverse_depth_sigma = noise_.used;
     trajectory_ = std::make_unique<RunTrajectory>(options.output, info_.mirrored);
     frame_table_ = std::make_unique<FrameTable>(options.output);
     if (options.localize) {
@@ -209,6 +214,7 @@ class SlamRun {
     failures_.Try([&] { FindLostPoses(interrupted); });
     SlamRunSummary summary;
     failures_.Try([&] { summary = statistics_.Summary(map().size()); });
+    summary.noise = noise_;
     if (final_map_) summary.refinement = refinement_;
     summary.final_map_s = final_map_s_;
     summary.interrupted = interrupted;
@@ -218,6 +224,7 @@ class SlamRun {
     summary.sensor_latency_s = info_.camera.latency_s;
     failures_.Try([&] { trajectory_->Finish(); });
     if (slam_->backend()) FinishBackend(&summary);
+    WriteCamera(summary);
     summary.prior_poses = slam_->prior_poses();
     if (summary.prior_poses) WarnOfPrior(*summary.prior_poses);
     Trajectory largest_piece;
@@ -414,30 +421,34 @@ class SlamRun {
       });
     }
     summary->calibrations = backend.calibrations();
-    const DepthSensor given = info_.sensor();
     summary->calibration = found_.calibration;
     if (summary->calibration)
-      summary->calibration_warning = CalibrationWarning(given, *summary->calibration);
+      summary->calibration_warning = CalibrationWarning(info_.sensor(), *summary->calibration);
     summary->color_latency_s = found_.color_latency_s;
-    if (!summary->calibration && summary->color_latency_s == 0) return;
+  }
+
+  // Writes camera.yaml if the run has estimated a value of it.
+  void WriteCamera(const SlamRunSummary& summary) {
+    if (!summary.calibration && summary.color_latency_s == 0 && !noise_.is_applied) return;
     failures_.Try([&] {
       SequenceInfo info = info_;
-      info.camera.color_latency_s += summary->color_latency_s;
-      const DepthCalibration as_given = {given.camera, {}, given.readout_s};
-      WriteEstimatedCamera(info, given_field_, summary->calibration.value_or(as_given),
+      info.camera.color_latency_s += summary.color_latency_s;
+      const DepthCalibration as_given = {info_.pinhole, {}, info_.camera.readout_s};
+      WriteEstimatedCamera(info, given_field_, summary.calibration.value_or(as_given),
                            Path("camera.yaml"));
     });
   }
 
   std::string Path(const char* name) const { return options_.output + "/" + name; }
 
-  const SlamRunOptions& options_;
+  SlamRunOptions options_;
   RunSession* const session_;
   RunStatistics statistics_;
   MapPeriod map_period_;
-  std::unique_ptr<TraceRecorder> trace_;  // outlives the source, which uses it on another thread
-  std::unique_ptr<FrameSource> source_;   // closed after its last frame
-  const SequenceInfo info_;
+  std::unique_ptr<TraceRecorder> trace_;    // outlives the source, which uses it on another thread
+  std::unique_ptr<MeasuredSource> source_;  // closed after its last frame
+  NoiseReport noise_;
+  SequenceInfo info_;
   InverseDepthField given_field_;  // depth correction that is already applied to the frames
   GivenPoseCheck given_poses_;     // without frames if poses are tracked
   OutputFolder folder_;

@@ -150,6 +150,20 @@ struct TrajectoryPiece {
   std::optional<TrajectoryEvaluation> evaluation;  // with ground truth only
 };
 
+// Depth noise of a run (DepthNoise::inverse_depth_sigma), 1/m. If the noise of the first frames
+// contradicts the starting value by more than a factor of 2.5, all stages use the measured noise,
+// at least 0.001 1/m. An option is never replaced.
+struct NoiseReport {
+  double start = 0;  // of the camera file, the preset or the option
+  // std::nullopt: too little motion, or frames that arrive at a fixed rate.
+  std::optional<double> measured;
+  double used = 0;
+  bool is_applied = false;   // true: `used` is the measured noise
+  int frames = 0;            // number of frames that were read for the measurement
+  int pairs = 0;             // number of compared pairs of frames
+  std::int64_t samples = 0;  // number of compared pixels
+};
+
 // Results of a run: the content of summary.json.
 struct SlamRunSummary {
   int frames_total = 0;    // input frames, including unreadable frames
@@ -183,6 +197,7 @@ struct SlamRunSummary {
   std::optional<DepthCalibration> calibration;
   // Warning if the calibration is implausible for the input sensor; empty: none.
   std::string calibration_warning;
+  NoiseReport noise;
   double color_latency_s = 0;  // estimate, in addition to RgbdCamera::color_latency_s
   // Frames that were registered without photometric residuals for lack of colour or texture,
   // despite a positive photometric weight.
@@ -238,7 +253,7 @@ struct SlamRunSummary {
 //   trajectory_online.txt  poses as estimated online, without later corrections
 //   frames.csv, map.ply, summary.json, poses.json, pictures
 //   loops.csv              with loop closure
-//   camera.yaml            if the calibration or the colour latency has changed
+//   camera.yaml            if the calibration, the colour latency or the noise has changed
 //   localization.csv       for localisation in a session
 //   report files, places.bin    by the options
 //

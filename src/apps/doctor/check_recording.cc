@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/doctor/recording_checks.h"
+#include "calibration/calibrator.h"
 #include "core/repeated_warning.h"
 #include "finishing/posed_sequence.h"
 #include "io/checks/recording_warnings.h"
@@ -104,6 +105,7 @@ class RecordingChecker {
                                   sampled_depths_,
                                   doubted_scales_,
                                   depth_step,
+                                  MeasureNoise(first_depths_m_, sequence_.info.pinhole),
                                   sequence_.registration,
                                   {}};
     if (tracker_) evidence.tracked = tracker_->Finish();
@@ -119,6 +121,7 @@ class RecordingChecker {
   void Look(const RawFrame& raw, const FrameImages& images) {
     RgbdFrame frame = sequence_.MakeFrame(raw, images);
     figures_.Add(raw.head.index, raw.stamps, images, frame.depth_m);
+    if (first_depths_m_.size() < MeasuredNoise::kFrames) first_depths_m_.push_back(frame.depth_m);
     if (count_++ % sample_every_ == 0) CheckScale(images);
     if (tracker_) tracker_->Process(frame);
   }
@@ -138,6 +141,7 @@ class RecordingChecker {
   const int sample_every_;
   int count_ = 0, sampled_depths_ = 0;
   std::vector<std::string> doubted_scales_;
+  std::vector<Image<float>> first_depths_m_;
   std::unique_ptr<RecordingTracker> tracker_;  // null: no tracking
 };
 

@@ -7,6 +7,7 @@
 
 #include "apps/doctor/check_recording.h"
 #include "apps/doctor/recording_statistics.h"
+#include "calibration/calibrator.h"
 #include "io/checks/recording_warnings.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/inertial.h"
@@ -36,6 +37,7 @@ struct RecordingEvidence {
   int sampled_depths = 0;                       // number of frames with a check of the depth scale
   std::vector<std::string> doubted_scales;      // DepthScaleWarning() of these frames
   std::optional<double> inverse_depth_step;     // RecordingStatistics::InverseDepthStep(), 1/m
+  std::optional<MeasuredNoise> noise;           // MeasureNoise() of the first frames
   std::optional<RegistrationFit> registration;  // std::nullopt: not observable
   std::optional<TrackedRecording> tracked;      // std::nullopt: tracking is off
 };

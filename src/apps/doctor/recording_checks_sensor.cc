@@ -61,6 +61,28 @@ RecordingCheck DepthSteps(const RecordingEvidence& evidence) {
   return check;
 }
 
+// Noise of the first frames. It differs between scenes, so only a large difference is a fault.
+RecordingCheck Noise(const RecordingEvidence& evidence) {
+  const DepthNoise& start = evidence.info.camera.noise;
+  const double sigma = start.inverse_depth_sigma;
+  RecordingCheck check = {
+      "depth_noise",
+      {},
+      "1/m",
+      Concat("noise of the camera, ", sigma, ", within a factor of ", MeasuredNoise::kMaxRatio),
+      "",
+      ""};
+  if (!evidence.noise) return check;
+  check.value = evidence.noise->inverse_depth_sigma;
+  if (!evidence.noise->Contradicts(start)) return check;
+  check.fault = Concat("the depth noise of the first frames is ", Rounded(*check.value), " 1/m (",
+                       evidence.noise->pairs, " pairs of frames, ", evidence.noise->samples,
+                       " pixels), the camera has ", sigma, " 1/m");
+  check.advice = Concat("set inverse_depth_sigma: ", evidence.noise->Noise().inverse_depth_sigma,
+                        " in camera.yaml");
+  return check;
+}
+
 RecordingCheck Registration(const RecordingEvidence& evidence) {
   RecordingCheck check = {
       "color_offset", {}, "px", "consistent with the configured camera", "", ""};
@@ -157,7 +179,7 @@ RecordingCheck InertialSensor(const ImuReport& imu) {
 }  // namespace
 
 std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence) {
-  std::vector<RecordingCheck> checks = {DepthScale(evidence), DepthSteps(evidence),
+  std::vector<RecordingCheck> checks = {DepthScale(evidence), DepthSteps(evidence), Noise(evidence),
                                         Registration(evidence), Guess(evidence)};
   if (!evidence.tracked) return checks;
   const TrackedRecording& tracked = *evidence.tracked;

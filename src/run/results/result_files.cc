@@ -207,6 +207,13 @@ Json ToJson(const ImuReport& imu) {
   return j;
 }
 
+Json ToJson(const NoiseReport& noise) {
+  return {{"start", noise.start},    {"measured", noise.measured ? Json(*noise.measured) : Json()},
+          {"used", noise.used},      {"is_applied", noise.is_applied},
+          {"frames", noise.frames},  {"pairs", noise.pairs},
+          {"samples", noise.samples}};
+}
+
 }  // namespace
 
 void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
@@ -278,6 +285,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["calibrations"] = Json::array();
   for (const CalibrationRecord& record : s.calibrations)
     j["calibrations"].push_back(ToJson(record));
+  j["depth_noise"] = ToJson(s.noise);
   j["refinement"] = nullptr;
   if (s.refinement) {
     j["refinement"] = ToJson(s.refinement->record);
