@@ -41,7 +41,7 @@ NoiseReport MeasuredSource::Measure(const SlamRunOptions& options) {
   const DepthNoise& start = info().camera.noise;
   NoiseReport noise;
   noise.start = noise.used = start.inverse_depth_sigma;
-  if (options.OffersFrames()) return noise;
+  if (options.OffersFrames() || IsLive(options.sequence)) return noise;
   ReadFirstFrames();
   std::vector<Image<float>> depths_m;
   for (const ReadResult& result : first_) {

@@ -21,9 +21,9 @@ class MeasuredSource final : public FrameSource {
   std::optional<ReadResult> Next() override;
 
   // Reads MeasuredNoise::kFrames frames, and logs a warning if their noise contradicts the starting
-  // value. Call before Next(). Does not measure frames that arrive at a fixed rate: they cannot
-  // wait. The measured noise is not applied with SequenceOptions::inverse_depth_sigma, and in a
-  // session, whose runs have the same sensor.
+  // value. Call before Next(). Does not measure frames of live sources and frames at a fixed
+  // rate: they cannot wait. The measured noise is not applied with
+  // SequenceOptions::inverse_depth_sigma, and in a session, whose runs have the same sensor.
   NoiseReport Measure(const SlamRunOptions& options);
 
  private:

@@ -59,7 +59,7 @@ TEST(Slam, ContinuesOverLostFramesWithMotionPrior) {
   const SimulatedSequence room = SimulateRoom(12, 100, Sensor::kIdeal);
   SlamOptions options;
   options.initialize = "identity";
-  options.loops.relocalization = false;
+  options.loops.enabled = options.loops.relocalization = false;
   const auto state_after_loss = [&] {
     Slam slam({room.camera, {}}, options, room.world_from_camera[0]);
     FrameReport report;

@@ -310,7 +310,7 @@ TEST(Slam, RejectsKeyframeCallbackWithoutLoops) {
   const SimulatedSequence& room = IdealRoom();
   const auto call = [](int, const ViewOfKeyframe&, const std::shared_ptr<const RgbdFrame>&) {};
   SlamOptions options;
-  options.loops.relocalization = false;
+  options.loops.enabled = options.loops.relocalization = false;
   for (const bool calibrates : {false, true}) {
     options.calibration.enabled = calibrates;
     Slam slam({room.camera, {}}, options, {});
@@ -381,7 +381,8 @@ TEST(Slam, So3FollowsAbruptRotation) {
     SlamOptions options;
     options.motion_model = motion_model;
     options.initialize = "identity";
-    options.loops.relocalization = false;  // it finds the camera with both models
+    // Relocalisation finds the camera with both models.
+    options.loops.enabled = options.loops.relocalization = false;
     Slam slam({room.camera, {}}, options, room.world_from_camera[0]);
     slam.Process(room.frames[0]);
     const FrameReport report = slam.Process(RenderFrame(scene, room.camera, turned, 1));
