@@ -74,8 +74,8 @@ class LoopCloser {
   // Registers a view to the view of an earlier frame. Thread-safe.
   GlobalRegistrationResult RegisterTo(const ColoredView& earlier, const ColoredView& view) const;
 
-  // Calibration of all views, also those of later tasks. Requires that no task is running. Null: the
-  // views keep their calibrations.
+  // Calibration of all views, also those of later tasks. Requires that no task is running. Null:
+  // the views keep their calibrations.
   void UseCalibration(const std::optional<DepthCalibration>& calibration);
 
   // Keyframes of all tasks, with the poses of the last task or Find(). Requires that no task is
