@@ -4,7 +4,6 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -393,23 +392,7 @@ class Exporter {
   void ExportOccupancy() {
     ThrowIf(!is_upright_, "an occupancy map needs an upright world: ",
             reason_.empty() ? "--world is run, must be upright" : reason_);
-    UprightMap map;
-    const Eigen::Vector3d unknown =
-        Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-    for (const Surfel& surfel : surfels_) {
-      Surfel moved = surfel;
-      moved.position_in_world =
-          (export_from_world_ * surfel.position_in_world.cast<double>()).cast<float>();
-      moved.normal_in_world = export_from_world_.rotation.cast<float>() * surfel.normal_in_world;
-      map.surfels.push_back(moved);
-      const auto pose = run_.world_from_camera.find(surfel.last_seen);
-      map.observers.push_back(pose == run_.world_from_camera.end()
-                                  ? unknown
-                                  : export_from_world_ * pose->second.translation);
-    }
-    for (const StampedPose& pose : run_.trajectory) {
-      map.path.push_back(export_from_world_ * pose.world_from_camera.translation);
-    }
+    const UprightMap map = UprightMapOf(surfels_, run_, export_from_world_);
     progress_("tracing rays");
     const OccupancyGrid grid = MakeOccupancyGrid(map);
     const std::vector<WallLine> walls = FindWallLines(map, grid);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <ostream>
 
 #include "surfit/core/atomic_file.h"
@@ -94,6 +95,28 @@ class CellCounts {
 };
 
 }  // namespace
+
+UprightMap UprightMapOf(const std::vector<Surfel>& surfels, const RecordedRun& run,
+                        const Rigid3d& upright_from_world) {
+  UprightMap map;
+  const Eigen::Vector3d unknown =
+      Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  for (const Surfel& surfel : surfels) {
+    Surfel moved = surfel;
+    moved.position_in_world =
+        (upright_from_world * surfel.position_in_world.cast<double>()).cast<float>();
+    moved.normal_in_world = upright_from_world.rotation.cast<float>() * surfel.normal_in_world;
+    map.surfels.push_back(moved);
+    const auto pose = run.world_from_camera.find(surfel.last_seen);
+    map.observers.push_back(pose == run.world_from_camera.end()
+                                ? unknown
+                                : upright_from_world * pose->second.translation);
+  }
+  for (const StampedPose& pose : run.trajectory) {
+    map.path.push_back(upright_from_world * pose.world_from_camera.translation);
+  }
+  return map;
+}
 
 OccupancyGrid MakeOccupancyGrid(const UprightMap& map) {
   OccupancyGrid grid;

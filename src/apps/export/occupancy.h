@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "output/recorded_run.h"
 #include "surfit/core/image.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/mapping/surfel_block.h"
@@ -34,6 +35,10 @@ struct UprightMap {
   std::vector<Eigen::Vector3d> observers;
   std::vector<Eigen::Vector3d> path;  // of the camera
 };
+
+// Surfels and cameras of a run, moved by `upright_from_world`.
+UprightMap UprightMapOf(const std::vector<Surfel>& surfels, const RecordedRun& run,
+                        const Rigid3d& upright_from_world);
 
 // Occupied cells have at least three surfels in the band of heights from 0.1 m above the floor to
 // 1.8 m. Free cells are crossed by a ray from a camera to a surfel within this band, or have floor.
