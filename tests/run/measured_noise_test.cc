@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "calibration/calibrator.h"
+#include "run/depth_frames.h"
 #include "slam/simulated_sequence.h"
 #include "surfit/io/camera_files.h"
 #include "surfit/run/slam_run.h"
@@ -142,17 +143,7 @@ class MeasuredNoiseRun : public ::testing::Test {
 
   MeasuredNoiseRun() {
     const SimulatedSequence room = SimulateRoom(2, kRunFrames, Sensor::kKinect);
-    std::string depth = "# depth\n";
-    for (int i = 0; i < kRunFrames; ++i) {
-      Image<std::uint16_t> raw(room.camera.width, room.camera.height);
-      for (std::size_t k = 0; k < raw.size(); ++k) {
-        raw[k] = static_cast<std::uint16_t>(std::lround(5000 * room.frames[i].depth_m[k]));
-      }
-      const std::string name = Format("depth/%03d.png", i);
-      WriteDepth(sequence_ / name, raw);
-      depth += std::to_string(room.frames[i].stamp_s) + " " + name + "\n";
-    }
-    sequence_.Write("depth.txt", depth);
+    WriteDepthFrames(room.frames, 5000, sequence_);
     camera_.depth = room.camera;
     options_.sequence = Options(sequence_);
     options_.sequence.format = "tum";

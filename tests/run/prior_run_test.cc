@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "run/depth_frames.h"
 #include "slam/simulated_sequence.h"
 #include "surfit/io/trajectory_files.h"
 #include "surfit/run/slam_run.h"
@@ -23,18 +24,10 @@ class PriorRunTest : public ::testing::Test {
  protected:
   void WriteRoom(int frames) {
     const SimulatedSequence room = SimulateRoom(2, frames, Sensor::kKinect);
-    std::string depth = "# depth\n";
+    WriteDepthFrames(room.frames, 1000, sequence_);
     for (int i = 0; i < frames; ++i) {
-      Image<std::uint16_t> raw(room.camera.width, room.camera.height);
-      for (std::size_t k = 0; k < raw.size(); ++k) {
-        raw[k] = static_cast<std::uint16_t>(std::lround(1000 * room.frames[i].depth_m[k]));
-      }
-      const std::string name = Format("depth/%03d.png", i);
-      WriteDepth(sequence_ / name, raw);
-      depth += std::to_string(room.frames[i].stamp_s) + " " + name + "\n";
       prior_.push_back({room.frames[i].stamp_s, room.world_from_camera[i]});
     }
-    sequence_.Write("depth.txt", depth);
     sequence_.Write("camera.yaml",
                     "%YAML:1.0\n---\ndepth_camera: { width: 160, height: 120, fx: 131.25, fy: "
                     "131.25, cx: 79.5, cy: 59.5 }\ndepth_units_per_metre: 1000.\n"
