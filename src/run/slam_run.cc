@@ -3,12 +3,9 @@
 #include <glog/logging.h>
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <chrono>
-#include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "core/repeated_warning.h"
@@ -19,6 +16,7 @@
 #include "io/files/output_folder.h"
 #include "io/files/places_file.h"
 #include "output/output_files.h"
+#include "run/frame_facts.h"
 #include "run/given_poses.h"
 #include "run/map_period.h"
 #include "run/measured_source.h"
@@ -180,23 +178,8 @@ class SlamRun {
 
   void Keep(const RgbdFrame& frame, const FrameReport& report) {
     statistics_.CountProcessed(frame, report);
-    has_pose_ = has_pose_ || report.HasPose();
-    if (!report.HasPose()) lost_.insert(report.index);
-    if (report.confirmed) lost_.erase(report.confirmed->index);
-    if (!has_pose_) {
-      pixels_without_pose_ += frame.depth_m.size();
-      depths_without_pose_ += std::count_if(frame.depth_m.begin(), frame.depth_m.end(),
-                                            [](float depth_m) { return depth_m > 0; });
-    }
+    facts_.Add(frame, report);
     if (localization_) localization_->Add(report);
-    if (report.state == FrameState::kDuplicate) {
-      repeated_.Tell(Concat("frame ", report.index,
-                            " repeats the depth of the frame before: it is ",
-                            "no measurement, and has the pose of that frame"));
-    }
-    if (report.is_held_out || report.state == FrameState::kDuplicate)
-      left_out_.insert(report.index);
-    if (!report.moving.empty()) moving_[report.index] = report.moving;
     if (!options_.keep_views) return;
     views_.Offer(frame, report, slam_->map(), slam_->sensor());
     thumbnails_.Offer(frame);
@@ -204,7 +187,11 @@ class SlamRun {
 
   SlamRunSummary Finish(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     if (const auto warning = given_poses_.Warning()) LOG(WARNING) << *warning;
-    if (!has_pose_ && pixels_without_pose_ > 0 && slam_->map().size() == 0) WarnOfDepth();
+    if (slam_->map().size() == 0) {
+      if (const auto warning = facts_.DepthWarning(options_.slam.icp.min_inliers)) {
+        LOG(WARNING) << *warning;
+      }
+    }
     source_.reset();  // frees the frame list, which is large for long recordings
     // The pose store may contain a failed frame, which Replace() drops.
     if (!is_frame_complete_ || !failures_.Try([&] { FinishSlam(); })) {
@@ -226,7 +213,7 @@ class SlamRun {
     if (slam_->backend()) FinishBackend(&summary);
     WriteCamera(summary);
     summary.prior_poses = slam_->prior_poses();
-    if (summary.prior_poses) WarnOfPrior(*summary.prior_poses);
+    if (summary.prior_poses) WarnOfPriorPoses(options_.prior_poses, *summary.prior_poses);
     Trajectory largest_piece;
     failures_.Try([&] { largest_piece = FindPieces(&summary); });
     if (session_) summary.session_waits = session_->waits();
@@ -284,7 +271,8 @@ class SlamRun {
     if (options_.poses != "track" || !CanReadAgain(interrupted)) return;
     const std::vector<PoseBetween> found = FindPosesBetween(
         Known(trajectory_->poses(), found_),
-        GapsOf(*trajectory_, slam_->backend() ? &slam_->backend()->poses() : nullptr, lost_),
+        GapsOf(*trajectory_, slam_->backend() ? &slam_->backend()->poses() : nullptr,
+               facts_.lost()),
         interrupted);
     trajectory_->Insert(found);
     std::vector<int> frames;
@@ -346,8 +334,8 @@ class SlamRun {
   }
 
   PosedSequence Known(const Trajectory& trajectory, const EstimatedSensor& found) const {
-    return {options_.sequence, options_.slam, trajectory, trajectory_->frames(),
-            left_out_,         moving_,       found};
+    return {options_.sequence, options_.slam,   trajectory, trajectory_->frames(),
+            facts_.left_out(), facts_.moving(), found};
   }
 
   SlamRunProgress Progress() const {
@@ -360,32 +348,6 @@ class SlamRun {
   }
 
   const SurfelMap& map() const { return final_map_ ? *final_map_ : slam_->map(); }
-
-  // No frame can begin the map.
-  void WarnOfDepth() const {
-    LOG(WARNING)
-        << "no frame has " << options_.slam.icp.min_inliers
-        << " pixels with a surface normal, so no frame can begin the map. Images have "
-        << info_.pinhole.width << " x " << info_.pinhole.height << " pixels, "
-        << 100 * depths_without_pose_ / pixels_without_pose_
-        << " % of them have depth, and a normal needs depth in the rows and columns beside "
-           "its pixel";
-  }
-
-  void WarnOfPrior(const PriorPoseSummary& prior) const {
-    const auto told = [&](const std::string& text) {
-      LOG(WARNING) << options_.prior_poses << ": " << text;
-    };
-    if (prior.frames_without > 0) {
-      told(Concat(prior.frames_without, " frames have no prior pose at their time"));
-    }
-    if (prior.rejected.empty()) return;
-    const auto& [from_s, to_s] = prior.rejected.front();
-    told(Concat(prior.frames_rejected, " of ", prior.frames_compared, " frames in ",
-                prior.rejected.size(),
-                " stretches contradict the registered motion and are not used, first from ",
-                std::to_string(from_s), " s to ", std::to_string(to_s), " s"));
-  }
 
   // Returns the poses of the largest piece.
   Trajectory FindPieces(SlamRunSummary* summary) const {
@@ -460,16 +422,11 @@ class SlamRun {
   KeptViews views_;
   Thumbnails thumbnails_;
   RepeatedWarning skipped_{"frames skipped"}, without_truth_{"frames without a ground-truth pose"};
-  RepeatedWarning repeated_{"frames that repeat the depth of the frame before"};
   Failures failures_;
-  std::set<int> lost_;      // indices of lost frames
-  std::set<int> left_out_;  // held-out and duplicate frames: not in the final map
-  std::map<int, Image<std::uint8_t>> moving_;
+  FrameFacts facts_;
   std::optional<FinalRefinement> refinement_;
   std::optional<SurfelMap> final_map_;
   std::optional<double> final_map_s_;
-  bool has_pose_ = false;                                          // of any frame
-  std::size_t pixels_without_pose_ = 0, depths_without_pose_ = 0;  // of frames before a pose
   bool is_frame_complete_ = true;  // false after an exception within a frame
 };
 

@@ -99,4 +99,17 @@ std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInf
   return slam;
 }
 
+void WarnOfPriorPoses(const std::string& path, const PriorPoseSummary& prior) {
+  if (prior.frames_without > 0) {
+    LOG(WARNING) << path << ": " << prior.frames_without
+                 << " frames have no prior pose at their time";
+  }
+  if (prior.rejected.empty()) return;
+  const auto& [from_s, to_s] = prior.rejected.front();
+  LOG(WARNING) << path << ": " << prior.frames_rejected << " of " << prior.frames_compared
+               << " frames in " << prior.rejected.size()
+               << " stretches contradict the registered motion and are not used, first from "
+               << std::to_string(from_s) << " s to " << std::to_string(to_s) << " s";
+}
+
 }  // namespace surfit

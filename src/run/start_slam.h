@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <memory>
+#include <string>
 
 #include "run/run_session.h"
 #include "surfit/frame/frame_source.h"
@@ -28,5 +29,9 @@ SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options);
 // sensor needs timestamps of a clock.
 std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInfo& info,
                                 RunSession* session, double first_stamp_s);
+
+// Warns about frames without a prior pose, and about rejected prior poses. `path`: file of the
+// prior poses.
+void WarnOfPriorPoses(const std::string& path, const PriorPoseSummary& prior);
 
 }  // namespace surfit
