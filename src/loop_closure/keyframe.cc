@@ -1,5 +1,6 @@
 #include "surfit/loop_closure/keyframe.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
@@ -163,8 +164,9 @@ PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
 void Recalibrate(const DepthCalibration& to, PlaceView* view) {
   if (view->empty()) return;
   const DepthCalibration old = {view->camera, view->field, 0};
-  const auto pixels = std::lround(static_cast<double>(to.camera.width) / view->camera.width);
-  const DepthCalibration changed = {to.camera.Binned(static_cast<int>(pixels)), to.field, 0};
+  const int binning = std::max(
+      1, static_cast<int>(std::lround(static_cast<double>(to.camera.width) / view->camera.width)));
+  const DepthCalibration changed = {to.camera.Binned(binning), to.field, 0};
   if (AreSame(old, changed)) return;
   view->camera = changed.camera;
   view->field = changed.field;

@@ -155,7 +155,7 @@ struct TrajectoryPiece {
 // at least 0.001 1/m. An option is never replaced.
 struct NoiseReport {
   double start = 0;  // of the camera file, the preset or the option
-  // std::nullopt: too little motion, or frames that arrive at a fixed rate.
+  // std::nullopt: too little motion, a live source, or frames that arrive at a fixed rate.
   std::optional<double> measured;
   double used = 0;
   bool is_applied = false;   // true: `used` is the measured noise
