@@ -25,7 +25,8 @@ void EdgeNoise::Visit(OptionVisitor& v) {
 
 void LoopOptions::Visit(OptionVisitor& v) {
   v.Group("loops");
-  v.Add(enabled, "enabled", "close loops: correct poses and map where the camera returns",
+  v.Add(enabled, "enabled",
+        "close loops: correct poses and map where the camera returns; no effect on given poses",
         AsFlag("loop_closure"), Everyday());
   v.Add(relocalization, "relocalization",
         "relocalise a lost camera anywhere in the map, and start a submap if that fails; "

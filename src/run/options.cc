@@ -43,7 +43,7 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         "write report.html: map and trajectory in 3D, plots, views, options", AsFlag("report"),
         Everyday());
   v.Add(keep_places, "keep_places",
-        "with loop_closure: write places.bin (keyframe views and pose graph edges), for joining "
+        "write places.bin (keyframe views and pose graph edges), for joining "
         "several runs",
         AsFlag());
   v.Add(session, SharedOption("session", Everyday()));
@@ -57,15 +57,14 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
   v.Add(dump_failures, "dump_failures",
         "folder for failed registrations, input of surfit_compare_solvers --replay", AsFlag());
   v.Check([this] {
-    if (slam.loops.enabled && poses != "track") {
-      throw InputError(Concat("poses is '", poses, "', must be 'track' with loop_closure"));
-    }
     if (!prior_poses.empty() && poses != "track") {
       throw InputError(
           Concat("prior_poses is '", prior_poses, "', must be empty with poses '", poses, "'"));
     }
-    if (keep_places && !slam.loops.enabled) {
-      throw InputError("keep_places is true, must be false without loop_closure");
+    if (keep_places && (!slam.loops.enabled || poses != "track")) {
+      throw InputError(
+          "keep_places is true, must be false without loop_closure or with poses other than "
+          "'track'");
     }
     if (session.empty() && (continue_session || localize)) {
       throw InputError(Concat(continue_session ? "continue" : "localize",

@@ -444,7 +444,7 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
     run.slam.real_time = true;
   }
   // No frame is lost, so keyframes need no views.
-  if (run.poses != "track") run.slam.loops.relocalization = false;
+  if (run.poses != "track") run.slam.loops.enabled = run.slam.loops.relocalization = false;
   std::unique_ptr<RunSession> session;
   if (!run.session.empty()) session = std::make_unique<RunSession>(&run);
   SlamRun slam(run, session.get(), interrupted);

@@ -42,7 +42,7 @@ TEST_F(BatchTest, AcceptsFoldersAndRecordingsWithSafeNames) {
   sequences_.Write("a-1.klg", "");
   sequences_.Write("notes.txt", "");
   options_.run.sequence.stride = 3;
-  options_.run.slam.loops.enabled = true;
+  options_.run.slam.loops.enabled = false;
   const std::vector<BatchRun> runs = PlanBatch(options_);
   ASSERT_EQ(runs.size(), 2u);
   EXPECT_EQ(runs[0].name, "a-1.klg");
@@ -50,7 +50,7 @@ TEST_F(BatchTest, AcceptsFoldersAndRecordingsWithSafeNames) {
   const std::string path = fs::path(sequences_ / "b $x").lexically_normal();
   EXPECT_EQ(runs[1].path, path);
   EXPECT_EQ(ReadBytes(batch_ / "flags/b%20%24x.flags"),
-            "--loop_closure=true\n--sequence=" + path + "\n--stride=3\n");
+            "--loop_closure=false\n--sequence=" + path + "\n--stride=3\n");
 }
 
 TEST_F(BatchTest, RewritesOnlyChangedFlags) {

@@ -83,10 +83,11 @@ TEST_F(PlanScanTest, WritesFragmentsAndTheirFlags) {
   EXPECT_FALSE(plan.pictures);
   const std::string flags = ReadBytes(scan_ / "fragments/0001.flags");
   for (const char* const flag : {"--first=5", "--last=11", "--stride=2", "--keep_places=true",
-                                 "--loop_closure=true", "--calibrate=false", "--new_map_after=0"}) {
+                                 "--calibrate=false", "--new_map_after=0"}) {
     EXPECT_THAT(flags, Names(flag));
   }
-  EXPECT_THAT(ReadBytes(scan_ / "camera_0.flags"), Names("--last=1199"));
+  EXPECT_THAT(flags, ::testing::Not(::testing::HasSubstr("loop_closure"))) << "the default closes loops";
+  EXPECT_THAT(ReadBytes(scan_ / "camera_0.flags"), Names("--last=1199", "--loop_closure=false"));
 }
 
 TEST_F(PlanScanTest, CutsEachRecordingSeparately) {

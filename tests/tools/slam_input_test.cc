@@ -19,10 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::EndsWith;
 
-TEST_F(SlamTool, RejectsLoopClosureWithGivenPoses) {
-  const ProgramResult result = Slam(Room(), Output(), {"--loop_closure", "--poses=groundtruth"});
+TEST_F(SlamTool, ClosesNoLoopsWithGivenPoses) {
+  Succeeded(Slam(Room(), Output(), {"--poses=groundtruth"}));
+  EXPECT_FALSE(fs::exists(Output() + "/loops.csv"));
+  const ProgramResult result = Slam(Room(), Output(), {"--keep_places", "--poses=groundtruth"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, Names("poses", "groundtruth"));
+  EXPECT_THAT(result.err, Names("keep_places", "poses"));
 }
 
 // The focal length of the sensor is 131.25 px.

@@ -181,7 +181,7 @@ def main():
         options.tools = ROOT / "build/release/tools"
 
     progress = Progress(len(recordings) * (len(starts) + 1) + 2 * options.rooms)
-    baseline_flags = ["--tracking=frame_to_frame", "--norefine", "--nocalibrate"]
+    baseline_flags = ["--tracking=frame_to_frame", "--norefine", "--nocalibrate", "--noloop_closure"]
     rows = []
     for folder in recordings:
         name = folder.resolve().name

@@ -45,7 +45,7 @@ inline PoseGraphOptions RobustPoseGraphOptions() {
 // keyframe views.
 struct LoopOptions {
   // Closes loops within a piece of the trajectory, too. Implies `relocalization`.
-  bool enabled = false;
+  bool enabled = true;
   // Relocalises a lost camera, starts submaps, and joins submaps by loop closures between them. Has
   // no effect on a camera that is never lost.
   bool relocalization = true;
