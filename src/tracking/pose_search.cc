@@ -56,7 +56,7 @@ bool NeedsConfirmation(const SearchStart& start, const Tracked& tracked) {
   if (start.state.lost_frames == 0 && !tracked.found_by_search) return false;
   if (!tracked.has_second) return true;
   const Rigid3d motion = start.last.world_from_view.Inverse() * tracked.world_from_camera;
-  return start.state.lost_frames >= kSearchStride || !IsPossibleMotion(motion, start.seconds);
+  return start.state.lost_frames >= kSearchStride || !PossibleMotion(start.seconds).Allows(motion);
 }
 
 }  // namespace
@@ -71,9 +71,7 @@ Tracked PoseSearch::Search(const PreprocessedFrame& frame, const SearchStart& st
   if (relocalizer_ && !is_first && !tracked.has_pose() && !options_.IsFrameToFrame()) {
     found = NearLastFrame(frame, start);
   } else {
-    found = FromLastFrame(
-        frame, start,
-        tracked.has_pose() && start.seconds <= kContinuous_s ? tracked.moving : CellMask());
+    found = FromLastFrame(frame, start, tracked);
   }
   if (!found && StaticPartAgrees(frame, start, tracked)) {
     tracked.verdict = Verdict::kAccepted;
@@ -116,7 +114,7 @@ std::optional<Tracked> PoseSearch::NearLastFrame(const PreprocessedFrame& frame,
 // frame if they were not detected there.
 std::optional<Tracked> PoseSearch::FromLastFrame(const PreprocessedFrame& frame,
                                                  const SearchStart& start,
-                                                 const CellMask& moving) const {
+                                                 const Tracked& tracked) const {
   if (!IsDue(frame, start)) return std::nullopt;
   const TrackingState& state = start.state;
   const bool verifies = options_.VerifiesBySearch();
@@ -128,12 +126,13 @@ std::optional<Tracked> PoseSearch::FromLastFrame(const PreprocessedFrame& frame,
   if (verifies && !is_plain) initialization.fit = ShapesAlone();
   IcpOptions icp_options = GlobalIcpOptions();
   icp_options.min_source_rows = options_.icp.min_source_rows;
+  const MotionBound bound = tracked.has_pose() ? PossibleMotion(start.seconds) : MotionBound();
   const auto register_view = [&](const ColoredView& view) {
-    return RegisterGlobally(view, start.last.view, initialization, icp_options);
+    return RegisterGlobally(view, start.last.view, initialization, icp_options, bound);
   };
   GlobalRegistrationResult found;
-  if (!moving.empty()) {
-    found = register_view({Without(frame.view.pyramid, moving), frame.view.color});
+  if (tracked.has_pose() && start.seconds <= kContinuous_s && !tracked.moving.empty()) {
+    found = register_view({Without(frame.view.pyramid, tracked.moving), frame.view.color});
   }
   if (!found.accepted()) found = register_view(frame.view);
   if (!found.accepted()) return std::nullopt;

@@ -76,10 +76,11 @@ class PoseSearch {
   Tracked Search(const PreprocessedFrame& frame, const SearchStart& start, Tracked tracked) const;
 
  private:
-  // Global registration to the last frame with a pose, without the cells in `moving`. Returns
-  // std::nullopt if the registration fails or is not due.
+  // Global registration to the last frame with a pose, without the moving cells of `tracked`. If
+  // `tracked` has a pose, the search is limited to possible motions. Returns std::nullopt if the
+  // registration fails or is not due.
   std::optional<Tracked> FromLastFrame(const PreprocessedFrame& frame, const SearchStart& start,
-                                       const CellMask& moving) const;
+                                       const Tracked& tracked) const;
   // Registration of small views to the last frame with a pose. Returns std::nullopt as above.
   std::optional<Tracked> NearLastFrame(const PreprocessedFrame& frame,
                                        const SearchStart& start) const;

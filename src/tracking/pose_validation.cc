@@ -72,11 +72,10 @@ bool MayShowNewSurfaces(const Tracked& tracked) {
   return tracked.verdict != Verdict::kAccepted && tracked.behind_ratio <= kMaxBehindNewest;
 }
 
-bool IsPossibleMotion(const Rigid3d& motion, double seconds) {
+MotionBound PossibleMotion(double seconds) {
   constexpr double kAtOnce_m = 0.1, kMetresPerSecond = 3;
   constexpr double kAtOnce_rad = 0.2, kRadPerSecond = 6;
-  return motion.translation.norm() <= kAtOnce_m + kMetresPerSecond * seconds &&
-         RotationAngle(motion.rotation) <= kAtOnce_rad + kRadPerSecond * seconds;
+  return {kAtOnce_m + kMetresPerSecond * seconds, kAtOnce_rad + kRadPerSecond * seconds};
 }
 
 bool AreOnePlace(const Rigid3d& a, const Rigid3d& b) { return AreWithin(0.05, 0.05, a, b); }

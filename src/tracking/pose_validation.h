@@ -2,6 +2,7 @@
 
 #include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/rigid3.h"
+#include "surfit/registration/global_registration.h"
 #include "surfit/registration/icp.h"
 #include "surfit/tracking/tracking.h"
 #include "tracking/feature_watch.h"
@@ -21,9 +22,8 @@ Verdict ValidateRegistration(const IcpResult& icp, const ViewComparison& views, 
 // cells are behind the model. At a wrong pose, more cells are behind it.
 bool MayShowNewSurfaces(const Tracked& tracked);
 
-// Returns whether a hand-held camera can make this motion in this time: at most 0.1 m + 3 m/s and
-// 0.2 rad + 6 rad/s.
-bool IsPossibleMotion(const Rigid3d& motion, double seconds);
+// Largest motion of a hand-held camera in this time: 0.1 m + 3 m/s and 0.2 rad + 6 rad/s.
+MotionBound PossibleMotion(double seconds);
 
 // Returns whether two poses agree within 5 cm and 0.05 rad.
 bool AreOnePlace(const Rigid3d& a, const Rigid3d& b);

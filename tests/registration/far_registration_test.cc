@@ -41,6 +41,22 @@ TEST(RegisterGlobally, ConvergesByGeometryOnly) {
               RigidNear(views.target_from_source, kFarToleranceM, kFarToleranceRad));
 }
 
+TEST(RegisterGlobally, FindsPoseWithinBoundOnly) {
+  InitializeOptions options;
+  options.method = "features";
+  const Rigid3d& motion = FarViews().target_from_source;
+  const auto registered = [&](double ratio) {
+    const MotionBound bound = {ratio * motion.translation.norm(),
+                               ratio * RotationAngle(motion.rotation)};
+    return RegisterGlobally(FarViews().source, FarViews().target, options, GlobalIcpOptions(),
+                            bound);
+  };
+  const GlobalRegistrationResult result = registered(1.1);
+  EXPECT_TRUE(result.accepted()) << ToString(result.reason);
+  EXPECT_THAT(result.icp.target_from_source, RigidNear(motion, kFarToleranceM, kFarToleranceRad));
+  EXPECT_FALSE(registered(0.2).accepted());
+}
+
 TEST(RegisterGlobally, So3FindsRotation) {
   const Rigid3d turn(QuaternionExp<double>({0.1, 0.4, -0.1}), {0.02, 0, 0.01});
   const SimulatedColoredViews views = MakeTurnedViews(70, turn, 12);

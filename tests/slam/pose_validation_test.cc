@@ -88,10 +88,10 @@ TEST(PoseValidation, LimitsMotionOfHand) {
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY()));
     return Rigid3d(turn, Eigen::Vector3d(way_m, 0, 0));
   };
-  EXPECT_TRUE(IsPossibleMotion(motion(0.15, 0.3), 1. / 30));
-  EXPECT_FALSE(IsPossibleMotion(motion(1, 0), 1. / 30));
-  EXPECT_FALSE(IsPossibleMotion(motion(0, 1), 1. / 30));
-  EXPECT_TRUE(IsPossibleMotion(motion(1, 1), 1));
+  EXPECT_TRUE(PossibleMotion(1. / 30).Allows(motion(0.15, 0.3)));
+  EXPECT_FALSE(PossibleMotion(1. / 30).Allows(motion(1, 0)));
+  EXPECT_FALSE(PossibleMotion(1. / 30).Allows(motion(0, 1)));
+  EXPECT_TRUE(PossibleMotion(1).Allows(motion(1, 1)));
 }
 
 FrameLevel SurfaceOf(const RgbdFrame& frame) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -130,13 +131,25 @@ IcpOptions GlobalIcpOptions();
 // and does not stop at an increase of the RMSE. Unchanged for `identity`.
 IcpOptions IcpOptionsFromStart(const InitializeOptions& options, const IcpOptions& icp_options);
 
+// Largest motion between two views. The default has no limits.
+struct MotionBound {
+  double max_m = std::numeric_limits<double>::infinity();
+  double max_rad = std::numeric_limits<double>::infinity();
+
+  bool Allows(const Rigid3d& motion) const {
+    return motion.translation.norm() <= max_m && RotationAngle(motion.rotation) <= max_rad;
+  }
+};
+
 // Finds initial poses by the method, registers from the best of them, and verifies the best result.
 // The result of `identity` is not verified: kAccepted means that ICP succeeded, and its
 // `information` is 0. Other methods abort if a colour image does not have the size of the finest
-// level. Throws InputError for invalid options. A rejected registration is a result, not an error.
+// level. Initial poses of `features` are within `bound`: a small bound takes less time. Throws
+// InputError for invalid options. A rejected registration is a result, not an error.
 GlobalRegistrationResult RegisterGlobally(const ColoredView& source, const ColoredView& target,
                                           const InitializeOptions& options,
-                                          const IcpOptions& icp_options);
+                                          const IcpOptions& icp_options,
+                                          const MotionBound& bound = {});
 
 // Two views of one camera: pyramids with the same number of levels, and the colours of the finest
 // level. Empty images: no colour. Does not own the references.

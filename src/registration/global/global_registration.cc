@@ -46,10 +46,11 @@ GlobalRegistrationResult RegisterFromIdentity(const ColoredView& source, const C
   return verdict;
 }
 
-std::vector<Rigid3d> InitialPoses(const std::string& method, const InitialPoseSearch& search) {
+std::vector<Rigid3d> InitialPoses(const std::string& method, const InitialPoseSearch& search,
+                                  const MotionBound& bound) {
   if (method == "so3") return {search.FindRotation()};
   std::vector<Rigid3d> starts;
-  for (const CandidatePose& start : search.FindPoses()) {
+  for (const CandidatePose& start : search.FindPoses(bound)) {
     if (starts.size() < kRegistered) starts.push_back(start.target_from_source);
   }
   return starts;
@@ -145,7 +146,7 @@ IcpOptions IcpOptionsFromStart(const InitializeOptions& options, const IcpOption
 
 GlobalRegistrationResult RegisterGlobally(const ColoredView& source, const ColoredView& target,
                                           const InitializeOptions& options,
-                                          const IcpOptions& icp_options) {
+                                          const IcpOptions& icp_options, const MotionBound& bound) {
   Validate(options);
   if (options.method == "identity") return RegisterFromIdentity(source, target, icp_options);
   const InitialPoseSearch search(source, target, icp_options.error_model);
@@ -154,7 +155,8 @@ GlobalRegistrationResult RegisterGlobally(const ColoredView& source, const Color
                            !source.color.empty()};
   const GlobalView to = {target.pyramid, target.pyramid, search.TargetLevel(),
                          !target.color.empty()};
-  return RegisterFrom(InitialPoses(options.method, search), from, to, {icp, icp, options.fit});
+  return RegisterFrom(InitialPoses(options.method, search, bound), from, to,
+                      {icp, icp, options.fit});
 }
 
 }  // namespace surfit

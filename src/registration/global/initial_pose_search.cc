@@ -55,6 +55,15 @@ std::vector<CandidatePose> BestDistinct(std::vector<CandidatePose> poses, const 
   return different;
 }
 
+// Removes poses beyond `bound`.
+std::vector<CandidatePose> Within(const MotionBound& bound, std::vector<CandidatePose> poses) {
+  const auto is_beyond = [&](const CandidatePose& pose) {
+    return !bound.Allows(pose.target_from_source);
+  };
+  poses.erase(std::remove_if(poses.begin(), poses.end(), is_beyond), poses.end());
+  return poses;
+}
+
 // Applies `change` to all poses in parallel. Result i belongs to pose i.
 std::vector<CandidatePose> ForAll(
     const std::vector<CandidatePose>& poses,
@@ -144,9 +153,10 @@ std::vector<CandidatePose> InitialPoseSearch::FromFeatures() const {
   return poses;
 }
 
-std::vector<CandidatePose> InitialPoseSearch::FromRotations() const {
+std::vector<CandidatePose> InitialPoseSearch::FromRotations(const MotionBound& bound) const {
   std::vector<CandidatePose> poses;
   for (const Eigen::Quaterniond& rotation : RotationGrid()) {
+    if (RotationAngle(rotation) > bound.max_rad + kGridAngleRad) break;
     poses.push_back({Rigid3d(rotation, Eigen::Vector3d::Zero()), 0});
   }
   // The large distance gate allows walls to converge over long distances.
@@ -195,11 +205,14 @@ std::vector<CandidatePose> InitialPoseSearch::AlongWeakestDirection(const Rigid3
   return BestDistinct(along, kCoarseNearness, kBest);
 }
 
-std::vector<CandidatePose> InitialPoseSearch::FindPoses() const {
-  const auto improve = [&](const CandidatePose& start) { return Improve(start); };
+std::vector<CandidatePose> InitialPoseSearch::FindPoses(const MotionBound& bound) const {
+  const auto improve = [&](const std::vector<CandidatePose>& starts) {
+    return Within(bound, ForAll(Within(bound, starts),
+                                [&](const CandidatePose& start) { return Improve(start); }));
+  };
   std::vector<CandidatePose> poses =
-      ForAll(BestDistinct(FromRotations(), kCoarseNearness, kCoarsePoses), improve);
-  for (const CandidatePose& pose : ForAll(FromFeatures(), improve)) poses.push_back(pose);
+      improve(BestDistinct(Within(bound, FromRotations(bound)), kCoarseNearness, kCoarsePoses));
+  for (const CandidatePose& pose : improve(FromFeatures())) poses.push_back(pose);
   std::vector<CandidatePose> best = BestDistinct(poses, kMiddleNearness, kMiddlePoses);
   std::vector<CandidatePose> along;
   for (const CandidatePose& pose : best) {
@@ -207,7 +220,7 @@ std::vector<CandidatePose> InitialPoseSearch::FindPoses() const {
       along.push_back(other);
     }
   }
-  for (const CandidatePose& pose : ForAll(along, improve)) poses.push_back(pose);
+  for (const CandidatePose& pose : improve(along)) poses.push_back(pose);
   best = BestDistinct(poses, kMiddleNearness, kFinePoses);
 
   DescentOptions descent;
@@ -219,7 +232,7 @@ std::vector<CandidatePose> InitialPoseSearch::FindPoses() const {
     const Rigid3d pose = Descend(Source(kFine), Target(kFine), start.target_from_source, descent);
     return CandidatePose{pose, Score(kFine, pose, StrideOf(kFine))};
   };
-  return BestDistinct(ForAll(best, refine), kFineNearness, kFinePoses);
+  return BestDistinct(Within(bound, ForAll(best, refine)), kFineNearness, kFinePoses);
 }
 
 Rigid3d InitialPoseSearch::FindRotation() const {

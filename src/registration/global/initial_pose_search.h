@@ -64,6 +64,9 @@ struct CandidatePose {
 // point.
 std::vector<Eigen::Quaterniond> RotationGrid();
 
+// Largest angle from a rotation of up to 49 degrees to the grid, rad.
+constexpr double kGridAngleRad = 11 * kRadPerDeg;
+
 // Global search for the relative pose of two views, on the three coarsest levels of both pyramids.
 // All levels are subsampled to the number of points of the coarsest level. Points of finer levels
 // are more accurate, and a larger number of points would not change the result.
@@ -78,8 +81,9 @@ class InitialPoseSearch {
   // Rotation about the camera centre with the highest score on the coarsest level.
   Rigid3d FindRotation() const;
 
-  // Up to 8 distinct poses in descending order of their scores. Not empty.
-  std::vector<CandidatePose> FindPoses() const;
+  // Up to 8 distinct poses within `bound`, in descending order of their scores. Not empty without a
+  // bound.
+  std::vector<CandidatePose> FindPoses(const MotionBound& bound = {}) const;
 
   // Finest of the three levels.
   ViewLevel SourceLevel() const { return Source(kFine); }
@@ -94,7 +98,7 @@ class InitialPoseSearch {
   ViewLevel Target(Stage stage) const;
   double Score(Stage stage, const Rigid3d& pose, int stride = 1) const;
   std::vector<CandidatePose> FromFeatures() const;
-  std::vector<CandidatePose> FromRotations() const;
+  std::vector<CandidatePose> FromRotations(const MotionBound& bound) const;
   std::vector<CandidatePose> AlongWeakestDirection(const Rigid3d& pose) const;
   CandidatePose Improve(const CandidatePose& start) const;
 
