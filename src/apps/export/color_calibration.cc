@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 
@@ -29,64 +28,9 @@ constexpr int kCoarseIterations = 5, kFineIterations = 8;
 constexpr int kHalvings[] = {3, 2, 1, 0};  // number of image halvings, per level
 // Number of neighbouring observations with fully correlated errors.
 constexpr double kSharedObservations = 25;
-constexpr double kBorder_px = 2;
 
-// High-pass filtered log brightness of an image at several resolutions.
+// Filtered log brightness of an image at several resolutions.
 using BrightnessLevels = std::vector<Image<float>>;
-
-Image<float> HighPass(const cv::Mat& log_brightness) {
-  cv::Mat fine, coarse;
-  cv::GaussianBlur(log_brightness, fine, cv::Size(), 1);
-  cv::GaussianBlur(log_brightness, coarse, cv::Size(), 4);
-  Image<float> result(fine.cols, fine.rows);
-  cv::Mat(result.height(), result.width(), CV_32F, result.data()) = fine - coarse;
-  return result;
-}
-
-BrightnessLevels LevelsOf(const Image<Rgb8>& color) {
-  constexpr float kBlack = 16;  // avoids noise of dark pixels
-  cv::Mat brightness(color.height(), color.width(), CV_32F);
-  for (int v = 0; v < color.height(); ++v) {
-    auto* const row = brightness.ptr<float>(v);
-    for (int u = 0; u < color.width(); ++u) {
-      const Rgb8 c = color(u, v);
-      row[u] = std::log(kBlack + 0.25f * static_cast<float>(c.r + 2 * c.g + c.b));
-    }
-  }
-  BrightnessLevels levels;
-  for (const int halvings : kHalvings) {
-    cv::Mat reduced = brightness;
-    const int factor = 1 << halvings;
-    if (halvings > 0) {
-      // Columns and rows beyond the last complete block are left out, as in
-      // PinholeCamera::Binned().
-      const cv::Size size(color.width() / factor, color.height() / factor);
-      cv::resize(brightness(cv::Rect(0, 0, size.width * factor, size.height * factor)), reduced,
-                 size, 0, 0, cv::INTER_AREA);
-    }
-    levels.push_back(HighPass(reduced));
-  }
-  return levels;
-}
-
-struct Observation {
-  double value;
-  Eigen::Vector2d slope;
-};
-
-std::optional<Observation> ValueAt(const Image<float>& image, const Eigen::Vector2d& pixel) {
-  const double u = pixel.x(), v = pixel.y();
-  if (!(u >= kBorder_px && v >= kBorder_px && u < image.width() - 1 - kBorder_px &&
-        v < image.height() - 1 - kBorder_px)) {
-    return {};
-  }
-  const int left = static_cast<int>(u), top = static_cast<int>(v);
-  const double a = u - left, b = v - top;
-  const double p = image(left, top), q = image(left + 1, top), r = image(left, top + 1),
-               s = image(left + 1, top + 1);
-  const double upper = p + a * (q - p), lower = r + a * (s - r);
-  return Observation{upper + b * (lower - upper), {(1 - b) * (q - p) + b * (s - r), lower - upper}};
-}
 
 // A surfel with the images that show it.
 struct SeenSurfel {
@@ -242,13 +186,10 @@ class ColorProblem {
     const Eigen::Vector3d x = color_from_depth * moved;
     seen = ProjectByLens(lens, x);
     if (!seen) return {};
-    const double factor = 1 << kHalvings[level];
-    // Centre of the first block of factor x factor pixels: (factor - 1) / 2.
-    const Eigen::Vector2d pixel =
-        (seen->pixel - Eigen::Vector2d::Constant(0.5 * (factor - 1))) / factor;
-    const std::optional<Observation> value = ValueAt(levels_[i][level], pixel);
+    const std::optional<BrightnessSample> value =
+        BrightnessAt(levels_[i][level], kHalvings[level], seen->pixel);
     if (!value) return {};
-    const Eigen::RowVector2d by_pixel = value->slope.transpose() / factor;
+    const Eigen::RowVector2d by_pixel = value->slope.transpose();
     const Eigen::RowVector3d by_point = by_pixel * seen->by_point;
     Row row;
     row.image = i;
@@ -428,7 +369,7 @@ ColorCalibration EstimateColorCamera(const ColorCamera& given, const Calibration
   std::vector<BrightnessLevels> levels;
   ReadColorImages(sequence, chosen, [&](std::size_t i, const Image<Rgb8>& color) {
     progress(static_cast<int>(i));
-    levels.push_back(LevelsOf(color));
+    levels.push_back(FilteredBrightness(color, {std::begin(kHalvings), std::end(kHalvings)}));
   });
   result.images = static_cast<int>(chosen.size());
   const ColorProblem problem(std::move(chosen), std::move(levels), std::move(surfels));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 
@@ -195,6 +196,72 @@ void ReadDepthImages(const SequenceOptions& sequence, const std::vector<ColorIma
   ReadFrames(sequence, images, [&](std::size_t i, const RawSequence& opened, const RawFrame& raw) {
     call(i, opened.MakeFrame(raw, opened.frames->Read()).depth_m);
   });
+}
+
+namespace {
+
+Image<float> HighPass(const cv::Mat& log_brightness) {
+  cv::Mat fine, coarse;
+  cv::GaussianBlur(log_brightness, fine, cv::Size(), 1);
+  cv::GaussianBlur(log_brightness, coarse, cv::Size(), 4);
+  Image<float> result(fine.cols, fine.rows);
+  cv::Mat(result.height(), result.width(), CV_32F, result.data()) = fine - coarse;
+  return result;
+}
+
+cv::Mat LogBrightness(const Image<Rgb8>& color) {
+  constexpr float kBlack = 16;  // avoids noise of dark pixels
+  cv::Mat brightness(color.height(), color.width(), CV_32F);
+  for (int v = 0; v < color.height(); ++v) {
+    auto* const row = brightness.ptr<float>(v);
+    for (int u = 0; u < color.width(); ++u) {
+      const Rgb8 c = color(u, v);
+      row[u] = std::log(kBlack + 0.25f * static_cast<float>(c.r + 2 * c.g + c.b));
+    }
+  }
+  return brightness;
+}
+
+// Means of blocks. Columns and rows beyond the last complete block are left out, as in
+// PinholeCamera::Binned().
+cv::Mat Reduced(const cv::Mat& image, int halvings) {
+  const int factor = 1 << halvings;
+  const cv::Size size(image.cols / factor, image.rows / factor);
+  cv::Mat reduced;
+  cv::resize(image(cv::Rect(0, 0, size.width * factor, size.height * factor)), reduced, size, 0, 0,
+             cv::INTER_AREA);
+  return reduced;
+}
+
+}  // namespace
+
+std::vector<Image<float>> FilteredBrightness(const Image<Rgb8>& color,
+                                             const std::vector<int>& halvings) {
+  const cv::Mat brightness = LogBrightness(color);
+  std::vector<Image<float>> levels;
+  for (const int n : halvings)
+    levels.push_back(HighPass(n == 0 ? brightness : Reduced(brightness, n)));
+  return levels;
+}
+
+std::optional<BrightnessSample> BrightnessAt(const Image<float>& brightness, int halvings,
+                                             const Eigen::Vector2d& pixel) {
+  constexpr double kBorder_px = 2;
+  const double factor = 1 << halvings;
+  // Centre of the first block of factor x factor pixels: (factor - 1) / 2.
+  const double u = (pixel.x() - 0.5 * (factor - 1)) / factor;
+  const double v = (pixel.y() - 0.5 * (factor - 1)) / factor;
+  if (!(u >= kBorder_px && v >= kBorder_px && u < brightness.width() - 1 - kBorder_px &&
+        v < brightness.height() - 1 - kBorder_px)) {
+    return {};
+  }
+  const int left = static_cast<int>(u), top = static_cast<int>(v);
+  const double a = u - left, b = v - top;
+  const double p = brightness(left, top), q = brightness(left + 1, top),
+               r = brightness(left, top + 1), s = brightness(left + 1, top + 1);
+  const double upper = p + a * (q - p), lower = r + a * (s - r);
+  return BrightnessSample{upper + b * (lower - upper),
+                          {((1 - b) * (q - p) + b * (s - r)) / factor, (lower - upper) / factor}};
 }
 
 }  // namespace surfit

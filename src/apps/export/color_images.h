@@ -1,7 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -63,5 +65,20 @@ void ReadColorImages(const SequenceOptions& sequence, const std::vector<ColorIma
 // As ReadColorImages(), with the rectified depth images (m) of the frames.
 void ReadDepthImages(const SequenceOptions& sequence, const std::vector<ColorImage>& images,
                      const std::function<void(std::size_t, const Image<float>&)>& call);
+
+// Log brightness of an image at several resolutions, after a high-pass filter, which removes the
+// exposure. An image of `halvings` n has 2^n times fewer columns and rows.
+std::vector<Image<float>> FilteredBrightness(const Image<Rgb8>& color,
+                                             const std::vector<int>& halvings);
+
+struct BrightnessSample {
+  double value;
+  Eigen::Vector2d slope;  // derivative by the pixel, 1/px of the full image
+};
+
+// Bilinear sample of an image of FilteredBrightness(). `pixel`: in the full image. Returns
+// std::nullopt within 2 px of the border of the reduced image.
+std::optional<BrightnessSample> BrightnessAt(const Image<float>& brightness, int halvings,
+                                             const Eigen::Vector2d& pixel);
 
 }  // namespace surfit

@@ -14,6 +14,7 @@
 #include "apps/export/color_lens.h"
 #include "apps/export/gaussian_colors.h"
 #include "apps/export/gaussians.h"
+#include "apps/export/image_poses.h"
 #include "apps/export/map_visibility.h"
 #include "apps/export/moving_masks.h"
 #include "apps/export/nerfstudio_files.h"
@@ -188,6 +189,7 @@ class Exporter {
       images_.push_back({image, world_from_depth * camera_.color_from_depth.Inverse()});
       images_.back().source.stamp_s -= found.latency_s;
     }
+    if (options_.to != "gaussians") RegisterToEachOther();
     json_["images"] = {{options_.to == "gaussians" ? "used" : "written", images_.size()},
                        {"not_chosen", unused.not_chosen},
                        {"without_color", unused.without_color},
@@ -198,6 +200,26 @@ class Exporter {
         unused.not_chosen, " not chosen, ", unused.repeated, " repeat the previous image, ",
         unused.without_color, " without colour, ", unused.unreadable, " unreadable, ",
         unused.without_pose_at_time, " without a pose at the time of the image");
+  }
+
+  void RegisterToEachOther() {
+    const ImageRegistration found = RegisterImages(
+        camera_, map_,
+        [&](const std::vector<ColorImage>& sources, const auto& call) {
+          ReadColorImages(options_.sequence, sources, call);
+        },
+        [&](int i) { progress_(Concat("registering images, ", i)); }, &images_);
+    json_["registration"] = {{"registered", found.registered},
+                             {"too_few_surfels", found.too_few_surfels},
+                             {"contradicting", found.contradicting},
+                             {"without_gain", found.without_gain},
+                             {"median_change_m", found.median_change_m},
+                             {"median_change_rad", found.median_change_rad},
+                             {"rms_log_brightness", {found.rms_before, found.rms_after}}};
+    Say(found.registered, " images registered to each other, median change ",
+        std::round(1e4 * found.median_change_m) / 10, " mm and ", Degrees(found.median_change_rad),
+        "; ", found.too_few_surfels + found.contradicting + found.without_gain,
+        " keep the tracked pose");
   }
 
   // Pose of the depth camera `seconds` after the time of the image.
