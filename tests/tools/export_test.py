@@ -197,7 +197,12 @@ def check_transforms(output, export):
         # Nothing moves in this room.
         assert "mask_path" not in frame
     assert (export / transforms["ply_file_path"]).read_bytes().startswith(b"ply\n")
-    camera = json.loads((export / "export.json").read_text())["color_camera"]
+    summary = json.loads((export / "export.json").read_text())
+    counts = summary["registration"]
+    kept = counts["too_few_surfels"] + counts["contradicting"] + counts["without_gain"]
+    assert counts["registered"] + kept == len(transforms["frames"]), counts
+    assert counts["contradicting"] == 0 and counts["median_change_m"] < 0.005, counts
+    camera = summary["color_camera"]
     assert camera["fx"] == transforms["fl_x"] > 0
 
 

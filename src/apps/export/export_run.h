@@ -53,10 +53,12 @@ struct ExportSummary {
 //   floor_plan.svg          walls, camera path and a scale bar
 //
 // Each format also has export.json. It has the transform of the world frame with its source and
-// uncertainty, the colour camera, and the numbers of used and skipped items.
+// uncertainty, the colour camera, and the numbers of used and skipped items. `registration` has the
+// changes of poses by RegisterImages(), and the numbers of images that keep the tracked pose.
 //
 // Poses of images are the poses of the colour camera in the middle of the readout of the image. The
-// colour camera is estimated from the images by EstimateColorCamera().
+// colour camera is estimated from the images by EstimateColorCamera(). The images of colmap and
+// nerfstudio are registered to each other by RegisterImages().
 //
 // Calls `progress`, which must not be empty, with a line of text. Throws InputError for invalid
 // options, unreadable runs and sequences, and results that cannot be written. Also throws it for a
