@@ -28,7 +28,8 @@ constexpr int kMinImagesOfSurfel = 4;     // that show a surfel
 constexpr int kMinSurfelsOfImage = 200;   // of an image
 constexpr double kSharedSurfels = 25;     // number of neighbouring surfels with correlated errors
 constexpr double kTracked_m = 0.002, kTracked_rad = 0.005;  // errors of tracked poses
-constexpr double kMaxDistance2 = 38;  // chi-square, 6 degrees of freedom, probability 1e-6
+constexpr double kMaxRmsRatio = 0.95;  // RMS residual after / before; exact poses reach 0.99
+constexpr double kMaxDistance2 = 38;   // chi-square, 6 degrees of freedom, probability 1e-6
 constexpr float kOutside = std::numeric_limits<float>::quiet_NaN();
 
 double MedianOf(std::vector<double> values) {
@@ -183,6 +184,7 @@ class ImageGroup {
   void Finish(const std::function<void(std::size_t, const Rigid3d&)>& take,
               std::vector<double>* changes_m, std::vector<double>* changes_rad,
               ImageRegistration* result) const {
+    const bool has_gain = brightness_.rms() <= kMaxRmsRatio * rms_before_;
     for (std::size_t i = 0; i < images_.size(); ++i) {
       const RegisteredImage& image = images_[i];
       const Vector6 change = image.Change();
@@ -190,7 +192,7 @@ class ImageGroup {
         ++result->too_few_surfels;
       } else if (!(change.dot(PriorInformation().cwiseProduct(change)) < kMaxDistance2)) {
         ++result->contradicting;
-      } else if (!(Cost(image, image.pose) < Cost(image, image.tracked))) {
+      } else if (!has_gain || !(Cost(image, image.pose) < Cost(image, image.tracked))) {
         ++result->without_gain;
       } else {
         ++result->registered;

@@ -19,7 +19,7 @@ using ColorReader = std::function<void(
 struct ImageRegistration {
   int too_few_surfels = 0;               // images with fewer than 200 surfels
   int contradicting = 0;                 // images whose result contradicts the tracked pose
-  int without_gain = 0;                  // images whose residuals do not decrease
+  int without_gain = 0;                  // images whose residuals do not decrease enough
   int registered = 0;                    // images with a new pose
   double median_change_m = 0;            // of the camera centres of registered images, m
   double median_change_rad = 0;          // rotation angle of registered images, rad
@@ -42,7 +42,8 @@ struct ImageRegistration {
 // An image keeps its pose in three cases:
 // - Fewer than 200 of its surfels are visible in four images.
 // - The squared change in standard deviations exceeds 38, the chi-square limit of 1e-6.
-// - The residuals of the image do not decrease.
+// - The residuals of the image do not decrease, or the RMS residual of all images decreases by less
+//   than 5 %. Then the tracked poses are nearly exact.
 //
 // `camera`: final colour camera. `progress` receives the number of images so far, and must not be
 // empty. More than 300 images are registered in interleaved groups, which bounds the memory. The
