@@ -86,7 +86,8 @@ TEST_F(PlanScanTest, WritesFragmentsAndTheirFlags) {
                                  "--calibrate=false", "--new_map_after=0"}) {
     EXPECT_THAT(flags, Names(flag));
   }
-  EXPECT_THAT(flags, ::testing::Not(::testing::HasSubstr("loop_closure"))) << "the default closes loops";
+  EXPECT_THAT(flags, ::testing::Not(::testing::HasSubstr("loop_closure")))
+      << "the default closes loops";
   EXPECT_THAT(ReadBytes(scan_ / "camera_0.flags"), Names("--last=1199", "--loop_closure=false"));
 }
 
