@@ -268,10 +268,10 @@ class ImageGroup {
         const double weight = unit * KernelWeight(residual, brightness_.scale());
         Vector6 jacobian;
         jacobian << seen->point.cross(seen->by_point), seen->by_point;
-        hessian.selfadjointView<Eigen::Lower>().rankUpdate(jacobian, weight);
+        hessian += weight * jacobian * jacobian.transpose();
         gradient += weight * residual * jacobian;
       }
-      const Vector6 motion = hessian.selfadjointView<Eigen::Lower>().ldlt().solve(-gradient);
+      const Vector6 motion = hessian.ldlt().solve(-gradient);
       image->pose = LeftIncrement<double>(motion, image->pose);
     }
   }
