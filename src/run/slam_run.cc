@@ -443,7 +443,7 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
     run.slam.confident_inlier_ratio = 0;
     run.slam.real_time = true;
   }
-  // No frame is lost, so keyframes need no views.
+  // Given poses are final: no frame is lost, and no loop is closed.
   if (run.poses != "track") run.slam.loops.enabled = run.slam.loops.relocalization = false;
   std::unique_ptr<RunSession> session;
   if (!run.session.empty()) session = std::make_unique<RunSession>(&run);

@@ -6,6 +6,7 @@
 #include "apps/export/color_images.h"
 #include "apps/export/map_visibility.h"
 #include "apps/export/sparse_points.h"
+#include "export/simulated_surfels.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
@@ -68,7 +69,7 @@ class ColorCameraTest : public ::testing::Test {
       depth += std::to_string(0.1 * i) + Format(" depth/%03d.png\n", i);
       run_.trajectory.push_back({0.1 * i, pose});
       run_.world_from_camera[i] = pose;
-      if (i % 3 == 0) AddSurfels(seen, pose);
+      if (i % 3 == 0) AddSurfels(seen, depth_camera_, pose, 1, &map_);
     }
     folder_.Write("rgb.txt", rgb);
     folder_.Write("depth.txt", depth);
@@ -105,21 +106,6 @@ class ColorCameraTest : public ::testing::Test {
       depth[i] = static_cast<std::uint16_t>(1000 * depth_m[i] + 0.5f);
     }
     return depth;
-  }
-  void AddSurfels(const Rendering& seen, const Rigid3d& pose) {
-    for (int v = 0; v < depth_camera_.height; ++v) {
-      for (int u = 0; u < depth_camera_.width; ++u) {
-        const float depth_m = seen.depth_m(u, v);
-        if (!(depth_m > 0)) continue;
-        Surfel surfel;
-        surfel.position_in_world = (pose * (depth_m * depth_camera_.Ray(u, v))).cast<float>();
-        surfel.normal_in_world =
-            (pose.rotation * seen.normal(u, v).cast<double>()).cast<float>().normalized();
-        surfel.radius_m = 1.4f * depth_m / 130;
-        surfel.confidence = 20;
-        map_.Append(surfel);
-      }
-    }
   }
 };
 

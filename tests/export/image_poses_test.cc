@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <random>
 
+#include "export/simulated_surfels.h"
 #include "surfit/core/parallel.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
@@ -47,7 +48,7 @@ class ImagePosesTest : public ::testing::Test {
       image.source.index = i;
       image.world_from_color = pose;
       exact_.push_back(image);
-      if (i % 4 == 0) AddSurfels(seen, pose);
+      if (i % 4 == 0) AddSurfels(seen, kLens, pose, 2, &map_);
     }
   }
 
@@ -86,23 +87,6 @@ class ImagePosesTest : public ::testing::Test {
   static std::vector<Image<Rgb8>> colors_;
   static std::vector<PosedImage> exact_;
   static SurfelMap map_;
-
- private:
-  static void AddSurfels(const Rendering& seen, const Rigid3d& pose) {
-    for (int v = 0; v < kLens.height; v += 2) {
-      for (int u = 0; u < kLens.width; u += 2) {
-        const float depth_m = seen.depth_m(u, v);
-        if (!(depth_m > 0)) continue;
-        Surfel surfel;
-        surfel.position_in_world = (pose * (depth_m * kLens.Ray(u, v))).cast<float>();
-        surfel.normal_in_world =
-            (pose.rotation * seen.normal(u, v).cast<double>()).cast<float>().normalized();
-        surfel.radius_m = 2.8f * depth_m / 196;
-        surfel.confidence = 20;
-        map_.Append(surfel);
-      }
-    }
-  }
 };
 
 std::vector<Image<Rgb8>> ImagePosesTest::colors_;
