@@ -162,6 +162,7 @@ Rigid3d FitPose(const FeaturePoints& source, const FeaturePoints& target,
                 const std::vector<FeatureMatch>& matches, const std::vector<int>& used) {
   Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
   std::vector<double> weights;
+  weights.reserve(used.size());
   double weight_sum = 0;
   for (const int i : used) {
     const auto& [s, t] = matches[i];
@@ -199,6 +200,7 @@ std::vector<Consensus> FindConsensus(const FeaturePoints& source, const FeatureP
     if (!is_known(refined)) distinct.push_back(std::move(refined));
   }
   std::vector<Consensus> found;
+  found.reserve(distinct.size());
   for (const Hypothesis& hypothesis : distinct) {
     found.push_back({hypothesis.target_from_source, search.Indices(hypothesis.inliers)});
   }
