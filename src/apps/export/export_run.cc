@@ -9,12 +9,11 @@
 #include <utility>
 
 #include "apps/export/colmap_files.h"
-#include "apps/export/color_calibration.h"
-#include "apps/export/color_images.h"
 #include "apps/export/color_lens.h"
+#include "apps/export/export_images.h"
+#include "apps/export/export_log.h"
 #include "apps/export/gaussian_colors.h"
 #include "apps/export/gaussians.h"
-#include "apps/export/image_poses.h"
 #include "apps/export/map_visibility.h"
 #include "apps/export/moving_masks.h"
 #include "apps/export/nerfstudio_files.h"
@@ -82,14 +81,10 @@ void RequireOtherFolder(const ExportOptions& options) {
   }
 }
 
-std::string Degrees(double rad) {
-  return Concat(std::round(100 * rad / kRadPerDeg) / 100, " degrees");
-}
-
 class Exporter {
  public:
   Exporter(const ExportOptions& options, const std::function<void(const std::string&)>& progress)
-      : options_(options), progress_(progress), run_(ReadRecordedRun(options.run)) {
+      : options_(options), log_(progress), run_(ReadRecordedRun(options.run)) {
     RequireOtherFolder(options);
     map_.Append(ReadSurfelPly(options.run + "/map.ply"));
     ThrowIf(map_.size() == 0, options.run, "/map.ply: the map is empty");
@@ -100,42 +95,34 @@ class Exporter {
   }
 
   ExportSummary Export() {
-    json_["format"] = options_.to;
-    json_["run"] = options_.run;
+    log_.json["format"] = options_.to;
+    log_.json["run"] = options_.run;
     FindWorld();
     if (options_.to == "colmap") ExportColmap();
     if (options_.to == "nerfstudio") ExportNerfstudio();
     if (options_.to == "gaussians") ExportGaussians();
     if (options_.to == "occupancy") ExportOccupancy();
-    WriteJson(json_, Path(kExportJson));
-    return summary_;
+    WriteJson(log_.json, Path(kExportJson));
+    return log_.summary;
   }
 
  private:
-  template <typename... Parts>
-  void Say(const Parts&... parts) {
-    summary_.messages.push_back(Concat(parts...));
-  }
-  template <typename... Parts>
-  void Warn(const Parts&... parts) {
-    summary_.warnings.push_back(Concat(parts...));
-  }
   std::string Path(const std::string& name) const { return options_.output + "/" + name; }
 
   void FindWorld() {
-    Json& world = json_["world"];
+    Json& world = log_.json["world"];
     world["up"] = nullptr;
     if (options_.world == "run") {
       world["source"] = "run";
     } else {
-      progress_("looking for floor and walls");
+      log_.Progress("looking for floor and walls");
       const UprightResult found = FindUpright(surfels_, run_.trajectory);
       if (!found.world) {
         reason_ = found.reason;
         world["source"] = "run";
         world["reason"] = found.reason;
         if (options_.to != "occupancy") {
-          Warn("the world frame stays that of the run: ", found.reason);
+          log_.Warn("the world frame stays that of the run: ", found.reason);
         }
       } else {
         const UprightWorld& upright = *found.world;
@@ -149,11 +136,11 @@ class Exporter {
         world["walls"] = upright.walls;
         world["walls_give_axes"] = upright.walls_give_axes;
         world["floor_area_m2"] = upright.floor_area_m2;
-        Say("upright: z is up within ", Degrees(upright.sigma_rad), " (one sigma), from ",
-            upright.horizontal_planes, " horizontal planes and ", upright.walls,
-            " walls of the map; the lowest horizontal plane (",
-            std::round(100 * upright.floor_area_m2) / 100, " m2) is at z = 0",
-            upright.walls_give_axes ? "; walls are along x and y" : "");
+        log_.Say("upright: z is up within ", DegreesText(upright.sigma_rad), " (one sigma), from ",
+                 upright.horizontal_planes, " horizontal planes and ", upright.walls,
+                 " walls of the map; the lowest horizontal plane (",
+                 std::round(100 * upright.floor_area_m2) / 100, " m2) is at z = 0",
+                 upright.walls_give_axes ? "; walls are along x and y" : "");
       }
     }
     Json rows = Json::array();
@@ -164,125 +151,26 @@ class Exporter {
     world["export_from_run"] = rows;
   }
 
-  // At most `most` colour images with poses, and the colour camera. Gaussians have the colours of
-  // the map, so their camera is that of the run.
-  void PrepareImages(int most) {
-    UnusedFrames unused;
-    const SequenceInfo info = OpenSequence(options_.sequence)->info();
-    RequireCameraOfFrames(run_, options_.run, info.pinhole);
-    std::vector<ColorImage> all = ListColorImages(
-        options_.sequence, run_, [&](int i) { progress_(Concat("reading images, ", i)); }, &unused);
-    ThrowIf(all.empty(), options_.run, ": no frame has both colour and a pose");
-    ColorCalibration found;
-    found.camera = camera_ = given_camera_ = GivenColorCamera(info, run_);
-    if (options_.to != "gaussians") {
-      found = EstimateColorCamera(
-          found.camera, info.sensor().prior, options_.sequence, all, map_,
-          [&](int i) { progress_(Concat("estimating the colour camera, ", i)); });
-      camera_ = found.camera;
-      Report(found);
-    }
-    const std::vector<ColorImage> chosen = ChooseImages(all, most);
-    unused.not_chosen = static_cast<int>(all.size() - chosen.size());
-    for (const ColorImage& image : chosen) {
-      const Rigid3d world_from_depth = ExtrapolatedTo(image, -found.latency_s);
-      images_.push_back({image, world_from_depth * camera_.color_from_depth.Inverse()});
-      images_.back().source.stamp_s -= found.latency_s;
-    }
-    if (options_.to != "gaussians") RegisterToEachOther();
-    json_["images"] = {{options_.to == "gaussians" ? "used" : "written", images_.size()},
-                       {"not_chosen", unused.not_chosen},
-                       {"without_color", unused.without_color},
-                       {"unreadable", unused.unreadable},
-                       {"repeated", unused.repeated},
-                       {"without_pose_at_time", unused.without_pose_at_time}};
-    Say(images_.size(), " images of ", run_.trajectory.size(), " frames with poses; ",
-        unused.not_chosen, " not chosen, ", unused.repeated, " repeat the previous image, ",
-        unused.without_color, " without colour, ", unused.unreadable, " unreadable, ",
-        unused.without_pose_at_time, " without a pose at the time of the image");
-  }
-
-  void RegisterToEachOther() {
-    const ImageRegistration found = RegisterImages(
-        camera_, map_,
-        [&](const std::vector<ColorImage>& sources, const auto& call) {
-          ReadColorImages(options_.sequence, sources, call);
-        },
-        [&](int i) { progress_(Concat("registering images, ", i)); }, &images_);
-    json_["registration"] = {{"registered", found.registered},
-                             {"too_few_surfels", found.too_few_surfels},
-                             {"contradicting", found.contradicting},
-                             {"without_gain", found.without_gain},
-                             {"median_change_m", found.median_change_m},
-                             {"median_change_rad", found.median_change_rad},
-                             {"rms_log_brightness", {found.rms_before, found.rms_after}}};
-    Say(found.registered, " images registered to each other, median change ",
-        std::round(1e4 * found.median_change_m) / 10, " mm and ", Degrees(found.median_change_rad),
-        "; ", found.too_few_surfels + found.contradicting + found.without_gain,
-        " keep the tracked pose");
-  }
-
-  // Pose of the depth camera `seconds` after the time of the image.
-  Rigid3d ExtrapolatedTo(const ColorImage& image, double seconds) const {
-    constexpr double kMaxGap_s = 0.1, kSameTime_s = 1e-9;
-    if (seconds == 0) return image.world_from_depth;
-    if (const auto pose =
-            InterpolatePose(run_.trajectory, image.stamp_s + seconds, kMaxGap_s, kSameTime_s)) {
-      return *pose;
-    }
-    const Rigid3d motion(QuaternionExp<double>(seconds * image.motion.angular_velocity_rad_per_s),
-                         seconds * image.motion.velocity_m_per_s);
-    return image.world_from_depth * motion;
-  }
-
-  void Report(const ColorCalibration& found) {
-    const PinholeCamera& lens = camera_.lens;
-    const Rigid3d& mount = camera_.color_from_depth;
-    Json& json = json_["color_camera"];
-    json = CameraToJson(lens);
-    json["distortion"] = lens.distortion;
-    json["color_from_depth"] = ToJson(mount);
-    json["estimated"] = found.is_estimated;
-    json["latency_s"] = run_.found.color_latency_s + found.latency_s;
-    json["change"] = std::vector<double>(found.change.begin(), found.change.end());
-    json["sigmas"] = std::vector<double>(found.sigmas.begin(), found.sigmas.end());
-    json["distance2"] = found.distance2;
-    json["limit2"] = found.limit2;
-    json["rms_log_brightness"] = {found.rms_before, found.rms_after};
-    json["images"] = found.images;
-    json["observations"] = found.observations;
-    if (!found.is_estimated) {
-      Say("colour camera as given", found.images == 0 ? ": too few images or surfels to estimate it"
-                                                      : ", confirmed by the images");
-      return;
-    }
-    Say("colour camera estimated from ", found.images, " images: fx ", lens.fx, ", fy ", lens.fy,
-        ", cx ", lens.cx, ", cy ", lens.cy, " px; its pose changes by ",
-        1000 * found.change.segment<3>(3).norm(), " mm and ",
-        Degrees(found.change.head<3>().norm()), ", its latency by ", 1000 * found.latency_s, " ms");
-  }
-
   // COLMAP ignores cameras with a larger distortion coefficient (Mapper.max_extra_param).
   bool IsRefusedByColmap() const {
     constexpr double kMaxCoefficient = 1;
-    const auto& distortion = camera_.lens.distortion;
+    const auto& distortion = images_.camera.lens.distortion;
     return options_.to == "colmap" &&
            std::any_of(distortion.begin(), distortion.end(),
                        [](double c) { return std::abs(c) > kMaxCoefficient; });
   }
   bool WritesUndistorted() const { return options_.undistort || IsRefusedByColmap(); }
   PinholeCamera ImageCamera() const {
-    return WritesUndistorted() ? UndistortedCamera(camera_.lens) : camera_.lens;
+    return WritesUndistorted() ? UndistortedCamera(images_.camera.lens) : images_.camera.lens;
   }
 
   void WriteImages(const PinholeCamera& lens) {
     CreateFolder(Path("images"));
-    std::vector<ColorImage> sources;
-    for (const PosedImage& image : images_) sources.push_back(image.source);
+    const std::vector<ColorImage> sources = images_.Sources();
     ReadColorImages(options_.sequence, sources, [&](std::size_t i, const Image<Rgb8>& color) {
-      progress_(Concat("writing images, ", i));
+      log_.Progress("writing images, ", i);
       const Image<Rgb8> written =
-          WritesUndistorted() ? Undistort(color, camera_.lens, lens) : color;
+          WritesUndistorted() ? Undistort(color, images_.camera.lens, lens) : color;
       WriteBytes("images/" + sources[i].Name(), EncodePng(written));
     });
   }
@@ -294,30 +182,32 @@ class Exporter {
   }
 
   void ExportColmap() {
-    PrepareImages(options_.images);
+    images_ = PrepareImages(options_, run_, map_, options_.images, &log_);
     if (IsRefusedByColmap() && !options_.undistort) {
-      Say("images are undistorted: COLMAP ignores cameras with a distortion coefficient above 1");
+      log_.Say(
+          "images are undistorted: COLMAP ignores cameras with a distortion coefficient above 1");
     }
     const PinholeCamera lens = ImageCamera();
-    progress_("projecting points");
-    const SparsePoints points = FindSparsePoints(map_, lens, images_);
+    log_.Progress("projecting points");
+    const SparsePoints points = FindSparsePoints(map_, lens, images_.posed);
     CreateFolder(Path("sparse/0"));
     CreateFolder(Path("sparse_text"));
-    WriteColmapModel({lens, images_, points, export_from_world_}, Path("sparse/0"),
+    WriteColmapModel({lens, images_.posed, points, export_from_world_}, Path("sparse/0"),
                      Path("sparse_text"));
     WriteImages(lens);
-    json_["points"] = {{"written", points.points.size()},
-                       {"in_fewer_than_two_images", points.unseen}};
-    Say(points.points.size(), " points; ", points.unseen, " in fewer than two images are left out");
+    log_.json["points"] = {{"written", points.points.size()},
+                           {"in_fewer_than_two_images", points.unseen}};
+    log_.Say(points.points.size(), " points; ", points.unseen,
+             " in fewer than two images are left out");
   }
 
   void ExportNerfstudio() {
-    PrepareImages(options_.images);
+    images_ = PrepareImages(options_, run_, map_, options_.images, &log_);
     const PinholeCamera lens = ImageCamera();
     WriteImages(lens);
     CreateFolder(Path("depth"));
-    for (const PosedImage& image : images_) {
-      progress_("rendering depth, frame " + std::to_string(image.source.index));
+    for (const PosedImage& image : images_.posed) {
+      log_.Progress("rendering depth, frame ", image.source.index);
       WriteBytes("depth/" + image.source.Name(),
                  EncodePng(DepthForImage(map_, lens, image.world_from_color)));
     }
@@ -332,9 +222,10 @@ class Exporter {
     }
     WritePly(cloud, Path("points.ply"));
     const bool has_masks = WriteMasks(lens);
-    WriteTransformsJson(lens, images_, has_masks, export_from_world_, Path("transforms.json"));
-    json_["points"] = {{"written", cloud.points.size()}};
-    Say(cloud.points.size(), " points in points.ply");
+    WriteTransformsJson(lens, images_.posed, has_masks, export_from_world_,
+                        Path("transforms.json"));
+    log_.json["points"] = {{"written", cloud.points.size()}};
+    log_.Say(cloud.points.size(), " points in points.ply");
   }
 
   // Mask of an image. The given and the estimated colour camera both contribute to the mask.
@@ -346,31 +237,30 @@ class Exporter {
         PixelsInFront(depth_m, DrawBlended(map_, sensor, world_from_depth).depth_m);
     const Rigid3d by_estimate = image.world_from_color.Inverse() * world_from_depth;
     Image<std::uint8_t> mask =
-        MaskOfColor(in_front, depth_m, sensor.camera, by_estimate, camera_.lens);
-    const Rigid3d as_given =
-        given_camera_.color_from_depth * image.source.world_from_depth.Inverse() * world_from_depth;
+        MaskOfColor(in_front, depth_m, sensor.camera, by_estimate, images_.camera.lens);
+    const Rigid3d as_given = images_.given_camera.color_from_depth *
+                             image.source.world_from_depth.Inverse() * world_from_depth;
     const Image<std::uint8_t> given =
-        MaskOfColor(in_front, depth_m, sensor.camera, as_given, given_camera_.lens);
+        MaskOfColor(in_front, depth_m, sensor.camera, as_given, images_.given_camera.lens);
     for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = std::min(mask[i], given[i]);
-    return WritesUndistorted() ? UndistortMask(mask, camera_.lens, lens) : mask;
+    return WritesUndistorted() ? UndistortMask(mask, images_.camera.lens, lens) : mask;
   }
 
   // nerfstudio needs masks of all images or of none. Returns whether masks are written: an object
   // in an image is not part of the map.
   bool WriteMasks(const PinholeCamera& lens) {
-    std::vector<ColorImage> sources;
-    for (const PosedImage& image : images_) sources.push_back(image.source);
+    const std::vector<ColorImage> sources = images_.Sources();
     std::vector<Image<std::uint8_t>> masks;
     int with_object = 0;
     const DepthSensor sensor = OpenSequence(options_.sequence)->info().sensor();
     ReadDepthImages(options_.sequence, sources, [&](std::size_t i, const Image<float>& depth_m) {
-      progress_(Concat("looking for moving objects, ", i));
-      masks.push_back(MaskOf(images_[i], depth_m, sensor, lens));
+      log_.Progress("looking for moving objects, ", i);
+      masks.push_back(MaskOf(images_.posed[i], depth_m, sensor, lens));
       with_object += std::count(masks.back().begin(), masks.back().end(), 0) > 0;
     });
-    json_["images"]["with_moving_objects"] = with_object;
+    log_.json["images"]["with_moving_objects"] = with_object;
     if (with_object == 0) return false;
-    Say(with_object, " images show objects that are not part of the map: see masks");
+    log_.Say(with_object, " images show objects that are not part of the map: see masks");
     CreateFolder(Path("masks"));
     for (std::size_t i = 0; i < masks.size(); ++i) {
       WriteBytes("masks/" + sources[i].Name(), EncodePng(masks[i]));
@@ -381,32 +271,29 @@ class Exporter {
   void ExportGaussians() {
     std::vector<Gaussian> gaussians = GaussiansOf(surfels_);
     try {
-      PrepareImages(kImagesOfGaussians);
+      images_ = PrepareImages(options_, run_, map_, kImagesOfGaussians, &log_);
       FitColors(
           ViewsOfGaussians(),
-          [&](int drawn, int all) {
-            progress_(Concat("fitting colours, view ", drawn, " of ", all));
-          },
+          [&](int drawn, int all) { log_.Progress("fitting colours, view ", drawn, " of ", all); },
           &gaussians);
     } catch (const InputError& error) {
-      images_.clear();
-      Warn("the Gaussians have the colours of the map, because no images are usable: ",
-           error.what());
+      log_.Warn("the Gaussians have the colours of the map, because no images are usable: ",
+                error.what());
     }
     WriteGaussians(gaussians, export_from_world_, Path("splats.ply"));
-    json_["gaussians"] = {{"written", surfels_.size()}, {"noise", map_.size() - surfels_.size()}};
-    Say(surfels_.size(), " Gaussians; ", map_.size() - surfels_.size(),
-        " surfels of low confidence are left out");
+    log_.json["gaussians"] = {{"written", surfels_.size()},
+                              {"noise", map_.size() - surfels_.size()}};
+    log_.Say(surfels_.size(), " Gaussians; ", map_.size() - surfels_.size(),
+             " surfels of low confidence are left out");
   }
 
   std::vector<GaussianView> ViewsOfGaussians() const {
-    const PinholeCamera camera = UndistortedCamera(camera_.lens);
-    std::vector<ColorImage> sources;
-    for (const PosedImage& image : images_) sources.push_back(image.source);
+    const PinholeCamera camera = UndistortedCamera(images_.camera.lens);
+    const std::vector<ColorImage> sources = images_.Sources();
     std::vector<GaussianView> views;
     ReadColorImages(options_.sequence, sources, [&](std::size_t i, const Image<Rgb8>& color) {
-      views.push_back(
-          ReducedView(Undistort(color, camera_.lens, camera), camera, images_[i].world_from_color));
+      views.push_back(ReducedView(Undistort(color, images_.camera.lens, camera), camera,
+                                  images_.posed[i].world_from_color));
     });
     return views;
   }
@@ -415,7 +302,7 @@ class Exporter {
     ThrowIf(!is_upright_, "an occupancy map needs an upright world: ",
             reason_.empty() ? "--world is run, must be upright" : reason_);
     const UprightMap map = UprightMapOf(surfels_, run_, export_from_world_);
-    progress_("tracing rays");
+    log_.Progress("tracing rays");
     const OccupancyGrid grid = MakeOccupancyGrid(map);
     const std::vector<WallLine> walls = FindWallLines(map, grid);
     WriteRosMap(grid, options_.output);
@@ -423,16 +310,17 @@ class Exporter {
     const auto count = [&](CellState state) {
       return std::count(grid.cells.begin(), grid.cells.end(), state);
     };
-    json_["grid"] = {{"columns", grid.cells.width()},   {"rows", grid.cells.height()},
-                     {"cell_m", grid.cell_m},           {"occupied", count(CellState::kOccupied)},
-                     {"free", count(CellState::kFree)}, {"walls", walls.size()}};
-    Say(grid.cells.width(), " x ", grid.cells.height(), " cells of ", grid.cell_m, " m, heights ",
-        grid.low_m, " to ", grid.high_m, " m: ", count(CellState::kOccupied), " occupied, ",
-        count(CellState::kFree), " free; ", walls.size(), " walls");
+    log_.json["grid"] = {
+        {"columns", grid.cells.width()},   {"rows", grid.cells.height()},
+        {"cell_m", grid.cell_m},           {"occupied", count(CellState::kOccupied)},
+        {"free", count(CellState::kFree)}, {"walls", walls.size()}};
+    log_.Say(grid.cells.width(), " x ", grid.cells.height(), " cells of ", grid.cell_m,
+             " m, heights ", grid.low_m, " to ", grid.high_m, " m: ", count(CellState::kOccupied),
+             " occupied, ", count(CellState::kFree), " free; ", walls.size(), " walls");
   }
 
   const ExportOptions& options_;
-  const std::function<void(const std::string&)>& progress_;
+  ExportLog log_;
   const RecordedRun run_;
   SurfelMap map_;
   std::vector<Surfel> surfels_;  // without noise
@@ -440,10 +328,7 @@ class Exporter {
   Rigid3d export_from_world_;
   bool is_upright_ = false;
   std::string reason_;  // why the world frame of the run is kept
-  ColorCamera camera_, given_camera_;
-  std::vector<PosedImage> images_;
-  Json json_;
-  ExportSummary summary_;
+  ExportImages images_;
 };
 
 }  // namespace
