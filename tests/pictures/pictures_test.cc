@@ -83,6 +83,28 @@ TEST(WriteMapPictures, ShowsWhiteBlackAndGreySurfaces) {
   }
 }
 
+// Grey discs: one faces the second view of a camera, the others are turned by 60 degrees.
+TEST(WriteMapPictures, ShadesMapsWithoutColour) {
+  SurfelMap map;
+  Surfel surfel;
+  surfel.color = {128, 128, 128};
+  surfel.radius_m = 0.5f;
+  surfel.confidence = 20;
+  surfel.position_in_world = {0, 0, 2};
+  surfel.normal_in_world = {0, 0, -1};
+  map.Append(surfel);
+  surfel.position_in_world = {1, 0, 2};
+  surfel.normal_in_world = {-std::sqrt(0.75f), 0, -0.5f};
+  map.Append(surfel);
+  const TempFolder folder;
+  WriteMapPictures(map, Trajectory(1), folder.path());
+  const Image<Rgb8> picture = ReadPicture(folder / "map_color.png");
+  const Rgb8 facing = picture(400, 1010), turned = picture(640, 1010);
+  EXPECT_GT(facing.r, 220);
+  EXPECT_LT(turned.r, facing.r - 20);
+  EXPECT_EQ(turned.r, turned.b);
+}
+
 TEST(WriteMapPictures, HidesUnstableSurfelsExceptInTheConfidencePicture) {
   SurfelMap map = Wall();
   Surfel dust;

@@ -98,6 +98,23 @@ void WriteColorSheet(const SurfelMap& map, const std::string& count,
   WritePng(*sheet.image(), path);
 }
 
+// Returns false if all surfels have the colour that Fusion gives without colour images.
+bool HasColors(const SurfelMap& map, const std::vector<std::int32_t>& ids) {
+  constexpr Rgb8 kNoColor = {128, 128, 128};
+  return std::any_of(ids.begin(), ids.end(),
+                     [&](std::int32_t id) { return map.Color(id) != kNoColor; });
+}
+
+// Grey surfels, shaded by their normals.
+SurfelColoring ColorByShape() {
+  SurfelColoring coloring;
+  coloring.title = "Shape";
+  coloring.color_of = [](std::int32_t) { return Rgb8{235, 235, 235}; };
+  coloring.headlight = 0.85f;
+  coloring.legend = "no colour images";
+  return coloring;
+}
+
 void WriteEmptySheet(const std::string& path) {
   PictureSheet sheet(2, 2);
   Image<Rgb8>& image = *sheet.image();
@@ -148,7 +165,11 @@ void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
       Concat(count, " of ", map.size(), " surfels, with confidence of at least ",
              std::round(100 * least) / 100, "");
   const RenderedViews trusted = Render(map, shown, views);
-  WriteColorSheet(Shown(map, shown), some, views, prefix + "color.png");
+  if (HasColors(map, ids)) {
+    WriteColorSheet(Shown(map, shown), some, views, prefix + "color.png");
+  } else {
+    WriteSheet(map, ColorByShape(), some, trusted, prefix + "color.png");
+  }
   WriteSheet(map, ColorByNormal(map), some, trusted, prefix + "normals.png");
   WriteSheet(map, ColorByLastSeen(map), some, trusted, prefix + "last_seen.png");
 

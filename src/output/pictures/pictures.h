@@ -61,7 +61,8 @@ UprightResult FindUpright(const std::vector<Surfel>& surfels, const Trajectory& 
 //
 // Back faces are not drawn, so ceiling and near walls do not occlude the room. map_confidence shows
 // all surfels. The other pictures show surfels with confidence >= NoiseConfidence(). A normal n in
-// the world frame has the colour (1 + n) / 2: x red, y green, z blue.
+// the world frame has the colour (1 + n) / 2: x red, y green, z blue. Without colour images,
+// map_color.png shows grey surfels, shaded by their normals.
 //
 // An empty map gives pictures with the text "empty map". Throws InputError if writing fails.
 void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
