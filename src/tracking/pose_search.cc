@@ -68,7 +68,7 @@ Tracked PoseSearch::Search(const PreprocessedFrame& frame, const SearchStart& st
   if (!follows) tracked.state = FrameState::kLost;
   std::optional<Tracked> found;
   const bool is_first = start.lost_frames == 0;
-  if (relocalizer_ && !is_first && !tracked.has_pose() && !options_.IsFrameToFrame()) {
+  if (relocalizer_ && !is_first && !options_.IsFrameToFrame()) {
     found = NearLastFrame(frame, start);
   } else {
     found = FromLastFrame(frame, start, tracked);
@@ -126,7 +126,7 @@ std::optional<Tracked> PoseSearch::FromLastFrame(const PreprocessedFrame& frame,
   if (verifies && !is_plain) initialization.fit = ShapesAlone();
   IcpOptions icp_options = GlobalIcpOptions();
   icp_options.min_source_rows = options_.icp.min_source_rows;
-  const MotionBound bound = tracked.has_pose() ? PossibleMotion(start.seconds) : MotionBound();
+  const MotionBound bound = PossibleMotion(start.seconds);
   const auto register_view = [&](const ColoredView& view) {
     return RegisterGlobally(view, start.last.view, initialization, icp_options, bound);
   };
@@ -136,7 +136,11 @@ std::optional<Tracked> PoseSearch::FromLastFrame(const PreprocessedFrame& frame,
   }
   if (!found.accepted()) found = register_view(frame.view);
   if (!found.accepted()) return std::nullopt;
-  return Confirm(frame, start, start.last.world_from_view * found.target_from_source);
+  const Rigid3d world_from_found = start.last.world_from_view * found.target_from_source;
+  if (tracked.has_pose() && AgreeClosely(tracked.world_from_camera, world_from_found)) {
+    return tracked;
+  }
+  return Confirm(frame, start, world_from_found);
 }
 
 // Global registration fails if a moving object covers much of both views, or if little of the views

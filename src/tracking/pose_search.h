@@ -56,9 +56,9 @@ struct SearchStart {
 // do not count.
 //
 // With a Relocalizer, global registration runs for the first lost frame only. The search of later
-// frames whose registration is rejected costs about as much as tracking: two verifications of small
-// views. The targets are the last frame with a pose, and one similar keyframe. The keyframes of
-// lower ranks are verified for later lost frames.
+// frames costs about as much as tracking: two verifications of small views. The targets are the
+// last frame with a pose, and one similar keyframe. The keyframes of lower ranks are verified for
+// later lost frames.
 class PoseSearch {
  public:
   // Keeps references and the pointer.
@@ -76,9 +76,9 @@ class PoseSearch {
   Tracked Search(const PreprocessedFrame& frame, const SearchStart& start, Tracked tracked) const;
 
  private:
-  // Global registration to the last frame with a pose, without the moving cells of `tracked`. If
-  // `tracked` has a pose, the search is limited to possible motions. Returns std::nullopt if the
-  // registration fails or is not due.
+  // Global registration to the last frame with a pose, without the moving cells of `tracked`, and
+  // within PossibleMotion(). Returns `tracked` if the result agrees closely with its pose, else the
+  // pose that the map confirms. Returns std::nullopt if the registration fails or is not due.
   std::optional<Tracked> FromLastFrame(const PreprocessedFrame& frame, const SearchStart& start,
                                        const Tracked& tracked) const;
   // Registration of small views to the last frame with a pose. Returns std::nullopt as above.
