@@ -20,12 +20,12 @@ else
 fi
 [[ $(id -u) == 0 ]] || { echo "error: chroot needs root" >&2; exit 1; }
 
-if [[ $# -ge 2 ]]; then
-  root=$2
-else
-  root=$(mktemp -d)
-  trap 'rm -rf --one-file-system "$root"' EXIT
-fi
+root=${2:-$(mktemp -d)}
+clean_up() {
+  umount -l "$root/proc" "$root/dev" 2>/dev/null || true
+  (($# >= 2)) || rm -rf --one-file-system "$root"
+}
+trap 'clean_up "$@"' EXIT
 
 mirror_of() {  # mirror_of CODENAME: address of the apt source of this machine
   apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' "Codename: $1" | head -n 1
@@ -45,6 +45,10 @@ else
   } >"$root/etc/apt/sources.list"
 fi
 [[ ! -e /etc/resolv.conf ]] || cp -L /etc/resolv.conf "$root/etc/resolv.conf"
+
+# Scripts and tests need /proc and /dev.
+mount -t proc proc "$root/proc"
+mount --rbind --make-rslave /dev "$root/dev"
 
 inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 \
   DEBIAN_FRONTEND=noninteractive "$@"; }
