@@ -10,13 +10,14 @@ set(prefix "${WORK}/prefix")
 file(REMOVE_RECURSE "${WORK}")
 run("${CMAKE_COMMAND}" --install "${SURFIT_BUILD}" --prefix "${prefix}")
 
-# An installed package must not refer to the source or build tree.
+# An installed package must not refer to the source or build tree. Their paths can be parts of the installed
+# ones, for example /surfit.
 file(GLOB_RECURSE cmake_files "${prefix}/*.cmake")
 foreach(file ${cmake_files})
   file(STRINGS "${file}" lines)
   foreach(tree "${SURFIT_SOURCE}" "${SURFIT_BUILD}")
-    string(FIND "${lines}" "${tree}" position)
-    if(NOT position EQUAL -1)
+    string(REGEX REPLACE "([][+.*()^$?{}|\\\\])" "\\\\\\1" pattern "${tree}")
+    if(lines MATCHES "(^|[\"; =:IL])${pattern}(/|[\"; ]|$)")
       message(FATAL_ERROR "${file} names ${tree}")
     endif()
   endforeach()

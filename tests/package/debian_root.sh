@@ -56,11 +56,11 @@ inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOM
 if [[ -z ${build:-} ]]; then
   inside apt-get update -q
   inside apt-get install -q -y --no-install-recommends ca-certificates git
-  rm -rf "$root/surfit"
-  git clone --quiet --no-hardlinks "$here/../.." "$root/surfit"
-  inside bash /surfit/tools/scripts/demo.sh
-  [[ -s $root/surfit/out/demo/map_color.png && -s $root/surfit/out/demo/report.html ]]
-  [[ ${DEMO_ONLY:-} == 1 ]] || inside bash /surfit/tools/scripts/test.sh
+  rm -rf "$root/checkout"
+  git clone --quiet --no-hardlinks "$here/../.." "$root/checkout"
+  inside bash /checkout/tools/scripts/demo.sh
+  [[ -s $root/checkout/out/demo/map_color.png && -s $root/checkout/out/demo/report.html ]]
+  [[ ${DEMO_ONLY:-} == 1 ]] || inside bash /checkout/tools/scripts/test.sh
   echo "The commands of the README work on Debian $(<"$root/etc/debian_version") ($suite)"
   exit 0
 fi
