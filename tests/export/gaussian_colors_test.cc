@@ -1,6 +1,4 @@
 // Gaussians of surfels, and their colours from images.
-#include "apps/export/gaussian_colors.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -83,7 +83,7 @@ TEST(WriteMapPictures, ShowsWhiteBlackAndGreySurfaces) {
   }
 }
 
-// Grey discs: one faces the second view of a camera, the others are turned by 60 degrees.
+// A grey disc faces the camera. A second disc is turned by 60 degrees.
 TEST(WriteMapPictures, ShadesMapsWithoutColour) {
   SurfelMap map;
   Surfel surfel;

@@ -1,9 +1,8 @@
-#include "apps/export/gaussian_colors.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
+#include "apps/export/gaussians.h"
 #include "surfit/core/parallel.h"
 #include "surfit/mapping/surfel_block.h"
 
