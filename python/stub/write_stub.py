@@ -24,7 +24,7 @@ __version__: str
 def typed(text):
     """Converts type names of pybind11 to Python."""
     text = re.sub(r"\b(float)\[\d+\]", r"\1", text)  # std::array
-    text = re.sub(r"Annotated\[(\w+\[\w+\]), FixedSize\(\d+\)\]", r"\1", text)  # the same since pybind11 2.12
+    text = re.sub(r"Annotated\[(\w+\[\w+\]), FixedSize\(\d+\)\]", r"\1", text)  # the same of pybind11 2.13
     text = re.sub(r"numpy\.ndarray\[(numpy\.\w+)(\[[^\]]*\])?[^\]]*\]", r"NDArray[\1]", text)
     text = re.sub(r"(\w+): numpy\.ndarray\b(?!\[)", r"\1: ArrayLike", text)
     text = re.sub(r"(\w+): NDArray\[numpy\.\w+\]", r"\1: ArrayLike", text)
