@@ -57,12 +57,15 @@ if(SURFIT_BUILD_PYTHON)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-surfit)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")
-  # The module depends on one NumPy ABI (/usr/share/numpy3/versions).
-  execute_process(OUTPUT_VARIABLE numpy_abi OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND
-    "${Python3_EXECUTABLE}" -c
-    "from numpy.core import _multiarray_umath as m; print(m._get_ndarray_c_version() - 0x1000000)")
+  # The module depends on one NumPy ABI (/usr/share/numpy3/versions). NumPy 2 has another package.
+  execute_process(OUTPUT_VARIABLE numpy_abi OUTPUT_STRIP_TRAILING_WHITESPACE
+    COMMAND_ERROR_IS_FATAL ANY COMMAND "${Python3_EXECUTABLE}" -c "
+try: from numpy._core import _multiarray_umath as m
+except ImportError: from numpy.core import _multiarray_umath as m
+major, abi = divmod(m._get_ndarray_c_version(), 0x1000000)
+print('python3-numpy%s-abi%d' % ('' if major == 1 else major, abi))")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "libsurfit0 ${same_version}, python3-numpy, \
-python3-numpy-abi${numpy_abi}, python3 (>= 3.${Python3_VERSION_MINOR}~), \
+${numpy_abi}, python3 (>= 3.${Python3_VERSION_MINOR}~), \
 python3 (<< 3.${next_minor})")
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "dense RGB-D SLAM - Python module
 ${about}

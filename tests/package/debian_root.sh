@@ -1,29 +1,36 @@
 #!/usr/bin/env bash
 # Uses Surfit on a clean Debian, in a root of its own:
-#   debian_root.sh BUILD [ROOT]           installs the Debian 12 packages of a build, and uses them
-#   debian_root.sh --suite=SUITE [ROOT]   clones this repository and runs demo.sh and test.sh there
-# BUILD: build folder of the preset `package` after `cpack`.
-# SUITE: release of Debian, for example bookworm or trixie.
+#   debian_root.sh [--suite=SUITE] [ROOT]             clones this repository, runs demo.sh and test.sh
+#                                                     there, and makes the Debian packages
+#   debian_root.sh [--suite=SUITE] --packages=BUILD [ROOT]
+#                                                     installs the packages of a build, and uses them
+# SUITE: release of Debian. Default: bookworm.
+# BUILD: build folder of the preset `package` on that release, after `cpack`.
 # ROOT: folder of a Debian root. If it is empty, debootstrap creates the root with the apt sources of
 # this machine. Default: a temporary folder that is removed at the end.
-# DEMO_ONLY=1 in the environment: without test.sh, which takes an hour on two cores.
+# DEMO_ONLY=1 in the environment: without test.sh and packages, which take over an hour on two cores.
 # Needs root permissions, and a few minutes for downloads.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 suite=bookworm
-if [[ ${1:-} == --suite=* ]]; then
-  suite=${1#--suite=}
-else
-  build=${1:?BUILD or --suite=SUITE}
-  debs=("$build"/*.deb)
-  [[ -e ${debs[0]} ]] || { echo "error: no packages in $build: run cpack there" >&2; exit 1; }
-fi
+debs=()
+while [[ ${1:-} == --* ]]; do
+  case $1 in
+    --suite=*) suite=${1#*=} ;;
+    --packages=*)
+      debs=("${1#*=}"/*.deb)
+      [[ -e ${debs[0]} ]] || { echo "error: no packages in ${1#*=}: run cpack there" >&2; exit 1; }
+      ;;
+    *) echo "error: unknown option $1" >&2; exit 1 ;;
+  esac
+  shift
+done
 [[ $(id -u) == 0 ]] || { echo "error: chroot needs root" >&2; exit 1; }
 
-root=${2:-$(mktemp -d)}
+root=${1:-$(mktemp -d)}
 clean_up() {
   umount -l "$root/proc" "$root/dev" 2>/dev/null || true
-  (($# >= 2)) || rm -rf --one-file-system "$root"
+  (($# >= 1)) || rm -rf --one-file-system "$root"
 }
 trap 'clean_up "$@"' EXIT
 
@@ -53,14 +60,18 @@ mount --rbind --make-rslave /dev "$root/dev"
 inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 \
   DEBIAN_FRONTEND=noninteractive "$@"; }
 
-if [[ -z ${build:-} ]]; then
+if ((${#debs[@]} == 0)); then
   inside apt-get update -q
   inside apt-get install -q -y --no-install-recommends ca-certificates git
   rm -rf "$root/checkout"
   git clone --quiet --no-hardlinks "$here/../.." "$root/checkout"
   inside bash /checkout/tools/scripts/demo.sh
   [[ -s $root/checkout/out/demo/map_color.png && -s $root/checkout/out/demo/report.html ]]
-  [[ ${DEMO_ONLY:-} == 1 ]] || inside bash /checkout/tools/scripts/test.sh
+  if [[ ${DEMO_ONLY:-} != 1 ]]; then
+    inside bash /checkout/tools/scripts/test.sh
+    inside bash -c 'cd /checkout && cmake --preset package && cmake --build --preset package -j2 &&
+      cd build/package && cpack'
+  fi
   echo "The commands of the README work on Debian $(<"$root/etc/debian_version") ($suite)"
   exit 0
 fi
@@ -116,4 +127,4 @@ inside bash -c 'cmake -S /consumer -B /consumer/build && cmake --build /consumer
   /consumer/build/consumer && /consumer/build/own_residual && /consumer/build/registration &&
   g++ -std=c++17 /consumer/main.cc -o /consumer/by_pkg_config $(pkg-config --cflags --libs surfit) &&
   /consumer/by_pkg_config'
-echo "All packages work on a clean Debian"
+echo "All packages work on a clean Debian $(<"$root/etc/debian_version") ($suite)"

@@ -41,7 +41,7 @@ test_packages=(
   # format and clang-tidy of changed files
   git clang-format clang-tidy
   # documentation, manual pages and Debian packages
-  doxygen help2man dpkg-dev
+  doxygen help2man dpkg-dev file
   # the Python module
   python3-dev pybind11-dev python3-numpy python3-matplotlib python3-pip python3-venv mypy
   # the tests
