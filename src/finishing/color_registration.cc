@@ -11,13 +11,14 @@
 #include "surfit/core/parallel.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/registration/normal_system.h"
+#include "surfit/registration/pose_solver.h"
 
 namespace surfit {
 namespace {
 
 constexpr double kKernelWidth = 0.06;      // intensity, from 0 to 1
 constexpr double kPointsPerResidual = 25;  // number of points with correlated errors
-constexpr double kSigma = 0.01;
+constexpr int kExposureIterations = 3;
 constexpr double kMinSlope = 0.008;
 constexpr int kStride_px = 2;
 constexpr int kMinPoints = 500;
@@ -73,26 +74,44 @@ std::vector<Point> PointsOf(const BlendedView& view, const Image<float>& grey,
   return points;
 }
 
+// State of a registration.
+struct ColorState {
+  Rigid3d color_from_drawn;
+  Eigen::Vector2d exposure = {1, 0};
+};
+
 class ColorRegistration {
  public:
+  // `prior`: expected pose of camera from view, with its information.
   ColorRegistration(const Image<float>& image, const std::vector<Point>& points,
-                    const DepthSensor& sensor, const CameraMotion& motion)
-      : image_(image), points_(points), sensor_(sensor), motion_(motion) {}
+                    const DepthSensor& sensor, const CameraMotion& motion, const PriorTerm& prior)
+      : image_(image), points_(points), sensor_(sensor), motion_(motion), prior_(prior) {}
 
   // Makes one Gauss-Newton step. Returns false if fewer than kMinPoints points are visible, or if
   // the step is not finite.
-  bool Step(Rigid3d* color_from_expected, Eigen::Vector2d* exposure) const {
-    System system = ParallelSum(
-        0, static_cast<int>(points_.size()), kPixelGrain, System(),
-        [&](int begin, int end) { return SystemOf(begin, end, *color_from_expected, *exposure); });
+  bool Step(ColorState* state) const {
+    System system = SystemAt(*state);
     if (system.points < kMinPoints) return false;
-    AddPrior(*color_from_expected, &system);
+    AddPrior(state->color_from_drawn, &system);
     const Vector8d step =
         system.hessian.selfadjointView<Eigen::Lower>().ldlt().solve(-system.gradient);
     if (!step.allFinite()) return false;
-    *color_from_expected = LeftIncrement<double>(step.head<6>(), *color_from_expected);
-    *exposure += step.tail<2>();
+    state->color_from_drawn = LeftIncrement<double>(step.head<6>(), state->color_from_drawn);
+    state->exposure += step.tail<2>();
     return true;
+  }
+
+  // Mean robust cost at a pose, with the best exposure.
+  double CostAt(ColorState state) const {
+    for (int i = 0; i < kExposureIterations; ++i) {
+      System system = SystemAt(state);
+      AddPrior(state.color_from_drawn, &system);
+      state.exposure +=
+          system.hessian.bottomRightCorner<2, 2>().selfadjointView<Eigen::Lower>().ldlt().solve(
+              -system.gradient.tail<2>());
+    }
+    const System system = SystemAt(state);
+    return system.cost / std::max(1, system.points);
   }
 
  private:
@@ -100,11 +119,13 @@ class ColorRegistration {
   struct System {
     Matrix8d hessian = Matrix8d::Zero();
     Vector8d gradient = Vector8d::Zero();
+    double cost = 0;
     int points = 0;
 
     System& operator+=(const System& other) {
       hessian += other.hessian;
       gradient += other.gradient;
+      cost += other.cost;
       points += other.points;
       return *this;
     }
@@ -115,25 +136,29 @@ class ColorRegistration {
     Vector8d jacobian;  // derivatives by left perturbation, gain and offset
   };
 
-  System SystemOf(int begin, int end, const Rigid3d& color_from_expected,
-                  const Eigen::Vector2d& exposure) const {
+  System SystemAt(const ColorState& state) const {
+    return ParallelSum(0, static_cast<int>(points_.size()), kPixelGrain, System(),
+                       [&](int begin, int end) { return SystemOf(begin, end, state); });
+  }
+
+  System SystemOf(int begin, int end, const ColorState& state) const {
     System system;
     for (int i = begin; i < end; ++i) {
-      const std::optional<Row> row = RowOf(points_[i], color_from_expected, exposure);
+      const std::optional<Row> row = RowOf(points_[i], state);
       if (!row) continue;
       const double share = row->residual / kKernelWidth, s = 1 + share * share;
       const double weight = 1 / (s * s * kKernelWidth * kKernelWidth * kPointsPerResidual);
       system.hessian.selfadjointView<Eigen::Lower>().rankUpdate(row->jacobian, weight);
       system.gradient += weight * row->residual * row->jacobian;
+      system.cost += share * share / s;
       ++system.points;
     }
     return system;
   }
 
-  std::optional<Row> RowOf(const Point& point, const Rigid3d& color_from_expected,
-                           const Eigen::Vector2d& exposure) const {
+  std::optional<Row> RowOf(const Point& point, const ColorState& state) const {
     const PinholeCamera& camera = sensor_.camera;
-    const Eigen::Vector3d here = color_from_expected * point.at;
+    const Eigen::Vector3d here = state.color_from_drawn * point.at;
     if (!(here.z() > 0)) return {};
     const double row = camera.fy * here.y() / here.z() + camera.cy;
     const double tau = ((row + 0.5) / camera.height - 0.5) * sensor_.readout_s;
@@ -147,24 +172,24 @@ class ColorRegistration {
     const double by_u = sample.slope_u * camera.fx * rho, by_v = sample.slope_v * camera.fy * rho;
     const Eigen::Vector3d by_x(by_u, by_v, -(by_u * x.x() + by_v * x.y()) * rho);
     Row result;
-    result.residual = sample.value - exposure[0] * point.intensity - exposure[1];
+    result.residual = sample.value - state.exposure[0] * point.intensity - state.exposure[1];
     result.jacobian << x.cross(by_x), by_x, -point.intensity, -1;
     return result;
   }
 
-  static void AddPrior(const Rigid3d& color_from_expected, System* system) {
-    constexpr double kInformation = 1 / (kSigma * kSigma), kOfExposure = 1;
-    Vector8d away = Vector8d::Zero();
-    away << QuaternionLog(color_from_expected.rotation), color_from_expected.translation, 0, 0;
-    system->hessian.diagonal().head<6>().array() += kInformation;
+  void AddPrior(const Rigid3d& color_from_drawn, System* system) const {
+    constexpr double kOfExposure = 1;
+    const Vector6d away = FirstOrderIncrement(prior_.target_from_source, color_from_drawn);
+    system->hessian.topLeftCorner<6, 6>() += prior_.information;
     system->hessian.diagonal().tail<2>().array() += kOfExposure;
-    system->gradient += kInformation * away;
+    system->gradient.head<6>() += prior_.information * away;
   }
 
   const Image<float>& image_;
   const std::vector<Point>& points_;
   const DepthSensor& sensor_;
   const CameraMotion& motion_;
+  const PriorTerm& prior_;
 };
 
 }  // namespace
@@ -176,11 +201,9 @@ Rigid3d ExtrapolatePose(const Rigid3d& world_from_camera, const CameraMotion& mo
   return world_from_camera * LeftIncrement<double>(way, Rigid3d()).Inverse();
 }
 
-BlendedView RenderDiscs(const SurfelMap& map, const DepthSensor& sensor,
-                        const Rigid3d& world_from_view, ModelRenderer* renderer) {
-  const ModelView view = renderer->Render(map, sensor, world_from_view);
+BlendedView DrawnDiscs(const ModelView& view, const SurfelMap& map) {
   BlendedView drawn = {ColorsOf(view, map),
-                       Image<float>(sensor.camera.width, sensor.camera.height)};
+                       Image<float>(view.surface.camera.width, view.surface.camera.height)};
   for (int v = 0; v < drawn.depth_m.height(); ++v) {
     for (int u = 0; u < drawn.depth_m.width(); ++u) {
       if (view.surfel_index(u, v) == ModelView::kNoSurfel) continue;
@@ -190,23 +213,31 @@ BlendedView RenderDiscs(const SurfelMap& map, const DepthSensor& sensor,
   return drawn;
 }
 
-Rigid3d RegisterColors(const Image<Rgb8>& color, const BlendedView& drawn,
-                       const DepthSensor& sensor, const CameraMotion& motion,
-                       const Rigid3d& world_from_drawn) {
+RegisteredColors RegisterColors(const Image<Rgb8>& color, const BlendedView& drawn,
+                                const DepthSensor& sensor, const CameraMotion& motion,
+                                const Rigid3d& world_from_drawn, const ExpectedColorPose& expected,
+                                const Rigid3d& world_from_compared) {
   const Image<float> grey = Grey(color, color.width() / drawn.color.width());
   const Image<float> grey_drawn = Grey(drawn.color, 1);
-  Rigid3d color_from_drawn;
-  Eigen::Vector2d exposure(1, 0);
+  const PriorTerm prior = {expected.world_from_color.Inverse() * world_from_drawn,
+                           expected.information};
+  const RegisteredColors unregistered = {expected.world_from_color};
+  ColorState state = {prior.target_from_source};
+  RegisteredColors result;
   for (const double smoothing_px : kSmoothings_px) {
     const Image<float> image = Smoothed(grey, smoothing_px);
     const std::vector<Point> points =
         PointsOf(drawn, Smoothed(grey_drawn, smoothing_px), sensor.camera);
-    const ColorRegistration registration(image, points, sensor, motion);
+    const ColorRegistration registration(image, points, sensor, motion, prior);
     for (int i = 0; i < kIterations; ++i) {
-      if (!registration.Step(&color_from_drawn, &exposure)) return world_from_drawn;
+      if (!registration.Step(&state)) return unregistered;
     }
+    result.cost_before =
+        registration.CostAt({world_from_compared.Inverse() * world_from_drawn, state.exposure});
+    result.cost_after = registration.CostAt(state);
   }
-  return world_from_drawn * color_from_drawn.Inverse();
+  result.world_from_color = world_from_drawn * state.color_from_drawn.Inverse();
+  return result;
 }
 
 }  // namespace surfit

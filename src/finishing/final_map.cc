@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "finishing/color_registration.h"
+#include "finishing/frame_poses.h"
 #include "frame/rolling_shutter.h"
 #include "mapping/fusion/color_average.h"
 #include "mapping/map/smooth_map.h"
@@ -13,7 +13,6 @@
 #include "surfit/frame/frame_source.h"
 #include "surfit/frame/rectify_frame.h"
 #include "surfit/mapping/fusion.h"
-#include "surfit/mapping/model_renderer.h"
 
 namespace surfit {
 namespace {
@@ -64,38 +63,38 @@ class SequenceFusion {
   DepthSensor sensor_;
 };
 
+// Registers frames to the map, and colours the map.
 class Recoloring {
  public:
   Recoloring(const PosedSequence& known, const SequenceInfo& info, const SurfelMap& map,
              ColorAverage* average)
-      : known_(known), sensor_(known.found.Of(info.sensor())), map_(map), average_(average) {
-    coarse_ = sensor_;
-    coarse_.camera = sensor_.camera.Binned(std::max(1, sensor_.camera.width / kColumns));
-  }
+      : known_(known),
+        sensor_(known.found.Of(info.sensor())),
+        poses_(known, sensor_, map),
+        average_(average) {}
 
-  void Add(RgbdFrame frame, const Rigid3d& world_from_camera) {
-    if (frame.color.empty()) return;
+  // Registers a frame with a new colour image. Returns std::nullopt for other frames.
+  std::optional<FinalPose> Add(RgbdFrame frame, const Rigid3d& world_from_camera, bool colors) {
+    if (frame.color.empty() || frame.color == last_color_) return std::nullopt;
+    last_color_ = frame.color;
     const CameraMotion motion = MotionAt(known_.trajectory, frame.stamp_s);
     known_.found.Correct(&frame);
-    const Rigid3d expected =
-        ExtrapolatePose(world_from_camera, motion, frame.color_stamp_s - frame.stamp_s);
-    const BlendedView drawn = RenderDiscs(map_, coarse_, expected, &renderer_);
-    const Rigid3d world_from_color = RegisterColors(frame.color, drawn, coarse_, motion, expected);
     const Image<float> measured_m = CorrectRollingShutter(frame, sensor_, motion).depth_m;
+    const FinalPose pose = poses_.Register({frame, measured_m, motion, world_from_camera});
+    if (!colors) return pose;
     frame.stamp_s = frame.color_stamp_s;  // colours use the pose at this time
-    const PosedCamera camera(sensor_.camera, world_from_color);
+    const PosedCamera camera(sensor_.camera, pose.world_from_color);
     average_->Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), sensor_,
-                  world_from_color, {measured_m, PosedCamera(sensor_.camera, world_from_camera)});
+                  pose.world_from_color,
+                  {measured_m, PosedCamera(sensor_.camera, pose.world_from_camera)});
+    return pose;
   }
 
  private:
-  static constexpr int kColumns = 320;
-
   const PosedSequence& known_;
   const DepthSensor sensor_;
-  const SurfelMap& map_;
-  DepthSensor coarse_;
-  ModelRenderer renderer_{RenderOptions()};
+  FramePoses poses_;
+  Image<Rgb8> last_color_;
   ColorAverage* average_;
 };
 
@@ -128,13 +127,14 @@ void Crop(const Eigen::AlignedBox3f& box, SurfelMap* map) {
   map->RemoveMarked();
 }
 
-class FinalMap {
+class FinalMapFusion {
  public:
-  FinalMap(const std::vector<MapSource>& sources, const MapPart* part,
-           const std::atomic<bool>& interrupted, const FinalMapProgress& progress)
+  FinalMapFusion(const std::vector<MapSource>& sources, const MapPart* part,
+                 const std::atomic<bool>& interrupted, const FinalMapProgress& progress)
       : sources_(sources), part_(part), interrupted_(interrupted), progress_(progress) {}
 
-  std::optional<SurfelMap> Run() {
+  // `poses`: final poses of the first source, by position in its trajectory; nullptr: none.
+  std::optional<SurfelMap> Run(std::vector<std::optional<FinalPose>>* poses) {
     std::optional<DepthSensor> sensor;
     Fusion fusion(Finer(sources_.front().known.slam.fusion));
     for (const MapSource& of_sequence : sources_) {
@@ -145,7 +145,8 @@ class FinalMap {
     SmoothMap(*sensor, &map_);
     ColorAverage average(map_);
     for (const MapSource& of_sequence : sources_) {
-      if (!Recolor(of_sequence, &average)) return std::nullopt;
+      if (!Recolor(of_sequence, &average, poses)) return std::nullopt;
+      poses = nullptr;
     }
     average.WriteTo(&map_);
     if (part_) Crop(part_->box, &map_);
@@ -157,38 +158,45 @@ class FinalMap {
   // Opens the sequence only for this call, because the frame list of a long recording is large.
   bool FuseSource(const MapSource& of_sequence, Fusion* fusion,
                   std::optional<DepthSensor>* sensor) {
-    const auto frames = ReopenSequence(of_sequence.known.sequence, of_sequence.frames);
+    const PosedSequence& known = of_sequence.known;
+    const auto frames = ReopenSequence(known.sequence, of_sequence.frames);
     SequenceFusion sequence(of_sequence, frames->info());
     if (!*sensor) *sensor = sequence.sensor();
-    return ForEach(of_sequence, frames.get(), 2, [&](RgbdFrame frame, const Rigid3d& pose) {
+    return ReadPosedFrames(known, frames.get(), interrupted_, [&](std::size_t i, RgbdFrame frame) {
+      if (known.left_out.count(frame.index) > 0) return;
+      const Rigid3d& pose = known.trajectory[i].world_from_camera;
       if (part_) {
         frame.depth_m = Within(*part_, sequence.sensor().camera, pose, std::move(frame.depth_m));
       }
       sequence.Fuse(std::move(frame), pose, fusion, &map_);
       ++fused_;
+      Advance(2);
     });
   }
 
-  bool Recolor(const MapSource& of_sequence, ColorAverage* average) {
-    SequenceOptions some = of_sequence.known.sequence;
-    some.stride *= kColorStride;
-    const auto frames = ReopenSequence(some, of_sequence.frames);
-    Recoloring recoloring(of_sequence.known, frames->info(), map_, average);
-    return ForEach(
-        of_sequence, frames.get(), kColorStride,
-        [&](RgbdFrame frame, const Rigid3d& pose) { recoloring.Add(std::move(frame), pose); });
-  }
-
-  // `progress`: progress of each frame, in thirds of a frame.
-  template <typename Take>
-  bool ForEach(const MapSource& of_sequence, FrameSource* frames, int progress, const Take& take) {
+  // Colours the map from every kColorStride-th frame. With `poses`, registers all frames.
+  bool Recolor(const MapSource& of_sequence, ColorAverage* average,
+               std::vector<std::optional<FinalPose>>* poses) {
     const PosedSequence& known = of_sequence.known;
-    return ReadPosedFrames(known, frames, interrupted_, [&](std::size_t pose, RgbdFrame frame) {
-      if (known.left_out.count(frame.index) > 0) return;
-      take(std::move(frame), known.trajectory[pose].world_from_camera);
-      done_ += progress;
-      progress_(std::max(1, done_ / 3), map_.size());
+    SequenceOptions some = known.sequence;
+    some.stride *= kColorStride;
+    const auto frames = ReopenSequence(poses ? known.sequence : some, of_sequence.frames);
+    Recoloring recoloring(known, frames->info(), map_, average);
+    return ReadPosedFrames(known, frames.get(), interrupted_, [&](std::size_t i, RgbdFrame frame) {
+      const bool colors =
+          known.left_out.count(frame.index) == 0 && (frame.index - some.first) % some.stride == 0;
+      if (!colors && !poses) return;
+      const std::optional<FinalPose> pose =
+          recoloring.Add(std::move(frame), known.trajectory[i].world_from_camera, colors);
+      if (poses) (*poses)[i] = pose;
+      Advance(poses ? 1 : kColorStride);
     });
+  }
+
+  // `progress`: in thirds of a frame.
+  void Advance(int progress) {
+    done_ += progress;
+    progress_(std::max(1, done_ / 3), map_.size());
   }
 
   const std::vector<MapSource>& sources_;
@@ -201,16 +209,20 @@ class FinalMap {
 
 }  // namespace
 
-std::optional<SurfelMap> IntegrateFinalMap(const PosedSequence& known,
-                                           const std::atomic<bool>& interrupted,
-                                           const FinalMapProgress& progress) {
+std::optional<FinalMap> IntegrateFinalMap(const PosedSequence& known, bool refine_poses,
+                                          const std::atomic<bool>& interrupted,
+                                          const FinalMapProgress& progress) {
   const std::vector<MapSource> all = {{known, {}, 0}};
-  return FinalMap(all, nullptr, interrupted, progress).Run();
+  std::vector<std::optional<FinalPose>> poses(known.trajectory.size());
+  std::optional<SurfelMap> map =
+      FinalMapFusion(all, nullptr, interrupted, progress).Run(refine_poses ? &poses : nullptr);
+  if (!map) return std::nullopt;
+  return FinalMap{*std::move(map), WithFinalPoses(known.trajectory, poses)};
 }
 
 std::optional<SurfelMap> FusePart(const MapPart& part, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress) {
-  return FinalMap(part.sources, &part, interrupted, progress).Run();
+  return FinalMapFusion(part.sources, &part, interrupted, progress).Run(nullptr);
 }
 
 }  // namespace surfit

@@ -17,19 +17,25 @@ namespace surfit {
 // `map_points`: surfels so far. Must not be empty.
 using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>;
 
+struct FinalMap {
+  SurfelMap map;
+  Trajectory trajectory;  // WithFinalPoses()
+};
+
 // Builds the final map of a sequence from the final poses and the estimated calibration:
 //   1. fuses all frames except `left_out`, without moving objects and with rolling-shutter
 //      correction. Frames without a pose and unreadable frames are skipped. Surfels are denser than
 //      in tracking.
 //   2. removes noise at depth edges if more than max_inactive_frames frames were fused, and smooths
 //      the map (SmoothMap)
-//   3. recolours the surfels from every third frame, at the registered poses of the colour images
-//      (RegisterColors, ColorAverage)
-// Returns std::nullopt if interrupted. Throws InputError if the sequence cannot be read.
-// `interrupted` is checked before each frame.
-std::optional<SurfelMap> IntegrateFinalMap(const PosedSequence& known,
-                                           const std::atomic<bool>& interrupted,
-                                           const FinalMapProgress& progress);
+//   3. recolours the surfels from every third frame (ColorAverage), at poses that are registered to
+//      the map (FramePoses)
+// With `refine_poses`, step 3 registers all frames with colour, also those of `left_out`. Otherwise
+// the trajectory of the result is the given one. Returns std::nullopt if interrupted. Throws
+// InputError if the sequence cannot be read. `interrupted` is checked before each frame.
+std::optional<FinalMap> IntegrateFinalMap(const PosedSequence& known, bool refine_poses,
+                                          const std::atomic<bool>& interrupted,
+                                          const FinalMapProgress& progress);
 
 // Sequence of a map, or ranges of its frames.
 struct MapSource {
@@ -45,7 +51,8 @@ struct MapPart {
   std::vector<MapSource> sources;
 };
 
-// Fuses a part of a map from all its sequences, like IntegrateFinalMap(). The memory depends on the
+// Fuses a part of a map from all its sequences, like IntegrateFinalMap(), and registers every third
+// frame. The memory depends on the
 // size of the part, the time on the number of frames. `part.sources` must not be empty; its first
 // source has the fusion options and the sensor for SmoothMap(). All sources have poses in the world
 // frame of the part. Returns std::nullopt if interrupted. Throws InputError if a sequence cannot be

@@ -25,7 +25,7 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         ZeroIs("as fast as frames are processed"), AsFlag());
   v.Add(refine, "refine",
         "before the final map, refine poses and calibration jointly, if the run has changed the "
-        "calibration; surfit_refine has more options",
+        "calibration; then register the frames to the final map; surfit_refine has more options",
         AsFlag(), Everyday());
   v.Add(final_map, "final_map",
         "after the last frame, read the sequence again and fuse a new map with the final poses and "

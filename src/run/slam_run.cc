@@ -292,10 +292,8 @@ class SlamRun {
     FuseFinalMap(refined ? Known(refined->trajectory, refined->found) : known, interrupted,
                  progress);
     if (!final_map_ || !refined) return;
-    const bool is_better = refined->is_applied;
-    trajectory_->Replace(std::move(refined->trajectory));
     found_ = refined->found;
-    if (session_ && is_better) {
+    if (session_ && refined->is_applied) {
       session_->Improve(*slam_, trajectory_->poses(), trajectory_->frames(), found_, *final_map_);
     }
   }
@@ -323,14 +321,19 @@ class SlamRun {
     const TraceSlice slice("final_map");
     const auto start = std::chrono::steady_clock::now();
     SlamRunProgress now = Progress();
-    final_map_ = IntegrateFinalMap(known, interrupted, [&](int frames, std::size_t points) {
-      now.frames_reintegrated = frames;
-      now.map_points = points;
-      now.elapsed_s = statistics_.elapsed_s();
-      progress(now);
-    });
+    std::optional<FinalMap> fused =
+        IntegrateFinalMap(known, options_.refine && options_.poses == "track", interrupted,
+                          [&](int frames, std::size_t points) {
+                            now.frames_reintegrated = frames;
+                            now.map_points = points;
+                            now.elapsed_s = statistics_.elapsed_s();
+                            progress(now);
+                          });
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    if (final_map_) final_map_s_ = elapsed.count();
+    if (!fused) return;
+    final_map_ = std::move(fused->map);
+    final_map_s_ = elapsed.count();
+    trajectory_->Replace(std::move(fused->trajectory));
   }
 
   PosedSequence Known(const Trajectory& trajectory, const EstimatedSensor& found) const {

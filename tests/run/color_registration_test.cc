@@ -27,7 +27,9 @@ class RegisterColorsInARoom : public ::testing::Test {
   }
 
   Rigid3d Registered(const Image<Rgb8>& color, const CameraMotion& motion = {}) const {
-    return RegisterColors(color, DrawBlended(map_, sensor_, pose_), sensor_, motion, pose_);
+    return RegisterColors(color, DrawBlended(map_, sensor_, pose_), sensor_, motion, pose_, {pose_},
+                          pose_)
+        .world_from_color;
   }
 
   // Mean pixel distance of the points of the first frame, seen from two poses. Small rotations and
@@ -79,7 +81,8 @@ TEST_F(RegisterColorsInARoom, UsesTheTimeOfEachRow) {
 TEST_F(RegisterColorsInARoom, KeepsThePoseWithoutVisiblePoints) {
   const Image<Rgb8> grey(320, 240, {90, 90, 90});
   const BlendedView nothing = DrawBlended(SurfelMap(), sensor_, pose_);
-  EXPECT_THAT(RegisterColors(grey, nothing, sensor_, {}, pose_), RigidNear(pose_, 0, 0));
+  EXPECT_THAT(RegisterColors(grey, nothing, sensor_, {}, pose_, {pose_}, pose_).world_from_color,
+              RigidNear(pose_, 0, 0));
 }
 
 TEST_F(RegisterColorsInARoom, AcceptsLargerImages) {
@@ -90,8 +93,11 @@ TEST_F(RegisterColorsInARoom, AcceptsLargerImages) {
   DepthSensor coarse = sensor_;
   coarse.camera = sensor_.camera.Binned(2);
   ModelRenderer renderer({});
-  const BlendedView drawn = RenderDiscs(map_, coarse, pose_, &renderer);
-  EXPECT_LT(DistancePx(RegisterColors(color, drawn, coarse, {}, pose_), taken), 0.6);
+  const BlendedView drawn = DrawnDiscs(renderer.Render(map_, coarse, pose_), map_);
+  EXPECT_LT(
+      DistancePx(RegisterColors(color, drawn, coarse, {}, pose_, {pose_}, pose_).world_from_color,
+                 taken),
+      0.6);
 }
 
 TEST(ExtrapolatePose, MovesStaticPointsByTheMotion) {

@@ -37,11 +37,14 @@ class FinalMap : public ::testing::Test {
                                  moving_,
                                  {calibration, color_latency_s_}};
     frames_done_ = 0;
-    return IntegrateFinalMap(known, interrupted, [&](int frames, std::size_t points) {
-      EXPECT_GE(frames, std::max(1, frames_done_));
-      frames_done_ = frames;
-      points_ = points;
-    });
+    std::optional<surfit::FinalMap> fused =
+        IntegrateFinalMap(known, false, interrupted, [&](int frames, std::size_t points) {
+          EXPECT_GE(frames, std::max(1, frames_done_));
+          frames_done_ = frames;
+          points_ = points;
+        });
+    if (!fused) return std::nullopt;
+    return std::move(fused->map);
   }
 
   TempFolder folder_;
@@ -137,6 +140,7 @@ TEST_F(FinalMap, UsesTheEstimatedColorLatency) {
   frames_.clear();
   for (int i = 0; i < kFrames; ++i) {
     WriteDepth(folder_ / Format("depth/%03d.png", i), Image<std::uint16_t>(32, 24, 1000));
+    ramp(0, 0).b = static_cast<std::uint8_t>(i);  // repeated images are ignored
     WriteColor(folder_ / Format("rgb/%03d.png", i), ramp);
     const Eigen::Vector3d position(0.05 * i, 0, 0);
     trajectory_.push_back({5.003 + 0.1 * i, {Eigen::Quaterniond::Identity(), position}});

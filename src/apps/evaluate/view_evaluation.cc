@@ -139,10 +139,11 @@ class Judge {
                          ViewError* error) const {
     DepthSensor coarse = sensor;
     coarse.camera = sensor.camera.Binned(std::max(1, sensor.camera.width / kRegisteredColumns));
-    const Rigid3d world_from_color =
-        RegisterColors(frame.color, DrawBlended(map_, coarse, expected), coarse, motion, expected);
+    const RegisteredColors by_color =
+        RegisterColors(frame.color, DrawBlended(map_, coarse, expected), coarse, motion, expected,
+                       {expected}, expected);
     const BlendedView drawn =
-        DrawBlended(map_, {WithRollMargin(sensor.camera), sensor.noise}, world_from_color);
+        DrawBlended(map_, {WithRollMargin(sensor.camera), sensor.noise}, by_color.world_from_color);
     ViewError registered;
     CompareColor(frame.color, Rolled(drawn, sensor.camera, motion, {0, sensor.readout_s}),
                  &registered);

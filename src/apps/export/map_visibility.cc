@@ -32,7 +32,7 @@ MapDepth::MapDepth(const SurfelMap& map, const PinholeCamera& lens, int columns)
 }
 
 void MapDepth::Render(const Rigid3d& world_from_color) {
-  depth_m_ = RenderDiscs(map_, sensor_, world_from_color, &renderer_).depth_m;
+  depth_m_ = DrawnDiscs(renderer_.Render(map_, sensor_, world_from_color), map_).depth_m;
 }
 
 bool MapDepth::IsVisible(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {

@@ -154,9 +154,10 @@ class RefineRun {
     const EstimatedSensor found = {summary_.refinement.calibration};
     const PosedSequence known = {options_.sequence, slam,   refined, run_.frames,
                                  left_out,          moving, found};
-    const std::optional<SurfelMap> map = IntegrateFinalMap(known, false, [](int, std::size_t) {});
-    summary_.map_points = map->size();
-    WriteSurfelPly(*map, options_.output + "/map.ply");
+    const std::optional<FinalMap> fused =
+        IntegrateFinalMap(known, false, false, [](int, std::size_t) {});
+    summary_.map_points = fused->map.size();
+    WriteSurfelPly(fused->map, options_.output + "/map.ply");
   }
 
   RefineRunOptions options_;
