@@ -29,10 +29,10 @@ struct FinalMap {
 //   2. removes noise at depth edges if more than max_inactive_frames frames were fused, and smooths
 //      the map (SmoothMap)
 //   3. recolours the surfels from every third frame (ColorAverage), at poses that are registered to
-//      the map (FramePoses)
-// With `refine_poses`, step 3 registers all frames with colour, also those of `left_out`. Otherwise
-// the trajectory of the result is the given one. Returns std::nullopt if interrupted. Throws
-// InputError if the sequence cannot be read. `interrupted` is checked before each frame.
+//      the map (FramePoses).
+// With `refine_poses`, step 3 registers all frames with colour. `left_out` has no effect on this.
+// Otherwise the trajectory of the result is the given one. Returns std::nullopt if interrupted.
+// Throws InputError if the sequence cannot be read. `interrupted` is checked before each frame.
 std::optional<FinalMap> IntegrateFinalMap(const PosedSequence& known, bool refine_poses,
                                           const std::atomic<bool>& interrupted,
                                           const FinalMapProgress& progress);

@@ -24,8 +24,8 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         "queue_capacity are dropped and counted, and confident_inlier_ratio is 0",
         ZeroIs("as fast as frames are processed"), AsFlag());
   v.Add(refine, "refine",
-        "before the final map, refine poses and calibration jointly, if the run has changed the "
-        "calibration; then register the frames to the final map; surfit_refine has more options",
+        "if the run has changed the calibration, refine it jointly with the poses before the final "
+        "map. Register the frames to the final map. surfit_refine has more options",
         AsFlag(), Everyday());
   v.Add(final_map, "final_map",
         "after the last frame, read the sequence again and fuse a new map with the final poses and "

@@ -42,8 +42,9 @@ struct SlamRunOptions {
   double offered_fps = 0;
   // Steps after the last frame, which read the sequence again. `refine`: if the calibration has
   // changed, refines it jointly with the poses, and registers all frames with colour to the final
-  // map. `final_map`: fuses the map again with the final poses and calibration. `refine` has no effect without `final_map`. Both have no effect for live
-  // sources (IsLive()), continued sessions, localisation, and after an early end.
+  // map. `final_map`: fuses the map again with the final poses and calibration. `refine` has no
+  // effect without `final_map`. Both have no effect for live sources (IsLive()), continued
+  // sessions, localisation, and after an early end.
   bool refine = true;
   bool final_map = true;
   // Writes pictures of the map and of the trajectory.
