@@ -221,7 +221,7 @@ RegisteredColors RegisterColors(const Image<Rgb8>& color, const BlendedView& dra
   const Image<float> grey_drawn = Grey(drawn.color, 1);
   const PriorTerm prior = {expected.world_from_color.Inverse() * world_from_drawn,
                            expected.information};
-  const RegisteredColors unregistered = {expected.world_from_color};
+  RegisteredColors unregistered = {expected.world_from_color};
   ColorState state = {prior.target_from_source};
   RegisteredColors result;
   for (const double smoothing_px : kSmoothings_px) {

@@ -34,12 +34,12 @@ class FramePosesInARoom : public ::testing::Test {
   const Scene scene_ = MakeScene("room", 1);
   const Rigid3d truth_ = MakePath(scene_, 1, 1).front().world_from_camera;
   const DepthSensor sensor_ = {{640, 480, 520, 520, 319.5, 239.5, {}}, {}};
-  const SequenceOptions sequence_;
+  const SequenceOptions sequence_ = {};
   SlamOptions slam_;
-  const Trajectory trajectory_;
-  const std::vector<int> frames_;
-  const std::set<int> left_out_;
-  const std::map<int, Image<std::uint8_t>> moving_;
+  const Trajectory trajectory_ = {};
+  const std::vector<int> frames_ = {};
+  const std::set<int> left_out_ = {};
+  const std::map<int, Image<std::uint8_t>> moving_ = {};
   RgbdFrame frame_;
   SurfelMap map_;
 };

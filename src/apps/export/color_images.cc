@@ -160,6 +160,7 @@ std::vector<ColorImage> ChooseImages(const std::vector<ColorImage>& images, int 
     }
   }
   std::vector<ColorImage> result;
+  result.reserve(chosen.size());
   for (const std::size_t i : chosen) result.push_back(images[i]);
   return result;
 }
@@ -239,6 +240,7 @@ std::vector<Image<float>> FilteredBrightness(const Image<Rgb8>& color,
                                              const std::vector<int>& halvings) {
   const cv::Mat brightness = LogBrightness(color);
   std::vector<Image<float>> levels;
+  levels.reserve(halvings.size());
   for (const int n : halvings)
     levels.push_back(HighPass(n == 0 ? brightness : Reduced(brightness, n)));
   return levels;
