@@ -69,7 +69,7 @@ def default_recordings():
 def slam(tools, flags):
     """summary.json of a run of surfit_slam; None if the run wrote none."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [tools / "surfit_slam", *flags, "--nopictures", "--nofinal_map", f"--output={folder}"]
+        command = [tools / "surfit_slam", *flags, "--nopictures", f"--output={folder}"]
         run = subprocess.run(command, capture_output=True, text=True)
         summary = pathlib.Path(folder) / "summary.json"
         if not summary.exists():
@@ -181,7 +181,8 @@ def main():
         options.tools = ROOT / "build/release/tools"
 
     progress = Progress(len(recordings) * (len(starts) + 1) + 2 * options.rooms)
-    baseline_flags = ["--tracking=frame_to_frame", "--norefine", "--nocalibrate", "--noloop_closure"]
+    baseline_flags = ["--tracking=frame_to_frame", "--norefine", "--nocalibrate", "--noloop_closure",
+                      "--nofinal_map"]
     rows = []
     for folder in recordings:
         name = folder.resolve().name
@@ -209,7 +210,7 @@ def main():
 `tools/scripts/accuracy.py` created this page on {datetime.date.today()} from commit {commit.stdout.strip() or "unknown"}.
 {os.cpu_count()} processors, {processor()}.
 
-All options have their defaults, but `--nofinal_map --nopictures`. Each recording runs from the frames {options.starts}.
+All options have their defaults, but `--nopictures`. Each recording runs from the frames {options.starts}.
 One figure per run stands in the columns "frames with a pose" and "ATE".
 The ATE is that of the largest piece of a run. "Fitted mount" is the ATE after a constant offset between the
 estimated and the true body is fitted (`--fit_mount`). A run without a pose with ground truth is "failed".
