@@ -102,16 +102,18 @@ void PrintMount(const SlamRunSummary& s) {
 }
 
 const CalibrationRecord& LastCalibration(const SlamRunSummary& s) {
-  const bool is_refined = s.refinement && s.refinement->record.summary.Succeeded();
-  return is_refined ? s.refinement->record : s.calibrations.back();
+  return s.refinement && s.refinement->is_applied ? s.refinement->record : s.calibrations.back();
 }
 
 void PrintRefinement(const SlamRunSummary& s) {
   if (!s.refinement) return;
   const CalibrationRecord& record = s.refinement->record;
-  if (record.summary.Succeeded()) {
+  if (s.refinement->is_applied) {
     std::printf("poses were refined with %zu keyframes in %.1f s\n", record.keyframes,
                 s.refinement->seconds);
+  } else if (record.summary.Succeeded()) {
+    std::printf("poses were not refined: the calibration with %zu keyframes is not confirmed\n",
+                record.keyframes);
   } else {
     std::printf("poses were not refined: %s, %zu keyframes\n",
                 ToString(record.summary.termination).c_str(), record.keyframes);

@@ -73,6 +73,10 @@ bool IsConfirmed(const RefinementSummary& summary) {
          first + last > -2 * summary.calibration_limit;
 }
 
+bool Contradicts(const DepthSensor& given, const std::optional<DepthCalibration>& found) {
+  return found && !CalibrationWarning(given, *found).empty();
+}
+
 }  // namespace
 
 std::optional<RefinedSequence> RefinePosedSequence(
@@ -85,8 +89,11 @@ std::optional<RefinedSequence> RefinePosedSequence(
   const auto source = ReopenSequence(sequence);
   std::optional<Keyframes> read = ReadKeyframes(known, interrupted, source.get());
   if (!read) return std::nullopt;
-  const DepthCalibration given = {source->info().pinhole, {}, source->info().camera.readout_s};
-  const RefinementOptions options = FinalOptions(source->info().sensor());
+  const DepthSensor sensor = source->info().sensor();
+  const DepthCalibration given = {sensor.camera, {}, sensor.readout_s};
+  const std::optional<DepthCalibration> start =
+      known.found.calibration ? std::optional(Subsampled(*known.found.calibration, stride))
+                              : std::nullopt;
   const auto tell = [&](const RefinementRound& round) {
     if (interrupted) throw Interrupted();
     progress(round);
@@ -97,14 +104,14 @@ std::optional<RefinedSequence> RefinePosedSequence(
   refined.found = known.found;
   try {
     refined.summary =
-        Refine(options, given,
-               known.found.calibration ? Subsampled(*known.found.calibration, stride) : given,
-               &read->keyframes, tell);
+        Refine(FinalOptions(sensor), given, start.value_or(given), &read->keyframes, tell);
   } catch (const Interrupted&) {
     return std::nullopt;
   }
+  refined.is_applied =
+      IsConfirmed(refined.summary) &&
+      (Contradicts(sensor, start) || !Contradicts(sensor, refined.summary.calibration));
   ScaleUp(camera, stride, &refined.summary);
-  refined.is_applied = IsConfirmed(refined.summary);
   if (!refined.is_applied) return refined;
   refined.trajectory = Corrected(known.trajectory, *read);
   refined.found.calibration = refined.summary.calibration;

@@ -312,7 +312,9 @@ class SlamRun {
     if (!refined) return refined;
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     const int last = trajectory_->frames().back();
-    refinement_ = {{refined->keyframes, last, last, refined->summary, {}}, elapsed.count()};
+    refinement_ = {{refined->keyframes, last, last, refined->summary, {}},
+                   refined->is_applied,
+                   elapsed.count()};
     return refined;
   }
 

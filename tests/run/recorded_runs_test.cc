@@ -33,9 +33,8 @@ SlamRunSummary RunOnce(SlamRunOptions options) {
   return RunSlam(options, false, [](const SlamRunProgress&) {});
 }
 
-// Expects that all frames are tracked. Returns the ATE in metres.
-double AteOf(const SlamRunOptions& options, int frames) {
-  const SlamRunSummary summary = RunOnce(options);
+// Expects that all frames are tracked. Returns the ATE in metres. `summary` belongs to `options`.
+double AteOf(const SlamRunOptions& options, const SlamRunSummary& summary, int frames) {
   EXPECT_EQ(summary.frames_total, frames);
   EXPECT_EQ(summary.frames_tracked, frames);
   if (!summary.evaluation || !summary.evaluation->ate) {
@@ -47,6 +46,10 @@ double AteOf(const SlamRunOptions& options, int frames) {
   std::printf("%s, %s: ATE %.6f m\n", options.sequence.path.c_str(), options.slam.tracking.c_str(),
               ate_m);
   return ate_m;
+}
+
+double AteOf(const SlamRunOptions& options, int frames) {
+  return AteOf(options, RunOnce(options), frames);
 }
 
 void ExpectLessDriftAgainstTheMap(SlamRunOptions options, int frames, double max_ate_m) {
@@ -95,6 +98,19 @@ TEST(RecordedRuns, PeopleWalkSinceTheFirstFrame) {
 TEST(RecordedRuns, PhoneWalkPastGlassWithin42Millimetres) {
   SURFIT_REQUIRE_SHARED_DATA("phone_lidar_walk");
   EXPECT_LE(AteOf(Options("phone_lidar_walk", -1), 216), 0.042);
+}
+
+// The camera of the final refinement contradicts the preset and brings the ATE from 49 to 78 mm.
+// The bound is 1.3 times the measured ATE of 48.5 mm.
+TEST(RecordedRuns, PhoneWalkKeepsItsCameraWhereTheRefinedOneContradictsIt) {
+  SURFIT_REQUIRE_SHARED_DATA("phone_lidar_walk");
+  SlamRunOptions options = Options("phone_lidar_walk", -1);
+  options.sequence.first = 10;
+  const SlamRunSummary summary = RunOnce(options);
+  EXPECT_LE(AteOf(options, summary, 206), 0.063);
+  ASSERT_TRUE(summary.refinement);
+  EXPECT_FALSE(summary.refinement->is_applied);
+  EXPECT_EQ(summary.calibration_warning, "");
 }
 
 TEST(RecordedRuns, KitchenOf1000FramesWithin6Centimetres) {

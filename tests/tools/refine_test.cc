@@ -121,6 +121,7 @@ TEST(RefineTool, CorrectsAWrongCalibrationToAThirdOfTheError) {
                          {"--sequence=" + folder / "in", "--output=" + folder / "out",
                           "--nofinal_map", "--intrinsics=" + wrong + "," + wrong + ",159.75,119.75",
                           "--map_period=1", "--nocalibrate", "--pictures=false"}));
+    Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out"}));
     const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
     const auto& found = json["calibration"]["after"];
     const double fx = found["fx"], fy = found["fy"], offset = found["inverse_depth_field"][0];

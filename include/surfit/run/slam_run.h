@@ -122,6 +122,7 @@ struct StageStatistics {
 // Refinement after the last frame.
 struct FinalRefinement {
   CalibrationRecord record;
+  bool is_applied = false;  // false if poses and calibration of the run were kept
   double seconds = 0;
 };
 

@@ -289,6 +289,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["refinement"] = nullptr;
   if (s.refinement) {
     j["refinement"] = ToJson(s.refinement->record);
+    j["refinement"]["is_applied"] = s.refinement->is_applied;
     j["refinement"]["rounds"] = s.refinement->record.summary.rounds.size();
     j["refinement"]["seconds"] = s.refinement->seconds;
   }
