@@ -13,9 +13,15 @@
 namespace surfit {
 
 // Called on the calling thread after each frame of a pass, and at the end. `frames`: progress, up
-// to about the number of frames. Fusion has two thirds of the progress, recolouring has one third.
-// `map_points`: surfels so far. Must not be empty.
+// to the number of fused frames. Fusion has half of the progress, registration and colouring have a
+// quarter each. `map_points`: surfels so far. Must not be empty.
 using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>;
+
+// Optional steps of the final map.
+struct FinalMapSteps {
+  bool refine_poses = false;  // register all frames with colour, not only those of step 5
+  bool stereo = false;        // step 4
+};
 
 struct FinalMap {
   SurfelMap map;
@@ -28,14 +34,19 @@ struct FinalMap {
 //      in tracking.
 //   2. removes noise at depth edges if more than max_inactive_frames frames were fused, and smooths
 //      the map (SmoothMap)
-//   3. recolours the surfels from every third frame (ColorAverage), at poses that are registered to
-//      the map (FramePoses).
-// With `refine_poses`, step 3 registers all frames with colour. `left_out` has no effect on this.
-// Otherwise the trajectory of the result is the given one. Returns std::nullopt if interrupted.
-// Throws InputError if the sequence cannot be read. `interrupted` is checked before each frame.
-std::optional<FinalMap> IntegrateFinalMap(const PosedSequence& known, bool refine_poses,
+//   3. registers frames to the map (FramePoses)
+//   4. adds surfaces that only colour images show (FindUnmeasuredSurfaces)
+//   5. recolours the surfels from every third frame (ColorAverage), at the poses of step 3. Frames
+//      of `left_out` give no colours.
+// Without `refine_poses`, the trajectory of the result is the given one. Returns std::nullopt if
+// interrupted. Throws InputError if the sequence cannot be read. `interrupted` is checked before
+// each frame.
+std::optional<FinalMap> IntegrateFinalMap(const PosedSequence& known, const FinalMapSteps& steps,
                                           const std::atomic<bool>& interrupted,
                                           const FinalMapProgress& progress);
+
+// Map without the surfels of step 4, which are too inaccurate for tracking.
+SurfelMap WithoutStereo(SurfelMap map);
 
 // Sequence of a map, or ranges of its frames.
 struct MapSource {
@@ -51,12 +62,11 @@ struct MapPart {
   std::vector<MapSource> sources;
 };
 
-// Fuses a part of a map from all its sequences, like IntegrateFinalMap(), and registers every third
-// frame. The memory depends on the
-// size of the part, the time on the number of frames. `part.sources` must not be empty; its first
-// source has the fusion options and the sensor for SmoothMap(). All sources have poses in the world
-// frame of the part. Returns std::nullopt if interrupted. Throws InputError if a sequence cannot be
-// read.
+// Fuses a part of a map from all its sequences, like IntegrateFinalMap() without the optional
+// steps. The memory depends on the size of the part, the time on the number of frames.
+// `part.sources` must not be empty; its first source has the fusion options and the sensor for
+// SmoothMap(). All sources have poses in the world frame of the part. Returns std::nullopt if
+// interrupted. Throws InputError if a sequence cannot be read.
 std::optional<SurfelMap> FusePart(const MapPart& part, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress);
 

@@ -13,7 +13,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kColumns = 320;
+constexpr int kRefinementColumns = 320;
 constexpr int kCellsAcross = 60;
 constexpr double kTranslation_m = 0.1, kRotation_rad = 0.15;
 constexpr std::size_t kMaxKeyframes = 120;  // both thresholds grow until this holds
@@ -30,7 +30,7 @@ RefinementOptions FinalOptions(const DepthSensor& sensor) {
 
 int StrideOf(const PinholeCamera& camera, int downsample) {
   constexpr int kMaxDownsample = 16;
-  return std::clamp(camera.width / kColumns, 1, std::max(1, kMaxDownsample / downsample));
+  return std::clamp(camera.width / kRefinementColumns, 1, std::max(1, kMaxDownsample / downsample));
 }
 
 struct Keyframes {

@@ -15,7 +15,7 @@ struct RefinedSequence {
   RefinementSummary summary;
   // False if the refinement failed, or if its calibration is insignificant or not confirmed: see
   // Refine(). Also false if the halves of the keyframes refute the change of the calibration of the
-  // run, or if the calibration contradicts the input sensor and that of the run does not: see
+  // run. Also false if only the refined calibration contradicts the input sensor: see
   // CalibrationWarning(). Without a better calibration, the poses of tracking are more accurate
   // than refined poses.
   bool is_applied = false;

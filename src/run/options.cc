@@ -31,6 +31,10 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         "after the last frame, read the sequence again and fuse a new map with the final poses and "
         "the estimated calibration",
         AsFlag());
+  v.Add(stereo, "stereo",
+        "with final_map: add surfaces that only colour images show, such as monitors and glossy "
+        "tables, by multi-view stereo",
+        AsFlag());
   v.Add(groundtruth, SharedOption("groundtruth"));
   v.Add(fit_mount, SharedOption("fit_mount"));
   v.Add(prior_poses, "prior_poses",

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "finishing/final_map.h"
 #include "surfit/core/error.h"
 #include "surfit/poses/pose_store.h"
 
@@ -164,8 +165,8 @@ void RunSession::Improve(const Slam& slam, const Trajectory& trajectory,
   MoveEdges(PosesOfKeyframes(tracked.frames, tracked.keyframes),
             PosesOfKeyframes(moved, tracked.keyframes), &edges);
   writer_->Replace({moved, tracked.keyframes, std::move(edges), tracked.settled_keyframes,
-                    tracked.is_calibrating, found.calibration, found.color_latency_s, map,
-                    tracked.map_corrections});
+                    tracked.is_calibrating, found.calibration, found.color_latency_s,
+                    WithoutStereo(map), tracked.map_corrections});
 }
 
 }  // namespace surfit

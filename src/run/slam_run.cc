@@ -102,7 +102,7 @@ class SlamRun {
       if (session_) session_->Shift(&*result);
       statistics_.CountRead(*result);
       if (result->frame) {
-        const FrameReport report = Process(*result);
+        FrameReport report = Process(*result);
         const SlamRunFrame frame = {
             *result->frame,   report,
             slam_->map(),     slam_->sensor(),
@@ -134,7 +134,7 @@ class SlamRun {
     const RgbdFrame& frame = *result.frame;
     const TraceSlice slice("frame", frame.index);
     is_frame_complete_ = false;
-    const FrameReport report = Track(result);
+    FrameReport report = Track(result);
     is_frame_complete_ = true;
     Keep(frame, report);
     double write_ms = 0;
@@ -276,6 +276,7 @@ class SlamRun {
         interrupted);
     trajectory_->Insert(found);
     std::vector<int> frames;
+    frames.reserve(found.size());
     for (const PoseBetween& pose : found) frames.push_back(pose.frame);
     frame_table_->MarkFound(frames);
   }
@@ -324,8 +325,8 @@ class SlamRun {
     const auto start = std::chrono::steady_clock::now();
     SlamRunProgress now = Progress();
     std::optional<FinalMap> fused =
-        IntegrateFinalMap(known, options_.refine && options_.poses == "track", interrupted,
-                          [&](int frames, std::size_t points) {
+        IntegrateFinalMap(known, {options_.refine && options_.poses == "track", options_.stereo},
+                          interrupted, [&](int frames, std::size_t points) {
                             now.frames_reintegrated = frames;
                             now.map_points = points;
                             now.elapsed_s = statistics_.elapsed_s();

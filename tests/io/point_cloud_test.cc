@@ -217,6 +217,7 @@ Surfel TestSurfel() {
   s.confidence = 12.5f;
   s.first_seen = 7;
   s.last_seen = 900;
+  s.from_stereo = true;
   return s;
 }
 
@@ -231,9 +232,9 @@ TEST(WriteSurfelPly, WritesTheDocumentedProperties) {
       "property float nx\nproperty float ny\nproperty float nz\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\n"
       "property float radius\nproperty float confidence\n"
-      "property int first_seen\nproperty int last_seen\nend_header\n";
+      "property int first_seen\nproperty int last_seen\nproperty uchar from_stereo\nend_header\n";
   const std::string bytes = ReadBytes(dir / "map.ply");
-  ASSERT_EQ(bytes.size(), header.size() + 6 * 4 + 3 + 2 * 4 + 2 * 4);
+  ASSERT_EQ(bytes.size(), header.size() + 6 * 4 + 3 + 2 * 4 + 2 * 4 + 1);
   EXPECT_EQ(bytes.substr(0, header.size()), header);
   float own[2];
   std::memcpy(own, &bytes[header.size() + 27], 8);
@@ -244,6 +245,7 @@ TEST(WriteSurfelPly, WritesTheDocumentedProperties) {
   std::memcpy(seen, &bytes[header.size() + 35], 8);
   EXPECT_EQ(seen[0], 7);
   EXPECT_EQ(seen[1], 900);
+  EXPECT_EQ(bytes.back(), 1);
 }
 
 TEST(WriteSurfelPly, IsReadAsAPointCloud) {
@@ -287,6 +289,23 @@ TEST(ReadSurfelPly, RoundTripsMaps) {
   EXPECT_EQ(surfels[0].confidence, expected.confidence);
   EXPECT_EQ(surfels[0].first_seen, 7);
   EXPECT_EQ(surfels[0].last_seen, 900);
+  EXPECT_TRUE(surfels[0].from_stereo);
+}
+
+TEST(ReadSurfelPly, ReadsMapsOfVersion01) {
+  const TempFolder dir;
+  SurfelMap map;
+  map.Append(TestSurfel());
+  WriteSurfelPly(map, dir / "map.ply");
+  std::string bytes = ReadBytes(dir / "map.ply");
+  const std::string property = "property uchar from_stereo\n";
+  bytes.erase(bytes.find(property), property.size());
+  bytes.pop_back();
+  WriteBytes(dir / "old.ply", bytes);
+  const std::vector<Surfel> surfels = ReadSurfelPly(dir / "old.ply");
+  ASSERT_EQ(surfels.size(), 1u);
+  EXPECT_EQ(surfels[0].last_seen, 900);
+  EXPECT_FALSE(surfels[0].from_stereo);
 }
 
 TEST(ReadSurfelPly, RejectsACloudThatIsNoMap) {

@@ -48,13 +48,34 @@ class ColorAverages : public ::testing::Test {
       if (u >= end_of_depth) measured_m(u, v) = 0;
     }
     for (int i = 0; i < 4; ++i) {
-      average->Add(FrameColors(frame, camera, {}), {camera_, {}}, pose, {measured_m, camera});
+      average->Add(FrameColors(frame, camera, {}), {camera_, {}}, pose, {{measured_m, camera}});
     }
   }
 
   const PinholeCamera camera_ = {480, 360, 480, 480, 239.5, 179.5, {}};
   SurfelMap map_;
 };
+
+// Without measured depth, another depth image can show a surface.
+TEST_F(ColorAverages, UseAllImagesOfDepth) {
+  const Image<float> none(480, 360, 0.f);
+  const PosedCamera camera(camera_, Rigid3d());
+  const Image<float> stereo_m = DrawBlended(map_, {camera_, {}}, Rigid3d()).depth_m;
+  RgbdFrame frame;
+  frame.color = Image<Rgb8>(480, 360, {200, 100, 50});
+  const auto colored = [&](const std::vector<DepthPicture>& shown) {
+    SurfelMap map = map_;
+    ColorAverage average(map);
+    average.Add(FrameColors(frame, camera, {}), {camera_, {}}, Rigid3d(), shown);
+    average.WriteTo(&map);
+    int count = 0;
+    for (const std::int32_t id : map.Ids()) count += map.Color(id) == kColorBefore ? 0 : 1;
+    return count;
+  };
+  EXPECT_EQ(colored({{none, camera}}), 0);
+  EXPECT_GT(colored({{none, camera}, {stereo_m, camera}}), 1000);
+  EXPECT_EQ(colored({{none, camera}, {stereo_m, camera}}), colored({{stereo_m, camera}}));
+}
 
 TEST_F(ColorAverages, AreMeansOfFrameColors) {
   ColorAverage average(map_);

@@ -13,7 +13,8 @@ inline auto AsTuple(const Surfel& s) {
   const auto& p = s.position_in_world;
   const auto& n = s.normal_in_world;
   return std::make_tuple(p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), s.color.r, s.color.g, s.color.b,
-                         s.radius_m, s.confidence, s.first_seen, s.last_seen, s.at_edge);
+                         s.radius_m, s.confidence, s.first_seen, s.last_seen, s.at_edge,
+                         s.from_stereo);
 }
 
 // Checks the invariants of cells, blocks and bounds.

@@ -38,7 +38,7 @@ class FinalMap : public ::testing::Test {
                                  {calibration, color_latency_s_}};
     frames_done_ = 0;
     std::optional<surfit::FinalMap> fused =
-        IntegrateFinalMap(known, false, interrupted, [&](int frames, std::size_t points) {
+        IntegrateFinalMap(known, {}, interrupted, [&](int frames, std::size_t points) {
           EXPECT_GE(frames, std::max(1, frames_done_));
           frames_done_ = frames;
           points_ = points;
@@ -94,6 +94,17 @@ TEST(ReopenSequence, GivesEachFrameOfTheRangesOnce) {
   EXPECT_THAT(frames_of({{1, 3}, {5, 5}, {6, 7}, {8, 8}}), ElementsAre(2, 6, 8));
   EXPECT_THAT(frames_of({{19, 19}}), IsEmpty());  // the next frame of the stride is missing
   EXPECT_THAT(frames_of({{5, 5}, {17, 19}}), ElementsAre(18));
+}
+
+TEST(WithoutStereo, KeepsMeasuredSurfels) {
+  SurfelMap map;
+  Surfel surfel;
+  map.Append(surfel);
+  surfel.from_stereo = true;
+  map.Append(surfel);
+  const SurfelMap measured = WithoutStereo(map);
+  ASSERT_EQ(measured.size(), 1u);
+  EXPECT_FALSE(measured[measured.Ids().front()].from_stereo);
 }
 
 TEST(CalibrationWarning, IgnoresUnknownParameters) {

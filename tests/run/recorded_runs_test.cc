@@ -1,6 +1,7 @@
 // Complete runs on recorded sequences. Missing sequences are skipped.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <utility>
@@ -111,6 +112,22 @@ TEST(RecordedRuns, PhoneWalkKeepsItsCameraWhereTheRefinedOneContradictsIt) {
   ASSERT_TRUE(summary.refinement);
   EXPECT_FALSE(summary.refinement->is_applied);
   EXPECT_EQ(summary.calibration_warning, "");
+}
+
+TEST(RecordedRuns, KitchenHasSurfacesWithoutDepthUnlessStereoIsOff) {
+  SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
+  SlamRunOptions options = Options("seven_scenes_kitchen", 60);
+  const auto from_stereo = [&] {
+    const TempFolder output;
+    options.output = output.path();
+    RunSlam(options, false, [](const SlamRunProgress&) {});
+    const std::vector<Surfel> surfels = ReadSurfelPly(output / "map.ply");
+    return std::count_if(surfels.begin(), surfels.end(),
+                         [](const Surfel& surfel) { return surfel.from_stereo; });
+  };
+  EXPECT_GT(from_stereo(), 200);
+  options.stereo = false;
+  EXPECT_EQ(from_stereo(), 0);
 }
 
 TEST(RecordedRuns, KitchenOf1000FramesWithin6Centimetres) {

@@ -66,7 +66,7 @@ TEST_F(SlamTool, FusesTheFinalMapAlongFinalPoses) {
   const auto lasting_radii = [&](const char* run) {
     std::vector<float> radii;
     for (const Surfel& surfel : ReadSurfelPly(Output(run) + "/map.ply")) {
-      if (surfel.confidence >= 1) radii.push_back(surfel.radius_m);
+      if (surfel.confidence >= 1 && !surfel.from_stereo) radii.push_back(surfel.radius_m);
     }
     std::sort(radii.begin(), radii.end());
     return radii;

@@ -68,14 +68,14 @@ void WritePcd(const PointCloud& cloud, const std::string& path);
 
 // Writes the map atomically as binary little-endian PLY, one vertex per surfel, in metres in the
 // world frame. Properties: float x y z nx ny nz, uchar red green blue, float radius confidence, int
-// first_seen last_seen (frame indices). CloudCompare, MeshLab and Open3D can open the file. Throws
-// InputError that names the file if it cannot be written.
+// first_seen last_seen (frame indices), uchar from_stereo (0 or 1). CloudCompare, MeshLab and
+// Open3D can open the file. Throws InputError that names the file if it cannot be written.
 void WriteSurfelPly(const SurfelMap& map, const std::string& path);
 
-// Reads a file of WriteSurfelPly(). All its properties are required, in any order and of any scalar
-// type. Integers are clamped to their range; NaN becomes 0. Floats are not checked. The file has no
-// at_edge and no color_weight: these members have their default values. Throws InputError that
-// names the file and the error.
+// Reads a file of WriteSurfelPly(). All its properties except from_stereo are required, in any
+// order and of any scalar type. Integers are clamped to their range; NaN becomes 0. Floats are not
+// checked. The file has no at_edge and no color_weight: these members have their default values.
+// Throws InputError that names the file and the error.
 std::vector<Surfel> ReadSurfelPly(const std::string& path);
 
 }  // namespace surfit

@@ -21,6 +21,7 @@ struct Surfel {
   std::int32_t last_seen = 0;   // frame index
   bool at_edge = false;         // observed at depth edges only
   float color_weight = 0;       // sum of the weights of its colours; 0: no colour
+  bool from_stereo = false;     // seen by colour images only: see FindUnmeasuredSurfaces()
 };
 
 // Rounds to 8 bits per channel.
@@ -109,8 +110,9 @@ struct SurfelBounds {
 struct SurfelBlock {
   static constexpr int kCapacity = 64;  // one bit per surfel in a mask
 
-  std::uint64_t at_edge = 0;    // mask: observed at depth edges only
-  std::uint64_t to_remove = 0;  // mask: see SurfelMap::RemoveMarked()
+  std::uint64_t at_edge = 0;      // mask: observed at depth edges only
+  std::uint64_t to_remove = 0;    // mask: see SurfelMap::RemoveMarked()
+  std::uint64_t from_stereo = 0;  // mask: Surfel::from_stereo
   std::int32_t count = 0;
   std::int32_t cell = 0;  // index of its cell in the map
   SurfelBounds bounds;
@@ -140,9 +142,10 @@ struct SurfelBlock {
 
   // Writes surfel k, without masks and bounds. Different surfels may be written in parallel.
   void Write(int k, const Surfel& surfel);
-  // Updates at_edge and bounds for surfel k. Not thread-safe.
+  // Updates at_edge, from_stereo and bounds for surfel k. Not thread-safe.
   void Announce(int k, const Surfel& surfel);
-  // Replaces surfel k by surfel j of another block, with its at_edge bit. Extends the bounds.
+  // Replaces surfel k by surfel j of another block, with its at_edge and from_stereo bits. Extends
+  // the bounds.
   void Take(int k, const SurfelBlock& other, int j);
 
   // Averages surfel k (confidence w) with an observation of weight a. The confidence becomes w + a,

@@ -47,6 +47,8 @@ struct SlamRunOptions {
   // sessions, localisation, and after an early end.
   bool refine = true;
   bool final_map = true;
+  // Adds surfaces that only colour images show to the final map: see FindUnmeasuredSurfaces().
+  bool stereo = true;
   // Writes pictures of the map and of the trajectory.
   bool pictures = true;
   // World frame of pictures and report. "upright": z is up and the floor is at z = 0, if

@@ -155,7 +155,7 @@ class RefineRun {
     const PosedSequence known = {options_.sequence, slam,   refined, run_.frames,
                                  left_out,          moving, found};
     const std::optional<FinalMap> fused =
-        IntegrateFinalMap(known, false, false, [](int, std::size_t) {});
+        IntegrateFinalMap(known, {}, false, [](int, std::size_t) {});
     summary_.map_points = fused->map.size();
     WriteSurfelPly(fused->map, options_.output + "/map.ply");
   }

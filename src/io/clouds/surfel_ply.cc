@@ -16,6 +16,7 @@ namespace {
 constexpr std::array<std::string_view, 13> kNames = {
     "x",     "y",    "z",      "nx",         "ny",         "nz",       "red",
     "green", "blue", "radius", "confidence", "first_seen", "last_seen"};
+constexpr std::string_view kFromStereo = "from_stereo";  // since version 0.2
 using Columns = std::array<std::size_t, kNames.size()>;
 
 // NaN becomes 0.
@@ -46,10 +47,13 @@ Surfel FromRow(const double* row, const Columns& c) {
 void WriteSurfelPly(const SurfelMap& map, const std::string& path) {
   constexpr PlyType kFloat = PlyType::kFloat32, kByte = PlyType::kUint8, kInt = PlyType::kInt32;
   const std::vector<PlyProperty> properties = {
-      {"x", kFloat},      {"y", kFloat},      {"z", kFloat},          {"nx", kFloat},
-      {"ny", kFloat},     {"nz", kFloat},     {"red", kByte},         {"green", kByte},
-      {"blue", kByte},    {"radius", kFloat}, {"confidence", kFloat}, {"first_seen", kInt},
-      {"last_seen", kInt}};
+      {"x", kFloat},          {"y", kFloat},
+      {"z", kFloat},          {"nx", kFloat},
+      {"ny", kFloat},         {"nz", kFloat},
+      {"red", kByte},         {"green", kByte},
+      {"blue", kByte},        {"radius", kFloat},
+      {"confidence", kFloat}, {"first_seen", kInt},
+      {"last_seen", kInt},    {std::string(kFromStereo), kByte}};
   const std::vector<std::int32_t> ids = map.Ids();
   WritePlyVertices(path, ids.size(), properties, [&](std::size_t i, PlyRow* row) {
     const Surfel s = map[ids[i]];
@@ -58,6 +62,7 @@ void WriteSurfelPly(const SurfelMap& map, const std::string& path) {
     for (const std::uint8_t value : {s.color.r, s.color.g, s.color.b}) row->Put(value);
     for (const float value : {s.radius_m, s.confidence}) row->Put(value);
     for (const std::int32_t value : {s.first_seen, s.last_seen}) row->Put(value);
+    row->Put(static_cast<std::uint8_t>(s.from_stereo));
   });
 }
 
@@ -72,10 +77,14 @@ std::vector<Surfel> ReadSurfelPly(const std::string& path) {
       throw InputError(path, ": not a surfel map: element 'vertex' has no property ", kNames[i]);
     columns[i] = *column;
   }
+  const auto from_stereo = FindPlyColumn(vertices, kFromStereo);
   std::vector<Surfel> surfels;
   ReadPlyElement(
       file, header, "vertex", path, [&] { surfels.reserve(vertices.count); },
-      [&](const double* row) { surfels.push_back(FromRow(row, columns)); });
+      [&](const double* row) {
+        surfels.push_back(FromRow(row, columns));
+        surfels.back().from_stereo = from_stereo && row[*from_stereo] > 0;
+      });
   return surfels;
 }
 

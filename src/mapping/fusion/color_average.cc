@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "mapping/rendering/bands.h"
 #include "surfit/core/parallel.h"
@@ -26,19 +27,18 @@ PinholeCamera CameraOfSamples(PinholeCamera camera, int index) {
   return camera.Subsampled(step);
 }
 
-class MeasuredOcclusion {
+class Occlusion {
  public:
-  MeasuredOcclusion(const DepthPicture& measured, const Rigid3d& world_from_view)
-      : measured_(measured) {
+  Occlusion(const DepthPicture& shown, const Rigid3d& world_from_view) : shown_(shown) {
     const Rigid3f pose = world_from_view.cast<float>();
-    rotation_ = measured.camera.rotation * pose.rotation.toRotationMatrix();
-    translation_ = measured.camera.rotation * pose.translation + measured.camera.translation;
+    rotation_ = shown.camera.rotation * pose.rotation.toRotationMatrix();
+    translation_ = shown.camera.rotation * pose.translation + shown.camera.translation;
   }
 
   // True for points outside of the image or at a pixel without depth.
   bool Hides(const Eigen::Vector3f& point_in_view) const {
-    const PosedCamera& camera = measured_.camera;
-    const Image<float>& depth_m = measured_.depth_m;
+    const PosedCamera& camera = shown_.camera;
+    const Image<float>& depth_m = shown_.depth_m;
     const Eigen::Vector3f p = rotation_ * point_in_view + translation_;
     if (!(p.z() > kMinDepth)) return true;
     const float u = camera.fx * p.x() / p.z() + camera.cx + 0.5f;
@@ -58,7 +58,7 @@ class MeasuredOcclusion {
   }
 
  private:
-  const DepthPicture& measured_;
+  const DepthPicture& shown_;
   Eigen::Matrix3f rotation_;  // camera of the depth from camera of the view
   Eigen::Vector3f translation_;
 };
@@ -67,8 +67,8 @@ class MeasuredOcclusion {
 class SampleColors {
  public:
   SampleColors(const Image<float>& depth_m, const PinholeCamera& camera, const FrameColors& colors,
-               const MeasuredOcclusion& measured)
-      : depth_m_(depth_m), camera_(camera), colors_(colors), measured_(measured) {}
+               const std::vector<Occlusion>& occlusions)
+      : depth_m_(depth_m), camera_(camera), colors_(colors), occlusions_(occlusions) {}
 
   // Writes the colours of a band of kBandRows rows. Other samples keep their values.
   void Write(int band, Image<Eigen::Vector3f>* found) const {
@@ -89,7 +89,7 @@ class SampleColors {
         const float z = depth_m_(u, v);
         if (!(z > 0) || IsBesideOccluder(u, v, z)) continue;
         const Eigen::Vector3f ray = camera_.Ray(u, v).cast<float>();
-        if (measured_.Hides(z * ray)) continue;
+        if (!IsShown(z * ray)) continue;
         batch.Add(z * ray, -ray.normalized());
         pixels.push_back(static_cast<std::size_t>(v) * camera_.width + u);
         if (batch.count == ColorBatch::kCapacity) look_up();
@@ -99,6 +99,11 @@ class SampleColors {
   }
 
  private:
+  bool IsShown(const Eigen::Vector3f& point_in_view) const {
+    return std::any_of(occlusions_.begin(), occlusions_.end(),
+                       [&](const Occlusion& o) { return !o.Hides(point_in_view); });
+  }
+
   bool IsBesideOccluder(int u, int v, float z) const {
     for (int y = std::max(0, v - 1); y <= std::min(camera_.height - 1, v + 1); ++y) {
       for (int x = std::max(0, u - 1); x <= std::min(camera_.width - 1, u + 1); ++x) {
@@ -111,7 +116,7 @@ class SampleColors {
   const Image<float>& depth_m_;
   const PinholeCamera& camera_;
   const FrameColors& colors_;
-  const MeasuredOcclusion& measured_;
+  const std::vector<Occlusion>& occlusions_;
 };
 
 }  // namespace
@@ -119,12 +124,14 @@ class SampleColors {
 ColorAverage::ColorAverage(const SurfelMap& map) : map_(map), sums_(map.id_end()) {}
 
 void ColorAverage::Add(const FrameColors& colors, const DepthSensor& sensor,
-                       const Rigid3d& world_from_camera, const DepthPicture& measured) {
+                       const Rigid3d& world_from_camera, const std::vector<DepthPicture>& shown) {
   DepthSensor samples = sensor;
   samples.camera = CameraOfSamples(sensor.camera, added_++);
   const BlendedDepth view(map_, samples, world_from_camera);
-  const MeasuredOcclusion occlusion(measured, world_from_camera);
-  const SampleColors sample_colors(view.depth_m(), samples.camera, colors, occlusion);
+  std::vector<Occlusion> occlusions;
+  occlusions.reserve(shown.size());
+  for (const DepthPicture& picture : shown) occlusions.emplace_back(picture, world_from_camera);
+  const SampleColors sample_colors(view.depth_m(), samples.camera, colors, occlusions);
   const int bands = BandCount(samples.camera.height);
   Image<Eigen::Vector3f> found(samples.camera.width, samples.camera.height,
                                Eigen::Vector3f::Constant(kNoColor));

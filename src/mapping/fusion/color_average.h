@@ -30,15 +30,17 @@ class ColorAverage {
   explicit ColorAverage(const SurfelMap& map);
 
   // Adds the colours of a frame with colours. `camera`: pose of the colour image, with the camera
-  // of `sensor`. `measured` is the depth of the frame. Its image size and pose may differ.
+  // of `sensor`. `shown`: depth of the surfaces that the frame shows. Sizes and poses of these
+  // images may differ.
   //
   // Samples every n-th column and row of the image, so that at least 240 columns remain, or all
   // columns of smaller images. Each call uses other columns or rows. Samples are ignored:
   // - without a surface of the map, or if the map is more than 5 % nearer at a neighbour sample
-  // - if the measured depth is more than 5 % nearer within one pixel of `measured`
-  // - without measured depth, because the map lacks black and shiny objects
+  // - if all images of `shown` hide them: without depth, because the map lacks some objects, or
+  // with
+  //   a depth more than 5 % nearer within one pixel
   void Add(const FrameColors& colors, const DepthSensor& sensor, const Rigid3d& world_from_camera,
-           const DepthPicture& measured);
+           const std::vector<DepthPicture>& shown);
 
   // Writes the averages into a map with the surfels of the constructor. Surfels without
   // observations keep their colours.

@@ -34,6 +34,7 @@ Surfel SurfelBlock::operator[](int k) const {
   s.last_seen = last_seen[k];
   s.at_edge = (at_edge & Bit(k)) != 0;
   s.color_weight = ColorWeight(k);
+  s.from_stereo = (from_stereo & Bit(k)) != 0;
   return s;
 }
 
@@ -51,6 +52,7 @@ void SurfelBlock::Write(int k, const Surfel& s) {
 
 void SurfelBlock::Announce(int k, const Surfel& s) {
   at_edge = s.at_edge ? at_edge | Bit(k) : at_edge & ~Bit(k);
+  from_stereo = s.from_stereo ? from_stereo | Bit(k) : from_stereo & ~Bit(k);
   bounds.Add(s.position_in_world);
   bounds.least_confidence = std::min(bounds.least_confidence, s.confidence);
   bounds.least_last_seen = std::min(bounds.least_last_seen, s.last_seen);
