@@ -77,7 +77,8 @@ struct RegisteredFrames {
   std::vector<Image<float>> stereo_m;           // UnmeasuredSurfaces::depth_m of the keyframes
 };
 
-// Registers the frames with a new colour image. Frames that colour the map can become keyframes.
+// Registers the frames with a new colour image. Frames that colour the map and have a new view can
+// become keyframes.
 class FrameRegistration {
  public:
   FrameRegistration(const PosedSequence& known, const SequenceInfo& info, const SurfelMap& map,
@@ -101,14 +102,23 @@ class FrameRegistration {
         poses_.Register({frame, measured_m, motion, known_.trajectory[i].world_from_camera});
     found_.poses[i] = pose;
     if (!colors || next_ == chosen_.size() || i < chosen_[next_]) return;
+    while (next_ < chosen_.size() && chosen_[next_] <= i) ++next_;
+    if (!IsNewView(pose.world_from_color)) return;
     found_.keyframes.push_back(MakeStereoKeyframe(frame, measured_m, sensor_, motion,
                                                   pose.world_from_camera, pose.world_from_color));
-    while (next_ < chosen_.size() && chosen_[next_] <= i) ++next_;
   }
 
   RegisteredFrames Found() && { return std::move(found_); }
 
  private:
+  // A camera that returns to a place needs no more keyframes there.
+  bool IsNewView(const Rigid3d& world_from_color) const {
+    return std::all_of(found_.keyframes.begin(), found_.keyframes.end(), [&](const auto& other) {
+      return HasMoved(other.world_from_camera, world_from_color, kStereoTranslation_m,
+                      kStereoRotation_rad);
+    });
+  }
+
   const PosedSequence& known_;
   const DepthSensor sensor_;
   FramePoses poses_;

@@ -49,7 +49,7 @@ class SlamSoak : public SlamTool {
   std::vector<Sample> Run(int frames) const {
     const std::string sequence = ThereAndBack(frames);
     RunningProgram program("surfit_slam", {"--sequence=" + sequence, "--output=" + Output(),
-                                           "--nopictures", "--threads=2", "--nostereo"});
+                                           "--nopictures", "--threads=2"});
     const std::string path = Output() + "/trajectory_online.txt";
     std::vector<Sample> samples;
     while (program.IsRunning()) {
@@ -64,7 +64,6 @@ class SlamSoak : public SlamTool {
 
   // Expects constant memory except for 40 numbers per frame, in vectors that double their capacity.
   // The finer final map exists in addition to the tracking map.
-  // Stereo is off: the images of its at most 200 keyframes need more memory than the map.
   void ExpectFlatMemoryAndNoLostFrame(int frames) const {
     constexpr double kBytesOfFrame = 600, kNoise = 8e6, kFinalMap = 24e6;
     std::size_t early = 0, late = 0, end = 0;

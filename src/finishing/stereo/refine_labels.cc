@@ -5,9 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
-
-#include "surfit/core/lanes.h"
 
 namespace surfit {
 namespace {
@@ -44,7 +41,7 @@ Image<float> Smoothed(const Image<float>& labels, const Image<std::uint8_t>& ref
 }
 
 // Bilinear value; a negative number outside of the image.
-float DetailAt(const Image<std::uint8_t>& detail, float u, float v) {
+float Interpolated(const Image<std::uint8_t>& detail, float u, float v) {
   if (!(u >= 0 && v >= 0 && u < static_cast<float>(detail.width() - 1) &&
         v < static_cast<float>(detail.height() - 1))) {
     return -1;
@@ -84,7 +81,7 @@ class Refinement {
         const Eigen::Vector3f at = start + range_.InverseDepth(label + Step(k)) * lines_[i].shift;
         float cost = kMaxDetailCost;
         if (at.z() > 0.05f) {
-          const float seen = DetailAt(neighbours_[i]->detail, at.x() / at.z(), at.y() / at.z());
+          const float seen = Interpolated(neighbours_[i]->detail, at.x() / at.z(), at.y() / at.z());
           if (seen >= 0) cost = std::min(kMaxDetailCost, std::abs(seen - detail));
         }
         const float a = least[0][k], b = least[1][k];
