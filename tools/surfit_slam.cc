@@ -112,8 +112,10 @@ void PrintRefinement(const SlamRunSummary& s) {
     std::printf("poses were refined with %zu keyframes in %.1f s\n", record.keyframes,
                 s.refinement->seconds);
   } else if (record.summary.Succeeded()) {
-    std::printf("poses were not refined: the calibration with %zu keyframes is not confirmed\n",
-                record.keyframes);
+    std::printf("poses were not refined: the calibration with %zu keyframes is %s\n",
+                record.keyframes,
+                s.refinement->held_out_gain > record.summary.calibration_limit ? "implausible"
+                                                                               : "not confirmed");
   } else {
     std::printf("poses were not refined: %s, %zu keyframes\n",
                 ToString(record.summary.termination).c_str(), record.keyframes);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/trace.h"
+#include "optimization/refinement/held_out.h"
 #include "optimization/refinement/subsampled.h"
 #include "surfit/frame/frame_source.h"
 #include "surfit/optimization/keyframes.h"
@@ -15,8 +16,8 @@ namespace {
 
 constexpr int kRefinementColumns = 320;
 constexpr int kCellsAcross = 60;
-constexpr double kTranslation_m = 0.1, kRotation_rad = 0.15;
-constexpr std::size_t kMaxKeyframes = 120;  // both thresholds grow until this holds
+constexpr double kTranslation_m = 0.05, kRotation_rad = 0.075;
+constexpr std::size_t kMaxKeyframes = 240;  // both thresholds grow until this holds
 
 struct Interrupted {};
 
@@ -66,13 +67,6 @@ Trajectory Corrected(const Trajectory& trajectory, const Keyframes& refined) {
   return CorrectTrajectory(trajectory, refined.poses, poses);
 }
 
-// Noise of the calibration of one half decreases its gain in the other half by less than the limit.
-bool IsConfirmed(const RefinementSummary& summary) {
-  const auto [first, last] = summary.held_out_gains_over_start;
-  return summary.Succeeded() && !summary.calibration_kept &&
-         first + last > -2 * summary.calibration_limit;
-}
-
 bool Contradicts(const DepthSensor& given, const std::optional<DepthCalibration>& found) {
   return found && !CalibrationWarning(given, *found).empty();
 }
@@ -98,18 +92,23 @@ std::optional<RefinedSequence> RefinePosedSequence(
     if (interrupted) throw Interrupted();
     progress(round);
   };
+  const RefinementOptions options = FinalOptions(sensor);
   RefinedSequence refined;
   refined.keyframes = read->keyframes.size();
   refined.trajectory = known.trajectory;
   refined.found = known.found;
   try {
-    refined.summary =
-        Refine(FinalOptions(sensor), given, start.value_or(given), &read->keyframes, tell);
+    refined.summary = Refine(options, given, start.value_or(given), &read->keyframes, tell);
   } catch (const Interrupted&) {
     return std::nullopt;
   }
+  const bool is_new = refined.summary.Succeeded() && !refined.summary.calibration_kept;
+  if (is_new) {
+    refined.held_out_gain = HeldOutGain(options, given, start.value_or(given),
+                                        refined.summary.calibration, read->keyframes);
+  }
   refined.is_applied =
-      IsConfirmed(refined.summary) &&
+      refined.held_out_gain > refined.summary.calibration_limit &&
       (Contradicts(sensor, start) || !Contradicts(sensor, refined.summary.calibration));
   ScaleUp(camera, stride, &refined.summary);
   if (!refined.is_applied) return refined;

@@ -314,6 +314,7 @@ class SlamRun {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     const int last = trajectory_->frames().back();
     refinement_ = {{refined->keyframes, last, last, refined->summary, {}},
+                   refined->held_out_gain,
                    refined->is_applied,
                    elapsed.count()};
     return refined;

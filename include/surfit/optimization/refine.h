@@ -149,8 +149,6 @@ struct RefinementSummary {
   // their variance. Compares the estimated with the input calibration. `held_out_gains`: with the
   // calibration of the other half. 0 if the calibration is not estimated.
   std::array<double, 2> half_gains = {0, 0}, held_out_gains = {0, 0};
-  // `held_out_gains`, relative to the initial instead of the input calibration.
-  std::array<double, 2> held_out_gains_over_start = {0, 0};
   // `calibration_sigmas` standard deviations of a squared Mahalanobis distance. 0 if the initial
   // calibration differs from the input calibration.
   double gain_limit = 0;

@@ -124,6 +124,9 @@ struct StageStatistics {
 // Refinement after the last frame.
 struct FinalRefinement {
   CalibrationRecord record;
+  // Decrease of the squared residuals of held-out keyframes, in units of their variance, compared
+  // with the calibration of the run. 0 without a new calibration.
+  double held_out_gain = 0;
   bool is_applied = false;  // false if poses and calibration of the run were kept
   double seconds = 0;
 };

@@ -10,31 +10,40 @@
 namespace surfit {
 namespace {
 
+constexpr int kFolds = 5;
+
 struct KeyframeRange {
   int begin = 0, end = 0;
+
+  bool Contains(int keyframe) const { return keyframe >= begin && keyframe < end; }
 };
 
-// Keyframes of a range with the surfels that at least two of them observe. Textures are left out.
-struct Half {
+// Some keyframes with the surfels that at least two of them observe. Textures are left out.
+struct Part {
   SharedSurfels shared;
   JointState state;
 };
 
-Half HalfOf(const SharedSurfels& all, const JointState& state, const KeyframeRange& range) {
-  Half half;
-  half.state.calibration = state.calibration;
-  for (int k = range.begin; k < range.end; ++k) {
-    half.state.world_from_camera.push_back(state.world_from_camera[k]);
-    half.shared.readouts.push_back(all.readouts[k]);
+// Part with the keyframes of a range, or with all others.
+Part PartOf(const SharedSurfels& all, const JointState& state, const KeyframeRange& range,
+            bool inside) {
+  constexpr int kOutside = -1;
+  Part part;
+  part.state.calibration = state.calibration;
+  std::vector<int> keyframe_in_part(state.world_from_camera.size(), kOutside);
+  for (std::size_t k = 0; k < keyframe_in_part.size(); ++k) {
+    if (range.Contains(static_cast<int>(k)) != inside) continue;
+    keyframe_in_part[k] = static_cast<int>(part.state.world_from_camera.size());
+    part.state.world_from_camera.push_back(state.world_from_camera[k]);
+    part.shared.readouts.push_back(all.readouts[k]);
   }
-  std::vector<PlaneObservation>& observations = half.shared.observations;
+  std::vector<PlaneObservation>& observations = part.shared.observations;
   for (SharedSurfel surfel : all.surfels) {
     const std::size_t first = observations.size();
     for (std::size_t i = surfel.begin; i < surfel.end; ++i) {
       PlaneObservation seen = all.observations[i];
-      if (seen.keyframe < range.begin || seen.keyframe >= range.end) continue;
-      seen.keyframe -= range.begin;
-      observations.push_back(seen);
+      seen.keyframe = keyframe_in_part[seen.keyframe];
+      if (seen.keyframe != kOutside) observations.push_back(seen);
     }
     if (observations.size() - first < 2) {
       observations.resize(first);
@@ -43,12 +52,12 @@ Half HalfOf(const SharedSurfels& all, const JointState& state, const KeyframeRan
     surfel.begin = first;
     surfel.end = observations.size();
     surfel.textures_begin = surfel.textures_end = 0;
-    half.shared.surfels.push_back(surfel);
+    part.shared.surfels.push_back(surfel);
   }
-  return half;
+  return part;
 }
 
-// Cost of a half as a function of the calibration.
+// Cost of a part as a function of the calibration.
 struct CalibrationCost {
   CalibrationModel model;
   double variance = 0;  // 0: no redundant observations
@@ -58,8 +67,8 @@ struct CalibrationCost {
   }
 };
 
-CalibrationCost CostOf(const Half& half, const RefinementOptions& options) {
-  const auto& [shared, state] = half;
+CalibrationCost CostOf(const Part& part, const RefinementOptions& options) {
+  const auto& [shared, state] = part;
   const JointKernels kernels = KernelsOf(options.error_model);
   CalibrationCost cost;
   cost.variance = VarianceOf(FitOf(shared, state, kernels), shared, state, options);
@@ -99,30 +108,60 @@ CalibrationModel ModelOf(const JointPrior& prior, const JointState& state,
   return model;
 }
 
+// Decrease of the squared residuals of a part from one change of the calibration to another, in
+// units of their variance.
+double GainOf(const CalibrationCost& tested, const CalibrationRow& from, const CalibrationRow& to) {
+  return 2 * (tested.At(from) - tested.At(to)) / tested.variance;
+}
+
 }  // namespace
 
 HalfGains GainsOf(const SharedSurfels& shared, const JointState& found,
                   const DepthCalibration& given, const JointPrior& prior,
                   const RefinementOptions& options) {
   const int count = static_cast<int>(found.world_from_camera.size());
-  const KeyframeRange halves[] = {{0, count / 2}, {count / 2, count}};
-  std::array<CalibrationCost, 2> costs;
-  for (int h = 0; h < 2; ++h) {
-    costs[h] = CostOf(HalfOf(shared, found, halves[h]), options);
-  }
+  const KeyframeRange first_half = {0, count / 2};
+  const std::array<CalibrationCost, 2> costs = {
+      CostOf(PartOf(shared, found, first_half, true), options),
+      CostOf(PartOf(shared, found, first_half, false), options)};
   const CalibrationModel of_prior = ModelOf(prior, found, FixedCalibration(options));
   const CalibrationRow to_given = BlockOf(given) - BlockOf(found.calibration);
   HalfGains gains;
   for (int h = 0; h < 2; ++h) {
     const CalibrationCost &tested = costs[h], &other = costs[1 - h];
     if (!(tested.variance > 0)) continue;
-    const auto gain_of = [&](const CalibrationRow& change) {
-      return 2 * (tested.At(to_given) - tested.At(change)) / tested.variance;
-    };
-    gains.own[h] = gain_of(CalibrationRow::Zero());
-    if (other.variance > 0) gains.held_out[h] = gain_of(StepToMinimum(other.model + of_prior));
+    gains.own[h] = GainOf(tested, to_given, CalibrationRow::Zero());
+    if (other.variance > 0) {
+      gains.held_out[h] = GainOf(tested, to_given, StepToMinimum(other.model + of_prior));
+    }
   }
   return gains;
+}
+
+double HeldOutGain(const RefinementOptions& options, const DepthCalibration& given,
+                   const DepthCalibration& start, const DepthCalibration& found_calibration,
+                   const std::vector<RefinementKeyframe>& keyframes) {
+  JointState found;
+  found.calibration = found_calibration;
+  for (const RefinementKeyframe& keyframe : keyframes) {
+    found.world_from_camera.push_back(keyframe.world_from_camera);
+  }
+  const SharedSurfels shared = MakeSharedSurfels(keyframes, found.calibration, options);
+  JointPrior prior(given, options.prior.Over({}));
+  prior.SetWeight(
+      VarianceOf(FitOf(shared, found, KernelsOf(options.error_model)), shared, found, options));
+  const CalibrationModel of_prior = ModelOf(prior, found, FixedCalibration(options));
+  const CalibrationRow to_start = BlockOf(start) - BlockOf(found.calibration);
+  const int count = static_cast<int>(keyframes.size());
+  double gain = 0;
+  for (int f = 0; f < kFolds; ++f) {
+    const KeyframeRange fold = {f * count / kFolds, (f + 1) * count / kFolds};
+    const CalibrationCost tested = CostOf(PartOf(shared, found, fold, true), options);
+    const CalibrationCost others = CostOf(PartOf(shared, found, fold, false), options);
+    if (!(tested.variance > 0) || !(others.variance > 0)) continue;
+    gain += GainOf(tested, to_start, StepToMinimum(others.model + of_prior));
+  }
+  return gain;
 }
 
 }  // namespace surfit

@@ -92,8 +92,8 @@ bool FindsCalibration(const RefinementOptions& options) {
 }
 
 void SetFinalFit(const RefinementOptions& options, const std::vector<RefinementKeyframe>& keyframes,
-                 const DepthCalibration& start, const DepthCalibration& given, JointPrior* prior,
-                 const JointState& state, RefinementSummary* summary) {
+                 const DepthCalibration& given, JointPrior* prior, const JointState& state,
+                 RefinementSummary* summary) {
   const JointKernels kernels = KernelsOf(options.error_model);
   const SharedSurfels shared = MakeSharedSurfels(keyframes, state.calibration, options);
   const JointFit fit = FitOf(shared, state, kernels);
@@ -115,9 +115,6 @@ void SetFinalFit(const RefinementOptions& options, const std::vector<RefinementK
     const HalfGains gains = GainsOf(shared, state, given, *prior, options);
     summary->half_gains = gains.own;
     summary->held_out_gains = gains.held_out;
-    summary->held_out_gains_over_start =
-        AreSame(start, given) ? gains.held_out
-                              : GainsOf(shared, state, start, *prior, options).held_out;
   }
 }
 
@@ -142,7 +139,7 @@ void RefineFrom(const JointState& start, const DepthCalibration& given,
   state.calibration.readout_s = std::max(0., state.calibration.readout_s);
   summary->calibration = state.calibration;
   if (summary->Succeeded()) {
-    SetFinalFit(options, *keyframes, start.calibration, given, &prior, state, summary);
+    SetFinalFit(options, *keyframes, given, &prior, state, summary);
   }
 }
 

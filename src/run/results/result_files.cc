@@ -59,7 +59,6 @@ Json ToJson(const CalibrationRecord& record) {
           {"limit", s.calibration_limit},
           {"half_gains", s.half_gains},
           {"held_out_gains", s.held_out_gains},
-          {"held_out_gains_over_start", s.held_out_gains_over_start},
           {"gain_limit", s.gain_limit},
           {"color_latency_s", record.color_latency.latency_s},
           {"color_latency_standard_deviation", record.color_latency.sigma_s}};
@@ -289,6 +288,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["refinement"] = nullptr;
   if (s.refinement) {
     j["refinement"] = ToJson(s.refinement->record);
+    j["refinement"]["held_out_gain"] = s.refinement->held_out_gain;
     j["refinement"]["is_applied"] = s.refinement->is_applied;
     j["refinement"]["rounds"] = s.refinement->record.summary.rounds.size();
     j["refinement"]["seconds"] = s.refinement->seconds;
