@@ -120,7 +120,7 @@ Prediction Tracker::PredictAt(const PreprocessedFrame& frame) {
     prediction.world_from_camera = imu_prediction_->world_from_camera;
   } else if (prior_motion_) {
     prediction.world_from_camera = last_.world_from_view * prior_motion_->last_from_frame;
-  } else if (const std::optional<Rigid3d> predicted = PredictedPose()) {
+  } else if (const std::optional<Rigid3d> predicted = PredictedPose(SecondsTo(frame))) {
     prediction.world_from_camera = *predicted;
   } else {
     const ViewPair views = {frame.view.pyramid, frame.view.color, last_.view.pyramid,
@@ -181,7 +181,7 @@ void Tracker::WatchCorners(const PreprocessedFrame& frame) {
 
 Tracked Tracker::TrackFrom(const PreprocessedFrame& frame, const Prediction& prediction,
                            Tracked tracked) {
-  if (!prior_motion_ || AgreesWithPrior(tracked, prediction)) {
+  if (!prior_motion_ || AgreesWithPrior(frame, tracked, prediction)) {
     return RegisterOrSearch(frame, prediction, std::move(tracked));
   }
   prior_motion_.reset();
@@ -243,7 +243,7 @@ Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Predicti
   } else if (!AgreesWithImu(tracked) && !IsHeldByPrior(tracked) &&
              IsUncertain(frame, prediction, tracked)) {
     tracked = search_.Search(
-        frame, {state_, last_, SecondsTo(frame), submap_, lost_with_depth_, ExpectedPose()},
+        frame, {state_, last_, SecondsTo(frame), submap_, lost_with_depth_, ExpectedPose(frame)},
         std::move(tracked));
   }
   tracked.has_own_view = prediction.has_own_view;
@@ -351,7 +351,10 @@ bool Tracker::IsUncertain(const PreprocessedFrame& frame, const Prediction& pred
          (state_.NeedsVerification() ||
           (state_.last.is_first && SecondsTo(frame) > kMaxUnverified_s) ||
           tracked.icp.inlier_ratio < options_.confident_inlier_ratio ||
-          IsFar(frame, prediction.world_from_camera) || IsFar(frame, tracked.world_from_camera));
+          IsFar(frame, prediction.world_from_camera) || IsFar(frame, tracked.world_from_camera) ||
+          motion_model_.IsImpossible(state_,
+                                     last_.world_from_view.Inverse() * tracked.world_from_camera,
+                                     SecondsTo(frame)));
 }
 
 bool Tracker::IsFar(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) const {
@@ -406,7 +409,7 @@ void Tracker::Update(PreprocessedFrame frame, Tracked tracked) {
   lost_with_depth_ = 0;
   AddToImu(frame, tracked);
   submap_ = tracked.submap.value_or(submap_);
-  const std::optional<Rigid3d> expected = ExpectedPose();
+  const std::optional<Rigid3d> expected = ExpectedPose(frame);
   motion_model_.Update(state_, {last_.world_from_view.Inverse() * tracked.world_from_camera,
                                 SecondsTo(frame), tracked.found_by_search,
                                 expected && AreOnePlace(*expected, tracked.world_from_camera),
@@ -423,7 +426,8 @@ void Tracker::Update(PreprocessedFrame frame, Tracked tracked) {
 }
 
 void Tracker::PredictAhead(bool has_color) {
-  const std::optional<Rigid3d> world_from_next = PredictedPose();
+  constexpr double kUnknown_s = 0;
+  const std::optional<Rigid3d> world_from_next = PredictedPose(kUnknown_s);
   // The inertial prediction needs the time of the next frame.
   const bool needs_time = imu_ && imu_->IsActive();
   if (options_.IsFrameToFrame() || !world_from_next || needs_time) return;
@@ -438,14 +442,15 @@ bool Tracker::UpdateView(const Rigid3d& world_from_predicted, bool has_intensiti
 }
 
 // Returns std::nullopt if the prediction needs the images of the frame.
-std::optional<Rigid3d> Tracker::PredictedPose() const {
+std::optional<Rigid3d> Tracker::PredictedPose(double seconds) const {
   if (state_.IsTentative()) return tentative_->view.world_from_view;
-  return motion_model_.PredictPose(state_, last_.world_from_view);
+  return motion_model_.PredictPose(state_, last_.world_from_view, seconds);
 }
 
 // Returns std::nullopt without a motion prior.
-std::optional<Rigid3d> Tracker::ExpectedPose() const {
-  return motion_model_.HasPredictableMotion(state_) ? PredictedPose() : std::nullopt;
+std::optional<Rigid3d> Tracker::ExpectedPose(const PreprocessedFrame& frame) const {
+  return motion_model_.HasPredictableMotion(state_) ? PredictedPose(SecondsTo(frame))
+                                                    : std::nullopt;
 }
 
 void Tracker::Move(const Rigid3d& new_from_old_now,

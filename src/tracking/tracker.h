@@ -140,7 +140,8 @@ class Tracker {
   std::optional<Tracked> InNewSubmap(const PreprocessedFrame& frame, const Tracked& tracked);
 
   Prediction PredictAt(const PreprocessedFrame& frame);
-  bool AgreesWithPrior(const Tracked& tracked, const Prediction& prediction) const;
+  bool AgreesWithPrior(const PreprocessedFrame& frame, const Tracked& tracked,
+                       const Prediction& prediction) const;
   void ComparePrior(const PreprocessedFrame& frame, const Tracked& tracked);
   // Mean age of the visible surfels, s. 0: unknown.
   double ModelAge(const RgbdFrame& frame);
@@ -151,8 +152,8 @@ class Tracker {
   bool AgreesWithImu(const Tracked& tracked) const;
   bool IsHeldByPrior(const Tracked& tracked) const;
   void AddToImu(const PreprocessedFrame& frame, const Tracked& tracked);
-  std::optional<Rigid3d> PredictedPose() const;
-  std::optional<Rigid3d> ExpectedPose() const;
+  std::optional<Rigid3d> PredictedPose(double seconds) const;
+  std::optional<Rigid3d> ExpectedPose(const PreprocessedFrame& frame) const;
   bool UpdateView(const Rigid3d& world_from_predicted, bool has_intensities);
   double SecondsTo(const PreprocessedFrame& frame) const {
     return frame.images.stamp_s - last_stamp_s_;

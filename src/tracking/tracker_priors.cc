@@ -30,10 +30,12 @@ constexpr double kGivenInformation = 1e8;
 
 // A registration that differs from the prior is an outlier, unless the prior differs more from the
 // motion of the last frame.
-bool Tracker::AgreesWithPrior(const Tracked& tracked, const Prediction& prediction) const {
+bool Tracker::AgreesWithPrior(const PreprocessedFrame& frame, const Tracked& tracked,
+                              const Prediction& prediction) const {
   if (!tracked.has_pose() || tracked.verdict != Verdict::kAccepted) return false;
   if (tracked.prior_squared_difference < kMaxPriorDifference) return true;
-  const std::optional<Rigid3d> smooth = motion_model_.PredictPose(state_, last_.world_from_view);
+  const std::optional<Rigid3d> smooth =
+      motion_model_.PredictPose(state_, last_.world_from_view, SecondsTo(frame));
   if (!smooth) return false;
   return DistanceOf(*smooth, prediction.world_from_camera) <
          DistanceOf(*smooth, tracked.world_from_registered);

@@ -31,30 +31,70 @@ MotionModel Moving(const TrackingOptions& options) {
 TEST(MotionModel, ContinuesLastMotion) {
   const TrackingOptions options;
   const MotionModel model = Moving(options);
-  EXPECT_THAT(*model.PredictPose(After(0), Shifted(1)), RigidNear(Shifted(1.01), 1e-12, 1e-12));
+  EXPECT_THAT(*model.PredictPose(After(0), Shifted(1), 0), RigidNear(Shifted(1.01), 1e-12, 1e-12));
   EXPECT_NEAR(model.PredictMotion(After(0)).velocity_m_per_s.x(), 0.3, 1e-9);
   EXPECT_TRUE(model.PredictMotion(After(1)).IsZero());
+}
+
+TEST(MotionModel, FollowsTimestamps) {
+  const TrackingOptions options;
+  const MotionModel model = Moving(options);
+  const auto predict = [&](double frames) {
+    return model.PredictPose(After(0), Rigid3d(), frames * kFrame_s)->translation.x();
+  };
+  EXPECT_NEAR(predict(2), 0.02, 1e-12);
+  EXPECT_NEAR(predict(1.4), 0.014, 1e-12);
+  EXPECT_NEAR(predict(0.9), 0.01, 1e-12) << "timestamps scatter";
+  EXPECT_NEAR(predict(30), 0.03, 1e-12) << "motion is not known for long";
+}
+
+TEST(MotionModel, TurnsAndMovesAtConstantVelocity) {
+  const TrackingOptions options;
+  MotionModel model(options);
+  const Rigid3d step = {QuaternionExp<double>(Eigen::Vector3d(0.1, 0.2, -0.1)),
+                        Eigen::Vector3d(0.03, -0.02, 0.05)};
+  MeasuredMotion motion;
+  motion.last_from_frame = step;
+  motion.seconds = kFrame_s;
+  model.Update(After(0), motion);
+  EXPECT_THAT(*model.PredictPose(After(0), Rigid3d(), 2 * kFrame_s),
+              RigidNear(step * step, 1e-12, 1e-12));
+}
+
+TEST(MotionModel, KnowsStepsThatNoHandMakes) {
+  const TrackingOptions options;
+  const MotionModel model = Moving(options);
+  EXPECT_FALSE(model.IsImpossible(After(0), Shifted(0.01), kFrame_s));
+  EXPECT_FALSE(model.IsImpossible(After(0), Shifted(0.06), kFrame_s));
+  EXPECT_TRUE(model.IsImpossible(After(0), Shifted(0.1), kFrame_s));
+  EXPECT_TRUE(model.IsImpossible(After(0), Shifted(-0.08), kFrame_s));
+  EXPECT_FALSE(model.IsImpossible(After(0), Shifted(0.1), 2 * kFrame_s));
+  const Rigid3d turn = {QuaternionExp<double>(Eigen::Vector3d(0, 0.4, 0)),
+                        Eigen::Vector3d(0.01, 0, 0)};
+  EXPECT_TRUE(model.IsImpossible(After(0), turn, kFrame_s));
+  EXPECT_FALSE(model.IsImpossible(After(1), Shifted(0.2), kFrame_s)) << "the motion may be old";
+  EXPECT_FALSE(MotionModel(options).IsImpossible(After(0), Shifted(0.2), kFrame_s));
 }
 
 TEST(MotionModel, DependsOnOption) {
   TrackingOptions options;
   options.motion_model = "constant_pose";
   const MotionModel model = Moving(options);
-  EXPECT_THAT(*model.PredictPose(After(0), Shifted(1)), RigidNear(Shifted(1), 1e-12, 1e-12));
+  EXPECT_THAT(*model.PredictPose(After(0), Shifted(1), 0), RigidNear(Shifted(1), 1e-12, 1e-12));
   EXPECT_FALSE(model.PriorCovariance(After(0), kFrame_s));
   options.motion_model = "so3";
-  EXPECT_FALSE(model.PredictPose(After(0), Shifted(1)));
+  EXPECT_FALSE(model.PredictPose(After(0), Shifted(1), 0));
 }
 
 TEST(MotionModel, ContinuesOverTwoLostFramesWithPriorOnly) {
   TrackingOptions options;
   const MotionModel without = Moving(options);
-  EXPECT_THAT(*without.PredictPose(After(2), Shifted(1)), RigidNear(Shifted(1), 1e-12, 1e-12));
+  EXPECT_THAT(*without.PredictPose(After(2), Shifted(1), 0), RigidNear(Shifted(1), 1e-12, 1e-12));
   EXPECT_TRUE(without.PriorCovariance(After(0), kFrame_s));
   options.acceleration_m_per_s2 = 2;
   const MotionModel with = Moving(options);
-  EXPECT_THAT(*with.PredictPose(After(2), Shifted(1)), RigidNear(Shifted(1.03), 1e-12, 1e-12));
-  EXPECT_THAT(*with.PredictPose(After(3), Shifted(1)), RigidNear(Shifted(1), 1e-12, 1e-12));
+  EXPECT_THAT(*with.PredictPose(After(2), Shifted(1), 0), RigidNear(Shifted(1.03), 1e-12, 1e-12));
+  EXPECT_THAT(*with.PredictPose(After(3), Shifted(1), 0), RigidNear(Shifted(1), 1e-12, 1e-12));
   EXPECT_TRUE(with.PriorCovariance(After(2), kFrame_s));
   EXPECT_FALSE(with.PriorCovariance(After(3), kFrame_s));
   EXPECT_FALSE(with.PriorCovariance(After(0), 0));
@@ -71,7 +111,7 @@ TEST(MotionModel, ResetsMotionAfterRelocalisation) {
     motion.is_found = true;
     motion.is_expected = is_expected;
     model.Update(After(0), motion);
-    EXPECT_THAT(*model.PredictPose(After(0), Rigid3d()),
+    EXPECT_THAT(*model.PredictPose(After(0), Rigid3d(), 0),
                 RigidNear(Shifted(is_expected ? 0.01 : 0), 1e-12, 1e-12));
     EXPECT_TRUE(model.PredictMotion(After(0)).IsZero());
   }

@@ -26,12 +26,18 @@ class MotionModel {
   // Keeps a reference to the options.
   explicit MotionModel(const TrackingOptions& options);
 
-  // Pose of the next frame (camera to world). Returns `world_from_last`, the pose of the last frame
-  // with a pose, for the model constant_pose and if the motion is not predictable. Also in a given
-  // map without a pose. Otherwise returns std::nullopt for the model so3, which needs the images of
-  // the frame.
-  std::optional<Rigid3d> PredictPose(const TrackingState& state,
-                                     const Rigid3d& world_from_last) const;
+  // Pose of the next frame (camera to world), at constant velocity. `seconds`: time since the last
+  // frame with a pose; 0: unknown, so that frames are equally far apart. The motion continues for
+  // at most three intervals. Returns `world_from_last`, the pose of the last frame with a pose, for
+  // the model constant_pose and if the motion is not predictable. Also in a given map without a
+  // pose. Otherwise returns std::nullopt for the model so3, which needs the images of the frame.
+  std::optional<Rigid3d> PredictPose(const TrackingState& state, const Rigid3d& world_from_last,
+                                     double seconds) const;
+  // Returns whether the next pose is a step that no hand makes: the motion from the last frame,
+  // compared with the last motion, needs more than 40 m/s^2 or 200 rad/s^2, plus 2 cm or 0.05 rad
+  // for errors of the poses. False if no last motion is known.
+  bool IsImpossible(const TrackingState& state, const Rigid3d& last_from_frame,
+                    double seconds) const;
   // Camera velocity of the last frame with a pose. Zero after lost frames.
   CameraMotion PredictMotion(const TrackingState& state) const;
   // Covariance (rad, m) of the motion to the next frame, in the camera frame. `seconds`: time since
@@ -57,6 +63,7 @@ class MotionModel {
   CameraMotion motion_;
   MotionPrior prior_;
   Rigid3d last_from_next_;  // predicted motion of constant_velocity
+  double interval_s_ = 0;   // time of this motion; 0: unknown
 };
 
 }  // namespace surfit
