@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/trace.h"
-#include "optimization/refinement/held_out.h"
 #include "optimization/refinement/subsampled.h"
 #include "surfit/frame/frame_source.h"
 #include "surfit/optimization/keyframes.h"

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 
-#include "optimization/refinement/held_out.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/evaluation/trajectory_evaluation.h"

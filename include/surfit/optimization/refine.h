@@ -203,4 +203,13 @@ RefinementSummary Refine(const RefinementOptions& options, const DepthCalibratio
                          std::vector<RefinementKeyframe>* keyframes,
                          const std::function<void(const RefinementRound&)>& progress);
 
+// Cross-validates a calibration in five folds of consecutive keyframes. Each fold is held out once.
+// The calibration of the other folds, with the prior at `given`, is compared with `start`. Returns
+// the decrease of the squared residuals of the held-out folds, in units of their variance. Folds
+// without redundant observations do not count. `found` and the poses of `keyframes`: results of
+// Refine() with the same options. Costs about five linearisations.
+double HeldOutGain(const RefinementOptions& options, const DepthCalibration& given,
+                   const DepthCalibration& start, const DepthCalibration& found,
+                   const std::vector<RefinementKeyframe>& keyframes);
+
 }  // namespace surfit

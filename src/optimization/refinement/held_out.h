@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <vector>
 
 #include "optimization/refinement/joint_solver.h"
 #include "optimization/refinement/shared_surfels.h"
@@ -29,14 +28,5 @@ struct HalfGains {
 HalfGains GainsOf(const SharedSurfels& shared, const JointState& found,
                   const DepthCalibration& given, const JointPrior& prior,
                   const RefinementOptions& options);
-
-// Cross-validates a calibration in five folds of consecutive keyframes. Each fold is held out once.
-// The calibration of the other folds, with the prior at `given`, is compared with `start`. Returns
-// the decrease of the squared residuals of the held-out folds, in units of their variance. Folds
-// without redundant observations do not count. `found` and the poses of `keyframes`: results of
-// Refine() with the same options. Costs about five linearisations.
-double HeldOutGain(const RefinementOptions& options, const DepthCalibration& given,
-                   const DepthCalibration& start, const DepthCalibration& found,
-                   const std::vector<RefinementKeyframe>& keyframes);
 
 }  // namespace surfit

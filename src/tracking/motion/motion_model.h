@@ -33,9 +33,9 @@ class MotionModel {
   // pose. Otherwise returns std::nullopt for the model so3, which needs the images of the frame.
   std::optional<Rigid3d> PredictPose(const TrackingState& state, const Rigid3d& world_from_last,
                                      double seconds) const;
-  // Returns whether the next pose is a step that no hand makes: the motion from the last frame,
-  // compared with the last motion, needs more than 40 m/s^2 or 200 rad/s^2, plus 2 cm or 0.05 rad
-  // for errors of the poses. False if no last motion is known.
+  // Returns whether the motion from the last frame is a step that no hand makes. The bounds on the
+  // change of the motion are 40 m/s^2 and 200 rad/s^2, plus 2 cm and 0.05 rad for errors of the
+  // poses. Returns false if no last motion is known.
   bool IsImpossible(const TrackingState& state, const Rigid3d& last_from_frame,
                     double seconds) const;
   // Camera velocity of the last frame with a pose. Zero after lost frames.
