@@ -240,11 +240,8 @@ Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Predicti
   }
   if (std::optional<Tracked> confirmed = CompareWithTentative(frame, &tracked)) {
     tracked = *std::move(confirmed);
-  } else if (!AgreesWithImu(tracked) && !IsHeldByPrior(tracked) &&
-             IsUncertain(frame, prediction, tracked)) {
-    tracked = search_.Search(
-        frame, {state_, last_, SecondsTo(frame), submap_, lost_with_depth_, ExpectedPose(frame)},
-        std::move(tracked));
+  } else if (!AgreesWithImu(tracked) && !IsHeldByPrior(tracked)) {
+    tracked = Verified(frame, prediction, std::move(tracked));
   }
   tracked.has_own_view = prediction.has_own_view;
   if (tracked.has_pose()) {
@@ -261,6 +258,29 @@ Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Predicti
               IcpOptionsInUse()});
   }
   return InNewSubmap(frame, tracked).value_or(tracked);
+}
+
+// Searches the pose of an uncertain frame. A step that no hand makes is replaced by a smaller step,
+// if the search finds one.
+Tracked Tracker::Verified(const PreprocessedFrame& frame, const Prediction& prediction,
+                          Tracked tracked) const {
+  if (IsUncertain(frame, prediction, tracked)) return Search(frame, std::move(tracked));
+  if (!IsImpossible(frame, tracked)) return tracked;
+  Tracked found = Search(frame, tracked);
+  return found.has_pose() && !IsImpossible(frame, found) ? found : tracked;
+}
+
+Tracked Tracker::Search(const PreprocessedFrame& frame, Tracked tracked) const {
+  return search_.Search(
+      frame, {state_, last_, SecondsTo(frame), submap_, lost_with_depth_, ExpectedPose(frame)},
+      std::move(tracked));
+}
+
+// Returns whether the pose is a step that no hand makes.
+bool Tracker::IsImpossible(const PreprocessedFrame& frame, const Tracked& tracked) const {
+  return options_.VerifiesBySearch() && tracked.has_pose() &&
+         motion_model_.IsImpossible(
+             state_, last_.world_from_view.Inverse() * tracked.world_from_camera, SecondsTo(frame));
 }
 
 IcpOptions Tracker::IcpOptionsInUse() const {
@@ -351,10 +371,7 @@ bool Tracker::IsUncertain(const PreprocessedFrame& frame, const Prediction& pred
          (state_.NeedsVerification() ||
           (state_.last.is_first && SecondsTo(frame) > kMaxUnverified_s) ||
           tracked.icp.inlier_ratio < options_.confident_inlier_ratio ||
-          IsFar(frame, prediction.world_from_camera) || IsFar(frame, tracked.world_from_camera) ||
-          motion_model_.IsImpossible(state_,
-                                     last_.world_from_view.Inverse() * tracked.world_from_camera,
-                                     SecondsTo(frame)));
+          IsFar(frame, prediction.world_from_camera) || IsFar(frame, tracked.world_from_camera));
 }
 
 bool Tracker::IsFar(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) const {

@@ -125,6 +125,10 @@ class Tracker {
                        Tracked tracked);
   Tracked RegisterOrSearch(const PreprocessedFrame& frame, const Prediction& prediction,
                            Tracked registered);
+  Tracked Verified(const PreprocessedFrame& frame, const Prediction& prediction,
+                   Tracked tracked) const;
+  Tracked Search(const PreprocessedFrame& frame, Tracked tracked) const;
+  bool IsImpossible(const PreprocessedFrame& frame, const Tracked& tracked) const;
   // Options of the first registration of the next frame.
   IcpOptions IcpOptionsInUse() const;
   Tracked Register(const PreprocessedFrame& frame, const ReferenceView& reference,

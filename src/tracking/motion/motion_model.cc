@@ -30,13 +30,15 @@ double IntervalsIn(double seconds, double interval_s) {
 
 // Repeats the motion `ratio` times, at constant velocity in the camera frame.
 Rigid3d Scaled(const Rigid3d& motion, double ratio) {
+  const int whole = static_cast<int>(ratio);
+  const double rest = ratio - whole;
   Rigid3d scaled;
-  for (; ratio >= 1; --ratio) scaled = scaled * motion;
-  if (ratio == 0) return scaled;
+  for (int i = 0; i < whole; ++i) scaled = scaled * motion;
+  if (rest == 0) return scaled;
   const CameraMotion velocity = MotionOver(motion, 1);
-  const Eigen::Vector3d turn = ratio * velocity.angular_velocity_rad_per_s;
+  const Eigen::Vector3d turn = rest * velocity.angular_velocity_rad_per_s;
   return scaled * Rigid3d(QuaternionExp<double>(turn),
-                          QuaternionExp<double>(0.5 * turn) * (ratio * velocity.velocity_m_per_s));
+                          QuaternionExp<double>(0.5 * turn) * (rest * velocity.velocity_m_per_s));
 }
 
 }  // namespace
