@@ -1,4 +1,4 @@
-// Poses that are confirmed by a second registration: of uncertain frames, and of tentative poses.
+// Confirms uncertain and tentative poses by a second registration.
 #include <utility>
 
 #include "tracking/pose_validation.h"
