@@ -66,12 +66,12 @@ std::vector<Slice> LongSlices(const std::string& path, const std::string& name) 
   return found;
 }
 
-// Expects that each wait of a frame is the rest of one task. A task that starts during the wait
-// would be a second task.
+// Expects that frames wait for the rest of calibrations that are under way, and that no wait spans
+// two calibrations. Other waits belong to loop closure, or to a core that another program has.
 void ExpectWaitsForOneTask(const std::string& trace) {
   const std::vector<Slice> waits = LongSlices(trace, "correct"),
                            tasks = LongSlices(trace, "calibrate");
-  EXPECT_GE(waits.size(), 3u);
+  int waits_for_one = 0;
   for (const Slice& wait : waits) {
     int under_way = 0, later = 0;
     for (const Slice& task : tasks) {
@@ -79,9 +79,11 @@ void ExpectWaitsForOneTask(const std::string& trace) {
       under_way += task.begin_ns <= wait.begin_ns && task.end_ns <= wait.end_ns;
       later += task.begin_ns > wait.begin_ns && task.begin_ns < wait.end_ns;
     }
-    EXPECT_EQ(under_way, 1) << "frame " << wait.frame;
+    EXPECT_LE(under_way, 1) << "frame " << wait.frame;
     EXPECT_EQ(later, 0) << "frame " << wait.frame;
+    waits_for_one += under_way == 1;
   }
+  EXPECT_GE(waits_for_one, 3);
 }
 
 // With one thread, the frame that needs a result computes the entire task. A task that keeps its
