@@ -30,7 +30,7 @@ void KeepTriangles(const std::vector<std::uint8_t>& kept, TriangleMesh* mesh);
 //   .ply  binary little endian: float x y z nx ny nz, uchar red green blue, lists of int
 //   .obj  Wavefront text: positions with 5 decimals, then vertex colours in [0, 1]
 //   .glb  glTF 2.0 in one file, y up: x right, y down and z forward become x, -y and -z; colours
-//         become linear
+//         become linear; no normals, because the material is unlit
 // Throws InputError for other extensions, if the file cannot be written, and for a .glb without
 // triangles.
 void WriteMesh(const TriangleMesh& mesh, const std::string& path);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "mapping/rendering/band_canvas.h"
@@ -25,6 +27,22 @@ struct Blend {
   int drawn_in = 0;  // number of the Draw() that drew the pixel; 0: none
 };
 
+// Offsets from a pixel to the centres of the splats of its first surface. The splats of a gap lie
+// on all sides of the pixel, those of an edge on one side.
+struct SplatSides {
+  float u = 0, v = 0, length = 0;  // weighted sums of the offsets and of their lengths, px
+
+  void Add(float du, float dv, float weight) {
+    u += weight * du;
+    v += weight * dv;
+    length += weight * std::sqrt(du * du + dv * dv);
+  }
+  bool AreOne() const {
+    constexpr float kOneSided = 0.75f;
+    return u * u + v * v > kOneSided * kOneSided * length * length;
+  }
+};
+
 // Blends the splats of one image band, in the order of their surfels.
 class BlendBand {
  public:
@@ -40,22 +58,15 @@ class BlendBand {
   // splats on the first surface of each pixel. `pixel`: index in the band.
   template <typename Take>
   void Draw(const std::vector<DiscList>& lists, Layer layer, const Take& take) {
-    ++draws_;
-    ForEachPixel(lists, layer, 0, &pixels_, [](Blend* pixel, const Disc&, float rho, float) {
-      pixel->first = std::max(pixel->first, rho);
-    });
-    for (Blend& pixel : pixels_) pixel.back = pixel.first > 0 ? BackOf(pixel.first) : 0.f;
-    const auto blend = [&](Blend* pixel, const Disc& disc, float rho, float offset2) {
-      if (rho < pixel->back) return;
-      const float weight = BlendWeight(offset2);
-      pixel->weight += weight;
-      pixel->rho += weight * rho;
-      take(static_cast<std::int32_t>(pixel - pixels_.data()), disc.surfel, weight);
-    };
-    ForEachPixel(lists, layer, 0, &pixels_, blend);
-    for (Blend& pixel : pixels_) {
-      if (pixel.drawn_in == 0 && pixel.weight > 0) pixel.drawn_in = draws_;
-    }
+    FindFirst(lists, layer);
+    BlendFirst(lists, layer, take);
+  }
+  // Like Draw(), but leaves out pixels beyond an edge of the splats.
+  template <typename Take>
+  void FillGaps(const std::vector<DiscList>& lists, Layer layer, const Take& take) {
+    FindFirst(lists, layer);
+    LeaveOutEdges(lists, layer);
+    BlendFirst(lists, layer, take);
   }
 
   // Calls take(pixel, surfel, share of the weight) for the pixels that the n-th Draw() drew. n: 1
@@ -84,6 +95,45 @@ class BlendBand {
  private:
   // Depth range of one surface, in addition to the noise.
   static constexpr float kThickness_m = 0.03f;
+
+  void FindFirst(const std::vector<DiscList>& lists, Layer layer) {
+    ForEachPixel(lists, layer, 0, &pixels_, [](Blend* pixel, const Disc&, float rho, float) {
+      pixel->first = std::max(pixel->first, rho);
+    });
+    for (Blend& pixel : pixels_) pixel.back = pixel.first > 0 ? BackOf(pixel.first) : 0.f;
+  }
+
+  void LeaveOutEdges(const std::vector<DiscList>& lists, Layer layer) {
+    std::vector<SplatSides> sides(pixels_.size());
+    const auto add = [&](const Blend* pixel, const Disc& disc, float rho, float offset2) {
+      if (rho < pixel->back) return;
+      const int i = static_cast<int>(pixel - pixels_.data());
+      const int u = i % width_, v = v_begin_ + i / width_;
+      sides[i].Add(disc.u - static_cast<float>(u), disc.v - static_cast<float>(v), 1 - offset2);
+    };
+    ForEachPixel(lists, layer, 0, &pixels_, add);
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      if (!sides[i].AreOne()) continue;
+      pixels_[i].first = 0;
+      pixels_[i].back = std::numeric_limits<float>::infinity();
+    }
+  }
+
+  template <typename Take>
+  void BlendFirst(const std::vector<DiscList>& lists, Layer layer, const Take& take) {
+    ++draws_;
+    const auto blend = [&](Blend* pixel, const Disc& disc, float rho, float offset2) {
+      if (rho < pixel->back) return;
+      const float weight = BlendWeight(offset2);
+      pixel->weight += weight;
+      pixel->rho += weight * rho;
+      take(static_cast<std::int32_t>(pixel - pixels_.data()), disc.surfel, weight);
+    };
+    ForEachPixel(lists, layer, 0, &pixels_, blend);
+    for (Blend& pixel : pixels_) {
+      if (pixel.drawn_in == 0 && pixel.weight > 0) pixel.drawn_in = draws_;
+    }
+  }
 
   float BackOf(float rho) const { return rho / (1.f + kThickness_m * rho + 4.f * sigma_ / rho); }
 

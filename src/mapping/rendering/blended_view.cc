@@ -46,14 +46,12 @@ std::vector<DiscList> FindSplats(const SurfelMap& map, const PosedCamera& camera
 void DrawBand(const SurfelMap& map, const std::vector<DiscList>& splats,
               const std::vector<DiscList>& fillers, BlendBand* band, BlendedView* view) {
   std::vector<Eigen::Vector3f> colors(band->pixel_count(), Eigen::Vector3f::Zero());
-  for (const auto* lists : {&splats, &fillers}) {
-    for (const Layer layer : kLayers) {
-      band->Draw(*lists, layer, [&](std::int32_t pixel, std::int32_t id, float weight) {
-        const SurfelBlock& block = map.block(id / SurfelBlock::kCapacity);
-        colors[pixel] += weight * block.FineColor(id % SurfelBlock::kCapacity);
-      });
-    }
-  }
+  const auto take = [&](std::int32_t pixel, std::int32_t id, float weight) {
+    const SurfelBlock& block = map.block(id / SurfelBlock::kCapacity);
+    colors[pixel] += weight * block.FineColor(id % SurfelBlock::kCapacity);
+  };
+  for (const Layer layer : kLayers) band->Draw(splats, layer, take);
+  for (const Layer layer : kLayers) band->FillGaps(fillers, layer, take);
   for (int i = 0; i < band->pixel_count(); ++i) {
     const float weight = band->WeightOf(i);
     view->color[band->first_pixel() + i] = weight > 0 ? ToRgb8(colors[i] / weight) : Rgb8();

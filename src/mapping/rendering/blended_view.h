@@ -30,7 +30,8 @@ struct BlendShare {
 // blends colour and inverse depth of the splats on the first surface. A splat belongs to the first
 // surface if it is at most 3 cm plus 4 sigma of the depth behind it. A splat has the weight (1 - (d
 // / 2 R)^2)^8 at the distance d from its centre, with the surfel radius R. Stable surfels take
-// precedence, as in RenderOptions. Larger splats fill the holes. The result is bitwise identical
+// precedence, as in RenderOptions. Splats of twice the size fill holes, at pixels with splats on
+// several sides, so that surfaces do not grow beyond their edges. The result is bitwise identical
 // for any number of threads. Uses camera and noise of `sensor`. `world_from_view`: camera to world.
 BlendedView DrawBlended(const SurfelMap& map, const DepthSensor& sensor,
                         const Rigid3d& world_from_view);

@@ -116,10 +116,20 @@ int AddColors(const std::vector<Rgb8>& colors, Glb* glb) {
   return glb->Add(rows.data(), 8 * rows.size(), accessor, kOfVertices);
 }
 
+// 16 bits resolve an eighth of a texel in the largest texture.
 int AddTextureCoordinates(const std::vector<Eigen::Vector2f>& coordinates, Glb* glb) {
-  const Json accessor = {
-      {"componentType", kFloatType}, {"count", coordinates.size()}, {"type", "VEC2"}};
-  return glb->Add(coordinates.data(), 8 * coordinates.size(), accessor, kOfVertices);
+  std::vector<std::array<std::uint16_t, 2>> rows;
+  rows.reserve(coordinates.size());
+  for (const Eigen::Vector2f& place : coordinates) {
+    const Eigen::Vector2f scaled = 65535 * place;
+    rows.push_back({static_cast<std::uint16_t>(std::lround(scaled.x())),
+                    static_cast<std::uint16_t>(std::lround(scaled.y()))});
+  }
+  const Json accessor = {{"componentType", kShortType},
+                         {"normalized", true},
+                         {"count", rows.size()},
+                         {"type", "VEC2"}};
+  return glb->Add(rows.data(), 4 * rows.size(), accessor, kOfVertices);
 }
 
 int AddTriangles(const std::vector<TriangleMesh::Triangle>& triangles, Glb* glb) {
@@ -128,22 +138,20 @@ int AddTriangles(const std::vector<TriangleMesh::Triangle>& triangles, Glb* glb)
   return glb->Add(triangles.data(), 12 * triangles.size(), accessor, kOfIndices);
 }
 
-std::vector<Eigen::Vector3f> AtPlaces(const std::vector<Eigen::Vector3f>& vectors,
-                                      const MeshTexture& texture) {
-  std::vector<Eigen::Vector3f> found;
-  found.reserve(texture.vertices.size());
-  for (const std::uint32_t v : texture.vertices) found.push_back(vectors[v]);
-  return found;
+std::vector<Eigen::Vector3f> PositionsOf(const TriangleMesh& mesh, const MeshTexture& texture) {
+  std::vector<Eigen::Vector3f> positions;
+  positions.reserve(texture.vertices.size());
+  for (const std::uint32_t v : texture.vertices) positions.push_back(mesh.vertices[v]);
+  return positions;
 }
 
 }  // namespace
 
+// Without normals, which an unlit material does not use.
 void WriteGlbMesh(const TriangleMesh& mesh, const MeshTexture* texture, std::ostream& out) {
   Glb glb;
   if (texture != nullptr) {
-    Json attributes = {{"POSITION", AddVectors(AtPlaces(mesh.vertices, *texture), &glb)}};
-    if (!mesh.normals.empty())
-      attributes["NORMAL"] = AddVectors(AtPlaces(mesh.normals, *texture), &glb);
+    Json attributes = {{"POSITION", AddVectors(PositionsOf(mesh, *texture), &glb)}};
     attributes["TEXCOORD_0"] = AddTextureCoordinates(texture->texture_coordinates, &glb);
     const int indices = AddTriangles(texture->triangles, &glb);
     glb.AddPicture(EncodeTexture(*texture));
@@ -151,7 +159,6 @@ void WriteGlbMesh(const TriangleMesh& mesh, const MeshTexture* texture, std::ost
     return;
   }
   Json attributes = {{"POSITION", AddVectors(mesh.vertices, &glb)}};
-  if (!mesh.normals.empty()) attributes["NORMAL"] = AddVectors(mesh.normals, &glb);
   if (!mesh.colors.empty()) attributes["COLOR_0"] = AddColors(mesh.colors, &glb);
   glb.Write(attributes, AddTriangles(mesh.triangles, &glb), out);
 }
