@@ -77,6 +77,19 @@ SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options) {
   return info;
 }
 
+void WeighColor(const SequenceInfo& info, bool has_color, SlamOptions* options) {
+  constexpr int kRangeOfPhones = 2;
+  constexpr double kWeight = 1;
+  const bool is_possible = has_color && options->icp.solver != "svd" &&
+                           options->weakly_constrained_photometric_weight > 0;
+  double* const weight = &options->icp.error_model.photometric_weight;
+  if (info.confidence_range != kRangeOfPhones || !is_possible || *weight > 0) return;
+  *weight = kWeight;
+  LOG(INFO) << "depth of a phone is interpolated, so colour takes part in tracking with the "
+               "photometric weight "
+            << kWeight;
+}
+
 std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInfo& info,
                                 RunSession* session, double first_stamp_s) {
   std::unique_ptr<Slam> slam;

@@ -112,7 +112,7 @@ TEST(DrawBlended, BlendsWithinTwoRadiiOfBorder) {
 }
 
 // Blending rule of the header, in double precision at one pixel. std::nullopt if no disc covers the
-// pixel, or with `gaps_only`, if the discs lie on one side of it.
+// pixel. With `gaps_only` also std::nullopt if all discs are on one side of the pixel.
 std::optional<Eigen::Vector3d> BlendedAt(const SurfelMap& map, const PinholeCamera& camera, int u,
                                          int v, double share, bool stable, bool gaps_only) {
   struct Met {
@@ -132,7 +132,8 @@ std::optional<Eigen::Vector3d> BlendedAt(const SurfelMap& map, const PinholeCame
     const double depth_m = n.dot(p) / n.dot(ray);
     const double offset = (depth_m * ray - p).norm() / (share * s.radius_m);
     if (depth_m > 0 && offset <= 1) {
-      met.push_back({depth_m, offset * offset, {1. * s.color.r, 1. * s.color.g, 1. * s.color.b}, off});
+      met.push_back(
+          {depth_m, offset * offset, {1. * s.color.r, 1. * s.color.g, 1. * s.color.b}, off});
     }
   }
   if (met.empty()) return std::nullopt;

@@ -20,6 +20,8 @@ struct SequenceInfo {
   // Ratio of depth values that are removed from the first images because of low confidence.
   // std::nullopt without confidence images, see SequenceOptions::confidence.
   std::optional<double> low_confidence_ratio;
+  // Largest value of the confidence images: 2 (phones) or 255. 0: none.
+  int confidence_range = 0;
   // Assumed properties in two log lines, already logged: format, number of frames, image sizes,
   // colour registration and confidence; depth camera, depth scale and `camera_from`.
   std::string assumed;

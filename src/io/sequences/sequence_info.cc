@@ -76,29 +76,30 @@ void RequirePixelUnits(const PinholeCamera& camera, const char* whose, const std
                    " images: multiply fx and cx by the width, fy and cy by the height");
 }
 
-// Returns SequenceInfo::low_confidence_ratio. *range: confidence range of the recording, or 0
-// without confidence images.
-std::optional<double> LowConfidenceRatio(const std::vector<FrameImages>& images, int* range) {
+// Sets SequenceInfo::confidence_range and low_confidence_ratio.
+void CompleteConfidence(const std::vector<FrameImages>& images, SequenceInfo* info) {
   LowConfidence sum;
   for (const FrameImages& image : images) {
     sum.range = std::max(sum.range, image.low_confidence.range);
     sum.depths += image.low_confidence.depths;
     sum.removed += image.low_confidence.removed;
   }
-  *range = sum.range;
-  if (sum.range == 0) return std::nullopt;
-  return sum.depths == 0 ? 0 : static_cast<double>(sum.removed) / static_cast<double>(sum.depths);
+  info->confidence_range = sum.range;
+  if (sum.range == 0) return;
+  info->low_confidence_ratio =
+      sum.depths == 0 ? 0 : static_cast<double>(sum.removed) / static_cast<double>(sum.depths);
 }
 
 // Text with the confidence range and the ratio of removed depth. "" without confidence images.
-std::string ConfidenceFigures(std::optional<double> removed_ratio, int range) {
-  if (!removed_ratio) return "";
+std::string ConfidenceFigures(const SequenceInfo& info) {
+  const int range = info.confidence_range;
+  if (range == 0) return "";
   return Concat(", confidence 0 to ", range, ": low confidence (below ", (range + 2) / 3,
-                ") removes ", 0.1 * std::round(1000 * *removed_ratio),
+                ") removes ", 0.1 * std::round(1000 * info.low_confidence_ratio.value_or(0)),
                 " % of depth in the first images");
 }
 
-std::string Assumed(bool has_color, const SequenceInfo& info, int confidence_range) {
+std::string Assumed(bool has_color, const SequenceInfo& info) {
   const RgbdCamera& c = info.camera;
   std::string frames = info.frame_count < 0 ? "live frames" : Concat(info.frame_count, " frames");
   std::string color = "no colour";
@@ -108,8 +109,7 @@ std::string Assumed(bool has_color, const SequenceInfo& info, int confidence_ran
                 : Concat("separate colour camera, ", c.color.width, " x ", c.color.height);
   }
   return Concat("format ", info.format, ", ", frames, ", depth ", c.depth.width, " x ",
-                c.depth.height, ", ", color,
-                ConfidenceFigures(info.low_confidence_ratio, confidence_range), "\ndepth camera ",
+                c.depth.height, ", ", color, ConfidenceFigures(info), "\ndepth camera ",
                 FormatDepthCamera(c), ": ", info.camera_from);
 }
 
@@ -139,9 +139,8 @@ FrameRectifier CompleteInfo(const std::vector<FrameImages>& images, const Rectif
   RequirePixelUnits(info->camera.depth, "the depth camera", info->camera_from);
   if (!info->camera.color_is_registered)
     RequirePixelUnits(info->camera.color, "the colour camera", info->camera_from);
-  int confidence_range = 0;
-  info->low_confidence_ratio = LowConfidenceRatio(images, &confidence_range);
-  info->assumed = Assumed(!colored.color.empty(), *info, confidence_range);
+  CompleteConfidence(images, info);
+  info->assumed = Assumed(!colored.color.empty(), *info);
   if (!info->camera.disparity.IsGiven()) {
     if (auto warning = DepthScaleWarning(first.depth, info->camera.depth_units_per_metre,
                                          first.depth_name, scale_is_given))

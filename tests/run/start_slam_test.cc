@@ -1,0 +1,36 @@
+#include "run/start_slam.h"
+
+#include <gtest/gtest.h>
+
+namespace surfit::testing {
+namespace {
+
+// Photometric weight of a run with these options. `confidence_range`: SequenceInfo.
+double WeightOf(SlamOptions options, int confidence_range, bool has_color) {
+  SequenceInfo info;
+  info.confidence_range = confidence_range;
+  WeighColor(info, has_color, &options);
+  return options.icp.error_model.photometric_weight;
+}
+
+TEST(WeighColor, UsesColourWithTheDepthOfPhonesOnly) {
+  EXPECT_GT(WeightOf({}, 2, true), 0);
+  EXPECT_EQ(WeightOf({}, 2, false), 0);
+  EXPECT_EQ(WeightOf({}, 255, true), 0);
+  EXPECT_EQ(WeightOf({}, 0, true), 0);
+}
+
+TEST(WeighColor, LeavesOptionsThatDecide) {
+  SlamOptions options;
+  options.icp.error_model.photometric_weight = 0.1;
+  EXPECT_EQ(WeightOf(options, 2, true), 0.1);
+  options = {};
+  options.weakly_constrained_photometric_weight = 0;
+  EXPECT_EQ(WeightOf(options, 2, true), 0);
+  options = {};
+  options.icp.solver = "svd";
+  EXPECT_EQ(WeightOf(options, 2, true), 0);
+}
+
+}  // namespace
+}  // namespace surfit::testing
