@@ -122,11 +122,11 @@ void RunSession::Shift(ReadResult* result) const {
   if (result->frame) result->frame->index += shift_;
 }
 
-std::unique_ptr<Slam> RunSession::MakeSlam(const SequenceInfo& info) {
+std::unique_ptr<Slam> RunSession::MakeSlam(const SequenceInfo& info, const SlamOptions& options) {
   RequireSameSensor(options_.session, sensor_, info.sensor());
   const StateUse use = options_.localize ? StateUse::kLocalize : StateUse::kContinue;
   SlamState state = *std::move(state_);
-  return std::make_unique<Slam>(info.sensor(), options_.slam, std::move(state), use);
+  return std::make_unique<Slam>(info.sensor(), options, std::move(state), use);
 }
 
 void RunSession::Begin(const SequenceInfo& info, Slam* slam) {

@@ -34,7 +34,7 @@ class RunSession {
 
   // Creates a Slam that continues from the session. Requires has_state(). Call once, because the
   // state is moved. Throws InputError for a session of another sensor.
-  std::unique_ptr<Slam> MakeSlam(const SequenceInfo& info);
+  std::unique_ptr<Slam> MakeSlam(const SequenceInfo& info, const SlamOptions& options);
   // Starts saving. Call before the first frame. Saving functions do nothing in localisation.
   void Begin(const SequenceInfo& info, Slam* slam);
   // Call after each frame. Saves periodically.

@@ -94,7 +94,7 @@ std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInf
                                 RunSession* session, double first_stamp_s) {
   std::unique_ptr<Slam> slam;
   if (session && session->has_state()) {
-    slam = session->MakeSlam(info);
+    slam = session->MakeSlam(info, options.slam);
   } else {
     slam = std::make_unique<Slam>(info.sensor(), options.slam,
                                   InitialPose(options.initial_pose, info, first_stamp_s));
