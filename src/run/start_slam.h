@@ -24,7 +24,7 @@ SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options);
 // Sets the photometric weight for the depth of phones, unless options have one, or exclude it
 // (weakly_constrained_photometric_weight of 0, solver svd). Phones interpolate few measurements by
 // the colour image. The errors of neighbouring pixels are correlated, so depth has less information
-// than its number of pixels, and colour has more details.
+// than its number of pixels, and colour has more details. `has_color`: the first frame has colour.
 void WeighColor(const SequenceInfo& info, bool has_color, SlamOptions* options);
 
 // Creates the Slam of a run. It continues from the session if that has a state, else it starts at

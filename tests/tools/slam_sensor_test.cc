@@ -115,8 +115,8 @@ void ExpectTrueCalibration(const nlohmann::json& found, const nlohmann::json& si
 
 // Focal length, principal point, depth, readout and colour latency are wrong. camera.yaml only
 // states that the readout is unknown.
-// The depth of a phone is interpolated, so colour has the details. By depth alone, the error is 37
-// mm.
+// The depth of a phone is interpolated, so colour has the details. Depth alone has an error of
+// 37 mm.
 TEST(SlamSensor, TracksAPhoneByColourToo) {
   const TempFolder folder;
   Succeeded(RunProgram("surfit_simulate",
