@@ -154,7 +154,7 @@ class SlamRun {
       if (slam_) slam_->SetMapPeriod(period);
     }
     if (!slam_) {
-      WeighColor(info_, !frame.color.empty(), &options_.slam);
+      WeighColor(info_, noise_, !frame.color.empty(), &options_.slam);
       slam_ = StartSlam(options_, info_, session_, frame.stamp_s);
       slam_->OnPose([this](const FrameReport&) { statistics_.RecordPoseTime(); });
     }

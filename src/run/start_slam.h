@@ -24,8 +24,11 @@ SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options);
 // Sets the photometric weight for the depth of phones, unless options have one, or exclude it
 // (weakly_constrained_photometric_weight of 0, solver svd). Phones interpolate few measurements by
 // the colour image. The errors of neighbouring pixels are correlated, so depth has less information
-// than its number of pixels, and colour has more details. `has_color`: the first frame has colour.
-void WeighColor(const SequenceInfo& info, bool has_color, SlamOptions* options);
+// than its number of pixels, and colour has more details. Depth whose measured noise is below a
+// fifth of the starting value is not interpolated: it is exact, and colour gets no weight.
+// `has_color`: the first frame has colour.
+void WeighColor(const SequenceInfo& info, const NoiseReport& noise, bool has_color,
+                SlamOptions* options);
 
 // Creates the Slam of a run. It continues from the session if that has a state, else it starts at
 // InitialPose(). `options.dump_failures` enables dumps of lost frames. `session` may be null.

@@ -6,10 +6,14 @@ namespace surfit::testing {
 namespace {
 
 // Photometric weight of a run with these options. `confidence_range`: SequenceInfo.
-double WeightOf(SlamOptions options, int confidence_range, bool has_color) {
+double WeightOf(SlamOptions options, int confidence_range, bool has_color,
+                std::optional<double> measured_noise = {}) {
   SequenceInfo info;
   info.confidence_range = confidence_range;
-  WeighColor(info, has_color, &options);
+  NoiseReport noise;
+  noise.start = 0.002;
+  noise.measured = measured_noise;
+  WeighColor(info, noise, has_color, &options);
   return options.icp.error_model.photometric_weight;
 }
 
@@ -18,6 +22,11 @@ TEST(WeighColor, UsesColourWithTheDepthOfPhonesOnly) {
   EXPECT_EQ(WeightOf({}, 2, false), 0);
   EXPECT_EQ(WeightOf({}, 255, true), 0);
   EXPECT_EQ(WeightOf({}, 0, true), 0);
+}
+
+TEST(WeighColor, LeavesExactDepthAlone) {
+  EXPECT_GT(WeightOf({}, 2, true, 0.0006), 0);
+  EXPECT_EQ(WeightOf({}, 2, true, 0.0002), 0);
 }
 
 TEST(WeighColor, LeavesOptionsThatDecide) {
