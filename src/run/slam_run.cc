@@ -155,6 +155,7 @@ class SlamRun {
     }
     if (!slam_) {
       WeighColor(info_, noise_, !frame.color.empty(), &options_.slam);
+      KeepCalibrationOfPhones(info_, &options_.slam);
       slam_ = StartSlam(options_, info_, session_, frame.stamp_s);
       slam_->OnPose([this](const FrameReport&) { statistics_.RecordPoseTime(); });
     }

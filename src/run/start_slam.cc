@@ -79,18 +79,25 @@ SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options) {
 
 void WeighColor(const SequenceInfo& info, const NoiseReport& noise, bool has_color,
                 SlamOptions* options) {
-  constexpr int kRangeOfPhones = 2;
   constexpr double kWeight = 1;
   constexpr double kMinNoiseRatio = 0.2;
   const bool is_possible = has_color && options->icp.solver != "svd" &&
                            options->weakly_constrained_photometric_weight > 0;
   double* const weight = &options->icp.error_model.photometric_weight;
-  if (info.confidence_range != kRangeOfPhones || !is_possible || *weight > 0) return;
+  if (!info.IsPhone() || !is_possible || *weight > 0) return;
   if (noise.measured.value_or(noise.start) < kMinNoiseRatio * noise.start) return;
   *weight = kWeight;
   LOG(INFO) << "depth of a phone is interpolated, so colour takes part in tracking with the "
                "photometric weight "
             << kWeight;
+}
+
+void KeepCalibrationOfPhones(const SequenceInfo& info, SlamOptions* options) {
+  if (!info.IsPhone() || !(info.camera.prior == CalibrationPrior())) return;
+  if (!std::exchange(options->calibration.enabled, false)) return;
+  LOG(INFO)
+      << "a phone calibrates itself, so the run keeps its calibration; a prior in camera.yaml "
+         "makes the run calibrate";
 }
 
 std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInfo& info,

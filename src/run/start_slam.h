@@ -30,6 +30,10 @@ SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options);
 void WeighColor(const SequenceInfo& info, const NoiseReport& noise, bool has_color,
                 SlamOptions* options);
 
+// Switches the calibration off for phones, unless the camera file has a prior. A phone calibrates
+// itself, and smooth interpolated depth looks like a wrong calibration.
+void KeepCalibrationOfPhones(const SequenceInfo& info, SlamOptions* options);
+
 // Creates the Slam of a run. It continues from the session if that has a state, else it starts at
 // InitialPose(). `options.dump_failures` enables dumps of lost frames. `session` may be null.
 // `options` and `session` must outlive the result. Throws InputError for invalid options, for a

@@ -132,8 +132,7 @@ std::vector<Rigid3d> Backend::SmoothedByPrior(std::vector<Rigid3d> world_from_fr
   return world_from_frame;
 }
 
-// The keyframes follow the prior over long times, the other frames over short times. Measurements
-// of edges move with the keyframes, so that a continued session keeps the result.
+// The keyframes follow the prior over long times, the other frames over short times.
 void Backend::FusePriorMotions(std::vector<WorldCorrection>* corrections) {
   if (!prior_motions_ || poses_.keyframes().empty()) return;
   const std::vector<PosedFrame> frames = poses_.frames();
@@ -146,12 +145,18 @@ void Backend::FusePriorMotions(std::vector<WorldCorrection>* corrections) {
   for (const PosedFrame& frame : frames) {
     poses.push_back(of_keyframes.At(frame.index) * frame.world_from_camera);
   }
-  poses = SmoothedByPrior(std::move(poses));
+  corrections->push_back(MoveFrames(SmoothedByPrior(std::move(poses))));
+}
+
+// Measurements of edges move with the keyframes, so that a continued session keeps the result.
+WorldCorrection Backend::MoveFrames(const std::vector<Rigid3d>& world_from_frame) {
+  const std::vector<PosedFrame> frames = poses_.frames();
+  const std::vector<Rigid3d> before = poses_.KeyframePoses();
   std::vector<Rigid3d> of_indices;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     of_indices.resize(frames[i].index - frames.front().index,
                       of_indices.empty() ? Rigid3d() : of_indices.back());
-    of_indices.push_back(poses[i] * frames[i].world_from_camera.Inverse());
+    of_indices.push_back(world_from_frame[i] * frames[i].world_from_camera.Inverse());
   }
   WorldCorrection correction;
   correction.moves = true;
@@ -160,7 +165,7 @@ void Backend::FusePriorMotions(std::vector<WorldCorrection>* corrections) {
   poses_.Move(correction.corrections);
   ++counts_.corrections;
   poses_.RecalibrateEdges(before);
-  corrections->push_back(std::move(correction));
+  return correction;
 }
 
 }  // namespace surfit

@@ -388,11 +388,22 @@ void Slam::SetMapPeriod(int frames) {
   mapper_->SetPeriod(frames);
 }
 
+// Poses of frame-to-frame tracking drift, so they do not hold the place in a map.
+void Slam::SmoothByImu() {
+  if (!tracker_->imu() || options_.IsFrameToFrame()) return;
+  std::vector<ImuTracking::FramePose> frames;
+  for (const PosedFrame& frame : keeper()->poses().frames())
+    frames.push_back({frame.index, frame.stamp_s, frame.world_from_camera, frame.segment});
+  const auto poses = tracker_->imu()->Smoothed(frames);
+  if (poses) Apply(keeper()->MoveFrames(*poses), frames.back().frame);
+}
+
 void Slam::Finish() {
   if (!keeper() || keeper()->poses().frames().empty()) return;
   for (const WorldCorrection& correction : keeper()->Finish()) {
     Apply(correction, keeper()->poses().frames().back().index);
   }
+  SmoothByImu();
   if (const std::optional<WorldCorrection> apart = keeper()->PlacePieces(mapper_->Boxes())) {
     Apply(*apart, keeper()->poses().frames().back().index);
   }

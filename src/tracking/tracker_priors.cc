@@ -91,11 +91,11 @@ Tracked Tracker::WithoutImu(const PreprocessedFrame& frame, const Prediction& pr
   return tracked;
 }
 
-// An accepted pose that agrees with the prediction of both inertial sensors needs no search: two
-// independent measurements agree.
+// A pose that agrees with the prediction of both inertial sensors needs no search, even if it is
+// uncertain: two independent measurements agree.
 bool Tracker::AgreesWithImu(const Tracked& tracked) const {
   if (!imu_prediction_ || !imu_prediction_->covariance || !tracked.has_pose() ||
-      tracked.verdict != Verdict::kAccepted) {
+      tracked.verdict == Verdict::kRejected) {
     return false;
   }
   const Rigid3d error =

@@ -29,6 +29,22 @@ TEST(WeighColor, LeavesExactDepthAlone) {
   EXPECT_EQ(WeightOf({}, 2, true, 0.0002), 0);
 }
 
+TEST(KeepCalibrationOfPhones, CalibratesWithAPriorOnly) {
+  const auto calibrates = [](int confidence_range, double center_px) {
+    SequenceInfo info;
+    info.confidence_range = confidence_range;
+    info.camera.prior.center_px = center_px;
+    SlamOptions options;
+    KeepCalibrationOfPhones(info, &options);
+    return options.calibration.enabled;
+  };
+  const double usual_px = CalibrationPrior().center_px;
+  EXPECT_FALSE(calibrates(2, usual_px));
+  EXPECT_TRUE(calibrates(2, usual_px + 1));
+  EXPECT_TRUE(calibrates(255, usual_px));
+  EXPECT_TRUE(calibrates(0, usual_px));
+}
+
 TEST(WeighColor, LeavesOptionsThatDecide) {
   SlamOptions options;
   options.icp.error_model.photometric_weight = 0.1;

@@ -22,6 +22,7 @@ struct SequenceInfo {
   std::optional<double> low_confidence_ratio;
   // Largest value of the confidence images: 2 (phones) or 255. 0: none.
   int confidence_range = 0;
+  bool IsPhone() const { return confidence_range == 2; }
   // Assumed properties in two log lines, already logged: format, number of frames, image sizes,
   // colour registration and confidence; depth camera, depth scale and `camera_from`.
   std::string assumed;

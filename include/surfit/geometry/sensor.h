@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <tuple>
 
 #include "surfit/geometry/pinhole_camera.h"
 #include "surfit/geometry/rigid3.h"
@@ -69,6 +70,14 @@ struct CalibrationPrior {
   double color_rotation_rad = 0.01;
 
   void Visit(OptionVisitor& visitor);
+  bool operator==(const CalibrationPrior& other) const {
+    const auto values = [](const CalibrationPrior& p) {
+      return std::tie(p.focal_relative_sigma, p.aspect_relative_sigma, p.center_px,
+                      p.inverse_depth_sigma, p.latency_s, p.color_latency_s, p.readout_s,
+                      p.color_translation_m, p.color_rotation_rad);
+    };
+    return values(*this) == values(other);
+  }
 
   // Throws InputError with the name `what`, the field, its value and the constraint.
   void Validate(const std::string& what) const;

@@ -149,6 +149,9 @@ class Backend {
   // exception of a failed task.
   std::vector<WorldCorrection> Finish();
 
+  // Replaces the poses of all frames of poses(), in their order. Requires at least one frame.
+  WorldCorrection MoveFrames(const std::vector<Rigid3d>& world_from_frame);
+
   // Moves pieces that no loop closure has connected beside each other, along x, so that their boxes
   // are at least 1 m apart. The first piece stays. `boxes`: boxes of the maps in world
   // coordinates, by submap. Call after Finish(). Returns std::nullopt with one piece.

@@ -191,6 +191,7 @@ class Slam {
 
   void MakeBackend(LoopFinder finder);
   void UsePriorEdges();
+  void SmoothByImu();
   void Correct(const RgbdFrame& frame, StageTimes* times);
   void Apply(const WorldCorrection& correction, int frame_index);
   PreprocessedFrame Preprocess(const RgbdFrame& frame, const CameraMotion& motion,

@@ -138,6 +138,10 @@ void ImuTracking::AddError(const Rigid3d& predicted_from_registered, const Matri
 void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& predicted) {
   AddForce(pose);
   if (!recording_.has_gyro || !report_.off_reason.empty()) return;
+  if (!pose.information.isZero(0)) {
+    registrations_[pose.frame] = {pose.world_from_camera.Inverse() * pose.registered,
+                                  Registered(pose).covariance};
+  }
   const bool continues =
       pose.continues && !recent_.empty() && pose.stamp_s > recent_.back().stamp_s;
   if (!continues) {
@@ -282,6 +286,24 @@ void ImuTracking::Move(const Rigid3d& new_from_old) {
   }
   force_sum_ = new_from_old.rotation * force_sum_;
   if (filter_) filter_->Move(new_from_old);
+}
+
+std::optional<std::vector<Rigid3d>> ImuTracking::Smoothed(
+    const std::vector<FramePose>& frames) const {
+  const ImuReport now = report();
+  if (!now.off_reason.empty() || now.full_frames == 0 || frames.empty()) return std::nullopt;
+  std::vector<PoseToSmooth> poses;
+  for (const FramePose& frame : frames) {
+    PoseToSmooth pose = {frame.stamp_s, frame.world_from_camera, std::nullopt, Matrix6d::Zero(),
+                         !poses.empty() && frame.segment == frames[poses.size() - 1].segment};
+    const auto found = registrations_.find(frame.frame);
+    if (found != registrations_.end()) {
+      pose.registered = frame.world_from_camera * found->second.camera_from_registered;
+      pose.covariance = found->second.covariance;
+    }
+    poses.push_back(pose);
+  }
+  return SmoothByImu(recording_.samples, now.calibration, poses);
 }
 
 ImuReport ImuTracking::report() const {

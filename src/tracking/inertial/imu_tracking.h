@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "surfit/registration/normal_system.h"
 #include "tracking/inertial/imu_alignment.h"
 #include "tracking/inertial/imu_filter.h"
+#include "tracking/inertial/imu_smoother.h"
 
 namespace surfit {
 
@@ -58,6 +60,18 @@ class ImuTracking {
 
   ImuReport report() const;
 
+  // Frame with its latest pose.
+  struct FramePose {
+    int frame = 0;
+    double stamp_s = 0;  // capture time
+    Rigid3d world_from_camera;
+    int segment = 0;  // trajectory segment
+  };
+  // Smooths the poses of all frames by both sensors, see SmoothByImu(). Loop closures have moved
+  // each registered pose together with the pose of its frame. Returns std::nullopt if the sensors
+  // have not predicted poses, or if they are off.
+  std::optional<std::vector<Rigid3d>> Smoothed(const std::vector<FramePose>& frames) const;
+
  private:
   // Standard deviations per axis of the errors that registration does not know. They are estimated
   // from the differences of registered and predicted poses.
@@ -65,6 +79,12 @@ class ImuTracking {
     double turn_rad = 0.002, shift_m = 0.004;
 
     Matrix6d Covariance() const;
+  };
+
+  // Registration of a frame, relative to its pose.
+  struct Registration {
+    Rigid3d camera_from_registered;
+    Matrix6d covariance = Matrix6d::Zero();  // as in RegisteredPose
   };
 
   RegisteredPose Registered(const TrackedPose& pose) const;
@@ -89,7 +109,8 @@ class ImuTracking {
   std::vector<TrackedPose> recent_;  // consecutive poses of the last 1.5 s, or the last eight
   double last_turn_s_ = 0;           // end of the last turn
   PoseNoise noise_;
-  int contradictions_ = 0;  // consecutive frames
+  std::map<int, Registration> registrations_;  // by frame; only frames with an information matrix
+  int contradictions_ = 0;                     // consecutive frames
   // Sum of the specific forces at the poses in the world frame, m/s^2, and their number.
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
   int force_count_ = 0;

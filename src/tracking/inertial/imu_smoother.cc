@@ -1,0 +1,163 @@
+#include "tracking/inertial/imu_smoother.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cost_functions/inertial_motion.h"
+#include "cost_functions/pose_manifold.h"
+#include "cost_functions/sensor_prior.h"
+#include "registration/solvers/decompositions.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::size_t kMinPoses = 5;
+constexpr double kMinChain_s = 0.4, kMaxInterval_s = 1.1;
+// Frames of a chunk, and frames at each end that only help its middle.
+constexpr std::size_t kChunk = 450, kOverlap = 150;
+// Squared error of a registered pose from which it counts less: 99.9 % of chi-square with 6 degrees
+// of freedom.
+constexpr double kMaxSquaredError = 22.457744;
+
+// Prior of the biases of the first pose (kMotionSize).
+class BiasPrior {
+ public:
+  explicit BiasPrior(const ImuNoise& noise) : noise_(noise) {}
+
+  template <typename T>
+  bool operator()(const T* motion, T* residuals) const {
+    for (int k = 0; k < 3; ++k) {
+      residuals[k] = motion[3 + k] / noise_.gyro_bias_sigma;
+      residuals[3 + k] = motion[6 + k] / noise_.accel_bias_sigma;
+    }
+    return true;
+  }
+
+ private:
+  ImuNoise noise_;
+};
+
+// Poses [begin, end) as a Ceres problem.
+class Chunk {
+ public:
+  Chunk(const std::vector<ImuSample>& samples, const ImuCalibration& calibration,
+        const std::vector<PoseToSmooth>& poses, std::size_t begin, std::size_t end)
+      : calibration_(calibration), poses_(end - begin), motions_(end - begin) {
+    for (std::size_t i = 0; i < poses_.size(); ++i) AddPose(poses[begin + i], i);
+    Vector3d force = Vector3d::Zero();
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      const PoseToSmooth& pose = poses[begin + i];
+      const double stamp_s = pose.stamp_s + calibration.time_offset_s;
+      if (const auto sample = InterpolateImu(samples, stamp_s, calibration.noise.max_step_s)) {
+        force += pose.world_from_camera.rotation *
+                 (calibration.camera_from_imu.rotation * sample->accel_m_per_s2);
+      }
+      if (i > 0) AddMotion(samples, poses[begin + i - 1], pose, i);
+    }
+    const Vector3d down = -kGravity_m_per_s2 * force.normalized();
+    std::copy(down.data(), down.data() + 3, gravity_.data());
+    problem_.AddParameterBlock(gravity_.data(), 3, new ceres::SphereManifold<3>);
+    problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<BiasPrior, 6, kMotionSize>(
+                                  new BiasPrior(calibration.noise)),
+                              nullptr, motions_[0].data());
+  }
+
+  // Returns false if there is no solution.
+  bool Solve() {
+    const SingleThreadedLibraries single_threaded;
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    options.num_threads = 1;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem_, &summary);
+    return summary.IsSolutionUsable();
+  }
+
+  Rigid3d Pose(std::size_t i) const { return PoseFromBlock(poses_[i].data()); }
+
+ private:
+  void AddPose(const PoseToSmooth& pose, std::size_t i) {
+    double* const block = poses_[i].data();
+    PoseToBlock(pose.world_from_camera, block);
+    problem_.AddParameterBlock(block, kPoseSize, new ProductPoseManifold);
+    problem_.AddParameterBlock(motions_[i].data(), kMotionSize);
+    if (!pose.registered) return;
+    problem_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<SensorPrior, 6, kPoseSize>(
+            new SensorPrior(Rigid3d(), *pose.registered, SymmetricInverse(pose.covariance))),
+        new ceres::HuberLoss(std::sqrt(kMaxSquaredError)), block);
+  }
+
+  // The start of each velocity is that of the camera.
+  void AddMotion(const std::vector<ImuSample>& samples, const PoseToSmooth& from,
+                 const PoseToSmooth& to, std::size_t i) {
+    const double seconds = to.stamp_s - from.stamp_s;
+    const Vector3d velocity =
+        (to.world_from_camera.translation - from.world_from_camera.translation) / seconds;
+    std::copy(velocity.data(), velocity.data() + 3, motions_[i].data());
+    if (i == 1) motions_[0] = motions_[1];
+    const auto motion =
+        PreintegrateImu(samples, from.stamp_s + calibration_.time_offset_s,
+                        to.stamp_s + calibration_.time_offset_s, ImuBias(), calibration_.noise);
+    problem_.AddResidualBlock(new AnalyticInertialMotion(*motion, calibration_.camera_from_imu),
+                              nullptr, poses_[i - 1].data(), motions_[i - 1].data(),
+                              poses_[i].data(), motions_[i].data(), gravity_.data());
+  }
+
+  ImuCalibration calibration_;
+  std::vector<std::array<double, kPoseSize>> poses_;
+  std::vector<std::array<double, kMotionSize>> motions_;
+  std::array<double, 3> gravity_ = {0, 0, 0};
+  ceres::Problem problem_;
+};
+
+bool AreConnected(const std::vector<ImuSample>& samples, const ImuCalibration& calibration,
+                  const PoseToSmooth& from, const PoseToSmooth& to) {
+  const double seconds = to.stamp_s - from.stamp_s;
+  if (!to.continues || !(seconds > 0 && seconds <= kMaxInterval_s)) return false;
+  return PreintegrateImu(samples, from.stamp_s + calibration.time_offset_s,
+                         to.stamp_s + calibration.time_offset_s, ImuBias(), calibration.noise)
+      .has_value();
+}
+
+// Smooths the chain [begin, end).
+void SmoothChain(const std::vector<ImuSample>& samples, const ImuCalibration& calibration,
+                 const std::vector<PoseToSmooth>& poses, std::size_t begin, std::size_t end,
+                 std::vector<Rigid3d>* smoothed) {
+  for (std::size_t from = begin; from < end; from += kChunk) {
+    const std::size_t to = std::min(end, from + kChunk);
+    const std::size_t first = from - std::min(from - begin, kOverlap);
+    const std::size_t last = std::min(end, to + kOverlap);
+    if (last - first < kMinPoses || poses[last - 1].stamp_s - poses[first].stamp_s < kMinChain_s)
+      continue;
+    Chunk chunk(samples, calibration, poses, first, last);
+    if (!chunk.Solve()) continue;
+    for (std::size_t i = from; i < to; ++i) (*smoothed)[i] = chunk.Pose(i - first);
+  }
+}
+
+}  // namespace
+
+std::vector<Rigid3d> SmoothByImu(const std::vector<ImuSample>& samples,
+                                 const ImuCalibration& calibration,
+                                 const std::vector<PoseToSmooth>& poses) {
+  std::vector<Rigid3d> smoothed;
+  smoothed.reserve(poses.size());
+  for (const PoseToSmooth& pose : poses) smoothed.push_back(pose.world_from_camera);
+  std::size_t begin = 0;
+  for (std::size_t i = 1; i <= poses.size(); ++i) {
+    if (i < poses.size() && AreConnected(samples, calibration, poses[i - 1], poses[i])) continue;
+    SmoothChain(samples, calibration, poses, begin, i, &smoothed);
+    begin = i;
+  }
+  return smoothed;
+}
+
+}  // namespace surfit

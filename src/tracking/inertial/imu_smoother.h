@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "surfit/geometry/inertial.h"
+#include "surfit/registration/normal_system.h"
+
+namespace surfit {
+
+// Pose of a frame, and the registration that determines it.
+struct PoseToSmooth {
+  double stamp_s = 0;  // capture time
+  Rigid3d world_from_camera;
+  // Registered pose without any inertial information. std::nullopt: not registered.
+  std::optional<Rigid3d> registered;
+  // Covariance (rad, m) of `registered`: left perturbation of the identity in the camera frame.
+  Matrix6d covariance = Matrix6d::Zero();
+  // False: the inertial sensor does not connect this pose with the previous one.
+  bool continues = false;
+};
+
+// Returns the poses of all frames (world_from_camera) that fit both the registered poses and the
+// inertial measurements between them best. Ceres minimises the sum of
+// - SensorPrior, with a Huber kernel, for each registered pose
+// - AnalyticInertialMotion for consecutive poses, with velocity and biases at each pose
+// - priors of the biases
+// The direction of gravity is free, its length is fixed. Registered poses have no inertial drift:
+// they hold the place in the map. The map can tilt slowly, so poses are solved in overlapping chunks
+// of 450 frames. A chunk without a solution keeps its poses. A chain of less than 5 poses or 0.4 s
+// keeps its poses, too. Runs on one thread: the result is bitwise reproducible.
+std::vector<Rigid3d> SmoothByImu(const std::vector<ImuSample>& samples,
+                                 const ImuCalibration& calibration,
+                                 const std::vector<PoseToSmooth>& poses);
+
+}  // namespace surfit
