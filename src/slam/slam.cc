@@ -394,7 +394,7 @@ void Slam::SmoothByImu() {
   std::vector<ImuTracking::FramePose> frames;
   for (const PosedFrame& frame : keeper()->poses().frames())
     frames.push_back({frame.index, frame.stamp_s, frame.world_from_camera, frame.segment});
-  const auto poses = tracker_->imu()->Smoothed(frames);
+  const auto poses = tracker_->imu()->Smooth(frames);
   if (poses) Apply(keeper()->MoveFrames(*poses), frames.back().frame);
 }
 

@@ -67,7 +67,7 @@ class Tracker {
   void UseImu(ImuRecording recording);
   // Empty without a sensor.
   ImuReport imu_report() const { return imu_ ? imu_->report() : ImuReport(); }
-  const ImuTracking* imu() const { return imu_.get(); }  // null: no inertial sensor
+  ImuTracking* imu() const { return imu_.get(); }  // null: no inertial sensor
 
   // Submap of the last pose. Call before the first frame.
   void UseSubmap(int submap) { submap_ = submap; }

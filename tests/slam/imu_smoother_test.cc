@@ -30,7 +30,7 @@ struct NoisyRegistrations {
     }
   }
   std::vector<Rigid3d> Smoothed() const {
-    return SmoothByImu(samples, simulation.calibration, poses);
+    return SmoothByImu(samples, simulation.calibration, poses).world_from_camera;
   }
   double ErrorAt(int i, const Rigid3d& pose) const {
     return (pose.translation - path.At(poses[i].stamp_s).translation).norm();
@@ -99,6 +99,17 @@ TEST(SmoothByImu, ChangesNoChainThatIsTooShortOrWithoutSamples) {
   noisy = NoisyRegistrations(40);
   noisy.samples.clear();
   EXPECT_EQ(noisy.Smoothed(), noisy.Given());
+}
+
+// The direction is limited by the bias of the accelerometer: its prior is 0.1 m/s^2.
+TEST(SmoothByImu, FindsUp) {
+  for (const int seed : {1, 2, 3}) {
+    const NoisyRegistrations noisy(300, seed);
+    const auto up =
+        SmoothByImu(noisy.samples, noisy.simulation.calibration, noisy.poses).up_in_world;
+    ASSERT_TRUE(up);
+    EXPECT_LT(std::acos(up->z()), 0.01) << seed;
+  }
 }
 
 TEST(SmoothByImu, IsBitwiseReproducible) {

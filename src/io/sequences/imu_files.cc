@@ -76,7 +76,7 @@ ImuCalibration UnknownMounting() {
 
 // An iPhone in landscape orientation, as Stray Scanner records. The axes of the motion sensor are x
 // right, y up, z out of the screen in portrait orientation. Depth images have the same clock. The
-// phone removes most of the gyroscope's bias. Assumed: 0.1 degrees/s remain.
+// phone removes most of both biases. Assumed: 0.1 degrees/s and 0.03 m/s^2 remain.
 ImuCalibration PhoneMounting() {
   ImuCalibration calibration;
   Eigen::Matrix3d rotation;
@@ -85,6 +85,7 @@ ImuCalibration PhoneMounting() {
   calibration.rotation_sigma_rad = 0.01;
   calibration.time_offset_sigma_s = 0.005;
   calibration.noise.gyro_bias_sigma = 0.002;
+  calibration.noise.accel_bias_sigma = 0.03;
   return calibration;
 }
 

@@ -81,6 +81,7 @@ class Chunk {
   }
 
   Rigid3d Pose(std::size_t i) const { return PoseFromBlock(poses_[i].data()); }
+  Vector3d Up() const { return -Vector3d(gravity_.data()).normalized(); }
 
  private:
   void AddPose(const PoseToSmooth& pose, std::size_t i) {
@@ -127,10 +128,11 @@ bool AreConnected(const std::vector<ImuSample>& samples, const ImuCalibration& c
       .has_value();
 }
 
-// Smooths the chain [begin, end).
-void SmoothChain(const std::vector<ImuSample>& samples, const ImuCalibration& calibration,
-                 const std::vector<PoseToSmooth>& poses, std::size_t begin, std::size_t end,
-                 std::vector<Rigid3d>* smoothed) {
+// Smooths the chain [begin, end). Returns the sum of the up directions of its frames.
+Vector3d SmoothChain(const std::vector<ImuSample>& samples, const ImuCalibration& calibration,
+                     const std::vector<PoseToSmooth>& poses, std::size_t begin, std::size_t end,
+                     std::vector<Rigid3d>* smoothed) {
+  Vector3d up = Vector3d::Zero();
   for (std::size_t from = begin; from < end; from += kChunk) {
     const std::size_t to = std::min(end, from + kChunk);
     const std::size_t first = from - std::min(from - begin, kOverlap);
@@ -140,23 +142,28 @@ void SmoothChain(const std::vector<ImuSample>& samples, const ImuCalibration& ca
     Chunk chunk(samples, calibration, poses, first, last);
     if (!chunk.Solve()) continue;
     for (std::size_t i = from; i < to; ++i) (*smoothed)[i] = chunk.Pose(i - first);
+    up += static_cast<double>(to - from) * chunk.Up();
   }
+  return up;
 }
 
 }  // namespace
 
-std::vector<Rigid3d> SmoothByImu(const std::vector<ImuSample>& samples,
-                                 const ImuCalibration& calibration,
-                                 const std::vector<PoseToSmooth>& poses) {
-  std::vector<Rigid3d> smoothed;
-  smoothed.reserve(poses.size());
-  for (const PoseToSmooth& pose : poses) smoothed.push_back(pose.world_from_camera);
+SmoothedPoses SmoothByImu(const std::vector<ImuSample>& samples, const ImuCalibration& calibration,
+                          const std::vector<PoseToSmooth>& poses) {
+  SmoothedPoses smoothed;
+  for (const PoseToSmooth& pose : poses)
+    smoothed.world_from_camera.push_back(pose.world_from_camera);
+  Vector3d longest = Vector3d::Zero();
   std::size_t begin = 0;
   for (std::size_t i = 1; i <= poses.size(); ++i) {
     if (i < poses.size() && AreConnected(samples, calibration, poses[i - 1], poses[i])) continue;
-    SmoothChain(samples, calibration, poses, begin, i, &smoothed);
+    const Vector3d up =
+        SmoothChain(samples, calibration, poses, begin, i, &smoothed.world_from_camera);
+    if (up.norm() > longest.norm()) longest = up;
     begin = i;
   }
+  if (!longest.isZero(0)) smoothed.up_in_world = longest.normalized();
   return smoothed;
 }
 

@@ -20,17 +20,22 @@ struct PoseToSmooth {
   bool continues = false;
 };
 
-// Returns the poses of all frames (world_from_camera) that fit both the registered poses and the
+struct SmoothedPoses {
+  std::vector<Rigid3d> world_from_camera;
+  // Unit vector opposite to gravity in the world, of the longest chain. std::nullopt: no solution.
+  std::optional<Eigen::Vector3d> up_in_world;
+};
+
+// Returns the poses of all frames that fit both the registered poses and the
 // inertial measurements between them best. Ceres minimises the sum of
 // - SensorPrior, with a Huber kernel, for each registered pose
 // - AnalyticInertialMotion for consecutive poses, with velocity and biases at each pose
 // - priors of the biases
 // The direction of gravity is free, its length is fixed. Registered poses have no inertial drift:
-// they hold the place in the map. The map can tilt slowly, so poses are solved in overlapping chunks
-// of 450 frames. A chunk without a solution keeps its poses. A chain of less than 5 poses or 0.4 s
-// keeps its poses, too. Runs on one thread: the result is bitwise reproducible.
-std::vector<Rigid3d> SmoothByImu(const std::vector<ImuSample>& samples,
-                                 const ImuCalibration& calibration,
-                                 const std::vector<PoseToSmooth>& poses);
+// they hold the place in the map. The map can tilt slowly, so poses are solved in overlapping
+// chunks of 450 frames. A chunk without a solution keeps its poses. A chain of less than 5 poses or
+// 0.4 s keeps its poses, too. Runs on one thread: the result is bitwise reproducible.
+SmoothedPoses SmoothByImu(const std::vector<ImuSample>& samples, const ImuCalibration& calibration,
+                          const std::vector<PoseToSmooth>& poses);
 
 }  // namespace surfit

@@ -285,11 +285,11 @@ void ImuTracking::Move(const Rigid3d& new_from_old) {
     pose.registered = new_from_old * pose.registered;
   }
   force_sum_ = new_from_old.rotation * force_sum_;
+  if (smoothed_up_) smoothed_up_ = new_from_old.rotation * *smoothed_up_;
   if (filter_) filter_->Move(new_from_old);
 }
 
-std::optional<std::vector<Rigid3d>> ImuTracking::Smoothed(
-    const std::vector<FramePose>& frames) const {
+std::optional<std::vector<Rigid3d>> ImuTracking::Smooth(const std::vector<FramePose>& frames) {
   const ImuReport now = report();
   if (!now.off_reason.empty() || now.full_frames == 0 || frames.empty()) return std::nullopt;
   std::vector<PoseToSmooth> poses;
@@ -303,7 +303,9 @@ std::optional<std::vector<Rigid3d>> ImuTracking::Smoothed(
     }
     poses.push_back(pose);
   }
-  return SmoothByImu(recording_.samples, now.calibration, poses);
+  SmoothedPoses smoothed = SmoothByImu(recording_.samples, now.calibration, poses);
+  smoothed_up_ = smoothed.up_in_world;
+  return std::move(smoothed.world_from_camera);
 }
 
 ImuReport ImuTracking::report() const {
@@ -314,9 +316,11 @@ ImuReport ImuTracking::report() const {
   report.bias.gyro_rad_per_s = alignment_.gyro_bias_rad_per_s;
   report.gyro_bias_sigma_rad_per_s = alignment_.gyro_bias_sigma_rad_per_s;
   if (!filter_) {
-    // A fallback for sensors without gyroscope.
-    if (recording_.has_gyro || force_count_ < kMinForces) return report;
-    report.up_in_world = force_sum_.normalized();
+    // Sensors without gyroscope have the mean force alone.
+    const bool is_known =
+        recording_.has_gyro ? smoothed_up_.has_value() : force_count_ >= kMinForces;
+    if (!is_known) return report;
+    report.up_in_world = smoothed_up_.value_or(force_sum_.normalized());
     report.up_sigma_rad =
         std::hypot(recording_.calibration.noise.accel_bias_sigma / kGravity_m_per_s2,
                    alignment_.calibration.rotation_sigma_rad);
@@ -326,7 +330,7 @@ ImuReport ImuTracking::report() const {
   report.calibration.camera_from_imu.translation = filter_->lever_arm_m();
   report.calibration.translation_sigma_m =
       LargestSigma(filter_->covariance().bottomRightCorner<3, 3>());
-  report.up_in_world = -filter_->gravity_m_per_s2().normalized();
+  report.up_in_world = smoothed_up_.value_or(-filter_->gravity_m_per_s2().normalized());
   report.up_sigma_rad = filter_->GravitySigma();
   return report;
 }

@@ -68,9 +68,10 @@ class ImuTracking {
     int segment = 0;  // trajectory segment
   };
   // Smooths the poses of all frames by both sensors, see SmoothByImu(). Loop closures have moved
-  // each registered pose together with the pose of its frame. Returns std::nullopt if the sensors
-  // have not predicted poses, or if they are off.
-  std::optional<std::vector<Rigid3d>> Smoothed(const std::vector<FramePose>& frames) const;
+  // each registered pose together with the pose of its frame. The report then has the up direction
+  // of all frames. Returns std::nullopt if the sensors have not predicted poses, or if they are
+  // off.
+  std::optional<std::vector<Rigid3d>> Smooth(const std::vector<FramePose>& frames);
 
  private:
   // Standard deviations per axis of the errors that registration does not know. They are estimated
@@ -109,8 +110,9 @@ class ImuTracking {
   std::vector<TrackedPose> recent_;  // consecutive poses of the last 1.5 s, or the last eight
   double last_turn_s_ = 0;           // end of the last turn
   PoseNoise noise_;
-  std::map<int, Registration> registrations_;  // by frame; only frames with an information matrix
-  int contradictions_ = 0;                     // consecutive frames
+  std::optional<Eigen::Vector3d> smoothed_up_;  // up direction in the world by Smooth()
+  std::map<int, Registration> registrations_;   // by frame; only frames with an information matrix
+  int contradictions_ = 0;                      // consecutive frames
   // Sum of the specific forces at the poses in the world frame, m/s^2, and their number.
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
   int force_count_ = 0;
