@@ -268,14 +268,19 @@ class SlamRun {
            !options_.continue_session && !options_.localize;
   }
 
-  // Finds poses of lost frames between two frames of the same piece.
+  // Finds poses of lost frames between two frames of the same piece: by registration, else by the
+  // inertial sensor.
   void FindLostPoses(const std::atomic<bool>& interrupted) {
-    if (options_.poses != "track" || !CanReadAgain(interrupted)) return;
-    const std::vector<PoseBetween> found = FindPosesBetween(
-        Known(trajectory_->poses(), found_),
-        GapsOf(*trajectory_, slam_->backend() ? &slam_->backend()->poses() : nullptr,
-               facts_.lost()),
-        interrupted);
+    if (options_.poses != "track" || options_.localize) return;
+    std::vector<PoseBetween> found;
+    if (CanReadAgain(interrupted)) {
+      found = FindPosesBetween(
+          Known(trajectory_->poses(), found_),
+          GapsOf(*trajectory_, slam_->backend() ? &slam_->backend()->poses() : nullptr,
+                 facts_.lost()),
+          interrupted);
+    }
+    AddBridgedFrames(slam_->bridged_frames(), *trajectory_, &found);
     trajectory_->Insert(found);
     std::vector<int> frames;
     frames.reserve(found.size());

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "finishing/posed_sequence.h"
+#include "run/results/evaluate_run.h"
 #include "run/results/run_files.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
@@ -95,6 +96,29 @@ TEST(FrameTable, MarksLostFramesWhosePoseWasFound) {
   EXPECT_THAT(rows, ::testing::HasSubstr("\n1,0.000000,lost,"));
   EXPECT_THAT(rows, ::testing::HasSubstr("\n2,0.000000,between,"));
   EXPECT_THAT(rows, ::testing::HasSubstr("\n3,0.000000,lost,"));
+}
+
+// The inertial sensor places the lost frames that registration has not found.
+TEST(AddBridgedFrames, AddsFramesWithoutRegistration) {
+  const TempFolder folder;
+  RunTrajectory trajectory(folder.path(), false);
+  for (const int index : {0, 3}) {
+    FrameReport report;
+    report.index = index;
+    report.state = FrameState::kTracked;
+    report.world_from_camera.translation = {1. * index, 0, 0};
+    trajectory.Add(report);
+  }
+  const Rigid3d step(Eigen::Quaterniond::Identity(), {0.5, 0, 0});
+  std::vector<PoseBetween> found = {{2, 0.2, Rigid3d(), 0}};
+  AddBridgedFrames({{1, 0.1, 0, step}, {2, 0.2, 0, step}, {4, 0.4, 3, step}, {6, 0.6, 5, step}},
+                   trajectory, &found);
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_EQ(found[0].frame, 1);
+  EXPECT_EQ(found[0].world_from_camera.translation.x(), 0.5);
+  EXPECT_EQ(found[1].world_from_camera.translation.x(), 0) << "the registered pose stays";
+  EXPECT_EQ(found[2].frame, 4);
+  EXPECT_EQ(found[2].world_from_camera.translation.x(), 3.5);
 }
 
 }  // namespace

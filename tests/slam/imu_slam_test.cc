@@ -29,7 +29,8 @@ struct InertialRoom {
   }
 
   // Poses of the frames. Frames of the gap have no depth.
-  std::vector<FrameReport> Run(bool with_imu, ImuReport* report) const {
+  std::vector<FrameReport> Run(bool with_imu, ImuReport* report,
+                               std::vector<Slam::BridgedFrame>* bridged = nullptr) const {
     Slam slam({camera, {}}, SlamOptions(), path[0].world_from_camera);
     if (with_imu) slam.UseImu(imu);
     std::vector<FrameReport> reports;
@@ -43,6 +44,8 @@ struct InertialRoom {
       reports.push_back(slam.Process(frame));
     }
     *report = slam.imu_report();
+    slam.Finish();
+    if (bridged) *bridged = slam.bridged_frames();
     return reports;
   }
 };
@@ -64,6 +67,23 @@ TEST(SlamWithImu, BridgesFramesWithoutDepth) {
   ASSERT_EQ(imu.bridges.size(), 1u);
   EXPECT_EQ(imu.bridges[0].frame, kGapEnd);
   EXPECT_LT(imu.bridges[0].correction_m, 0.05);
+}
+
+TEST(SlamWithImu, BlindFramesHavePosesAfterTheLastFrame) {
+  const InertialRoom room;
+  ImuReport imu;
+  std::vector<Slam::BridgedFrame> bridged;
+  room.Run(true, &imu, &bridged);
+  ASSERT_EQ(bridged.size(), static_cast<std::size_t>(kGapEnd - kGapBegin));
+  for (int i = 0; i < kGapEnd - kGapBegin; ++i) {
+    EXPECT_EQ(bridged[i].index, kGapBegin + i);
+    EXPECT_EQ(bridged[i].before, kGapBegin - 1);
+    const Rigid3d truth = room.path[kGapBegin - 1].world_from_camera.Inverse() *
+                          room.path[kGapBegin + i].world_from_camera;
+    EXPECT_THAT(bridged[i].before_from_camera, RigidNear(truth, 0.005, 0.003)) << i;
+  }
+  room.Run(false, &imu, &bridged);
+  EXPECT_TRUE(bridged.empty());
 }
 
 TEST(SlamWithImu, ResultIsTheSameForOneAndTwoThreads) {

@@ -155,6 +155,17 @@ class Slam {
   void UseImu(ImuRecording recording);
   ImuReport imu_report() const;
 
+  // Lost frame whose pose follows from the inertial sensor, relative to an earlier frame.
+  struct BridgedFrame {
+    int index = 0;
+    double stamp_s = 0;
+    int before = 0;  // index of the last frame with a pose before it
+    Rigid3d before_from_camera;
+  };
+  // Lost frames of stretches of up to 1.1 s between frames of one trajectory segment. Call after
+  // Finish().
+  const std::vector<BridgedFrame>& bridged_frames() const { return bridged_; }
+
   // Replaces FindLoops() for loop closure. Throws without LoopOptions::HasViews(), and if a frame
   // has a pose, also in a continued state.
   void UseLoopFinder(LoopFinder finder);
@@ -191,6 +202,7 @@ class Slam {
 
   void MakeBackend(LoopFinder finder);
   void UsePriorEdges();
+  void NoteLost(const RgbdFrame& frame);
   void SmoothByImu();
   void Correct(const RgbdFrame& frame, StageTimes* times);
   void Apply(const WorldCorrection& correction, int frame_index);
@@ -215,6 +227,9 @@ class Slam {
   const StateUse use_;
   std::unique_ptr<FramePreprocessor> preprocessor_;
   std::unique_ptr<Mapper> mapper_;
+  // Frames without a pose: index and capture time. Empty without an inertial sensor.
+  std::vector<std::pair<int, double>> lost_;
+  std::vector<BridgedFrame> bridged_;
   std::unique_ptr<Tracker> tracker_;
   std::unique_ptr<Backend> backend_;          // null without loops and calibration
   std::unique_ptr<Relocalizer> relocalizer_;  // null without loops

@@ -81,6 +81,23 @@ std::vector<std::size_t> GapsOf(const RunTrajectory& trajectory, const PoseStore
   return gaps;
 }
 
+void AddBridgedFrames(const std::vector<Slam::BridgedFrame>& bridged,
+                      const RunTrajectory& trajectory, std::vector<PoseBetween>* found) {
+  std::set<int> known;
+  for (const PoseBetween& pose : *found) known.insert(pose.frame);
+  const std::vector<int>& frames = trajectory.frames();
+  for (const Slam::BridgedFrame& frame : bridged) {
+    const auto before = std::lower_bound(frames.begin(), frames.end(), frame.before);
+    if (known.count(frame.index) > 0 || before == frames.end() || *before != frame.before) continue;
+    const auto position = static_cast<std::size_t>(before - frames.begin());
+    found->push_back({frame.index, frame.stamp_s,
+                      trajectory.poses()[position].world_from_camera * frame.before_from_camera,
+                      position});
+  }
+  std::sort(found->begin(), found->end(),
+            [](const PoseBetween& a, const PoseBetween& b) { return a.frame < b.frame; });
+}
+
 void EvaluateRun(const Trajectory& estimate, const Trajectory& truth,
                  const std::vector<double>& stamps_s, const SlamRunOptions& options,
                  SlamRunSummary* summary) {

@@ -28,6 +28,11 @@ TrajectoryPieces SplitIntoPieces(const RunTrajectory& trajectory, const PoseStor
 std::vector<std::size_t> GapsOf(const RunTrajectory& trajectory, const PoseStore* poses,
                                 const std::set<int>& lost);
 
+// Adds the poses of bridged frames that are not among the found ones. Their frames before must be
+// in the trajectory.
+void AddBridgedFrames(const std::vector<Slam::BridgedFrame>& bridged,
+                      const RunTrajectory& trajectory, std::vector<PoseBetween>* found);
+
 // Sets the errors of the summary for the poses of the largest piece. Logs a warning if the ground
 // truth of `options` has no pose at the times of the frames. `truth` must not be empty.
 void EvaluateRun(const Trajectory& estimate, const Trajectory& truth,
