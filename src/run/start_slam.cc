@@ -80,12 +80,12 @@ SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options) {
 void WeighColor(const SequenceInfo& info, const NoiseReport& noise, bool has_color,
                 SlamOptions* options) {
   constexpr double kWeight = 1;
-  constexpr double kMinNoiseRatio = 0.2;
+  constexpr double kExactDepth = 0.0003;  // noise, 1/m: 1.2 mm at 2 m
   const bool is_possible = has_color && options->icp.solver != "svd" &&
                            options->weakly_constrained_photometric_weight > 0;
   double* const weight = &options->icp.error_model.photometric_weight;
   if (!info.IsPhone() || !is_possible || *weight > 0) return;
-  if (noise.measured.value_or(noise.start) < kMinNoiseRatio * noise.start) return;
+  if (noise.measured && *noise.measured < kExactDepth) return;
   *weight = kWeight;
   LOG(INFO) << "depth of a phone is interpolated, so colour takes part in tracking with the "
                "photometric weight "

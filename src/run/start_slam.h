@@ -24,9 +24,8 @@ SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options);
 // Sets the photometric weight for the depth of phones, unless options have one, or exclude it
 // (weakly_constrained_photometric_weight of 0, solver svd). Phones interpolate few measurements by
 // the colour image. The errors of neighbouring pixels are correlated, so depth has less information
-// than its number of pixels, and colour has more details. Depth whose measured noise is below a
-// fifth of the starting value is not interpolated: it is exact, and colour gets no weight.
-// `has_color`: the first frame has colour.
+// than its number of pixels, and colour has more details. Depth with a measured noise below 0.0003
+// 1/m is exact, so colour gets no weight. `has_color`: the first frame has colour.
 void WeighColor(const SequenceInfo& info, const NoiseReport& noise, bool has_color,
                 SlamOptions* options);
 
