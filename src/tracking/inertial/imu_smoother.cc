@@ -18,7 +18,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kMinPoses = 5;
-constexpr double kMinChain_s = 0.4, kMaxInterval_s = 1.1;
+constexpr double kMinChain_s = 0.4;
 // Frames of a chunk, and frames at each end that only help its middle.
 constexpr std::size_t kChunk = 450, kOverlap = 150;
 // Squared error of a registered pose from which it counts less: 99.9 % of chi-square with 6 degrees
@@ -122,10 +122,13 @@ class Chunk {
 bool AreConnected(const std::vector<ImuSample>& samples, const ImuCalibration& calibration,
                   const PoseToSmooth& from, const PoseToSmooth& to) {
   const double seconds = to.stamp_s - from.stamp_s;
-  if (!to.continues || !(seconds > 0 && seconds <= kMaxInterval_s)) return false;
-  return PreintegrateImu(samples, from.stamp_s + calibration.time_offset_s,
-                         to.stamp_s + calibration.time_offset_s, ImuBias(), calibration.noise)
-      .has_value();
+  if (!to.continues || !(seconds > 0 && seconds <= kMaxImuBridge_s)) return false;
+  const auto has_sample = [&](const PoseToSmooth& pose) {
+    return InterpolateImu(samples, pose.stamp_s + calibration.time_offset_s,
+                          calibration.noise.max_step_s)
+        .has_value();
+  };
+  return has_sample(from) && has_sample(to);
 }
 
 // Smooths the chain [begin, end). Returns the sum of the up directions of its frames.

@@ -8,6 +8,9 @@
 
 namespace surfit {
 
+// Longest time between two poses that inertial sensors connect, s.
+inline constexpr double kMaxImuBridge_s = 1.1;
+
 // Pose of a frame, and the registration that determines it.
 struct PoseToSmooth {
   double stamp_s = 0;  // capture time

@@ -14,7 +14,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMaxBridge_s = 1.1;
 // Longest extrapolation of the translation at constant velocity.
 constexpr double kMaxConstantVelocity_s = 0.2;
 // Shortest turn for the alignment, and the time between two turns.
@@ -67,7 +66,7 @@ std::optional<ImuTracking::Prediction> ImuTracking::Predict(double stamp_s) cons
   if (!IsActive()) return std::nullopt;
   const TrackedPose& last = recent_.back();
   const double seconds = stamp_s - last.stamp_s;
-  if (!(seconds > 0 && seconds <= kMaxBridge_s)) return std::nullopt;
+  if (!(seconds > 0 && seconds <= kMaxImuBridge_s)) return std::nullopt;
   if (filter_) {
     const auto predicted = filter_->Predict(stamp_s);
     if (!predicted) return std::nullopt;
@@ -168,7 +167,7 @@ void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& 
   }
   if (filter_) {
     const std::optional<double> distance2 =
-        seconds <= kMaxBridge_s ? filter_->Correct(Registered(pose)) : std::nullopt;
+        seconds <= kMaxImuBridge_s ? filter_->Correct(Registered(pose)) : std::nullopt;
     if (distance2) {
       if (predicted && predicted->covariance) {
         AddError(predicted->world_from_camera.Inverse() * pose.registered, *predicted->covariance);
@@ -196,7 +195,7 @@ void ImuTracking::AddTurn(const TrackedPose& pose) {
     const TrackedPose& begin = recent_[i];
     const double seconds = pose.stamp_s - begin.stamp_s;
     if (seconds < kTurn_s) continue;
-    if (seconds > kMaxBridge_s) return;
+    if (seconds > kMaxImuBridge_s) return;
     last_turn_s_ = pose.stamp_s;
     turns_.push_back({begin.stamp_s, pose.stamp_s,
                       begin.registered.rotation.conjugate() * pose.registered.rotation});
