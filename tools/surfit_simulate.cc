@@ -143,8 +143,8 @@ SequenceTruth TruthOf(const FrameSimulator& studio, const RgbdCamera& camera,
   truth.camera = camera;
   truth.field = studio.error;
   for (double& coefficient : truth.field.coefficients) coefficient = -coefficient;
-  truth.color_readout_s = studio.options.color.color_readout_s;
-  truth.exposure_s = studio.options.color.exposure_s;
+  truth.color_readout_s = studio.options.settings.color.color_readout_s;
+  truth.exposure_s = studio.options.settings.color.exposure_s;
   for (int i = 0; i < static_cast<int>(path.size()); ++i) {
     truth.color_moments_s.push_back(studio.moving.ColorCaptureTime(i));
     truth.gains.push_back(studio.moving.gains(i));
@@ -159,38 +159,39 @@ void WriteImuFiles(const SmoothPath& path, ImuSimulation simulation, const Seque
 }
 
 int Run(const SimulateOptions& options) {
-  const InverseDepthField error = DepthErrorOf(options);
-  if (options.image_y_up && options.latency_s != 0) {
+  const SensorSettings& settings = options.settings;
+  const InverseDepthField error = DepthErrorOf(settings);
+  const bool is_numbered = options.format == "icl_nuim";
+  if (is_numbered && settings.latency_s != 0) {
     throw InputError(
-        "--latency_s is set, must be 0 with --image_y_up, which replaces timestamps by frame "
-        "numbers");
+        "latency_s of --sensor_settings is set, must be 0 with --format=icl_nuim, which replaces "
+        "timestamps by frame numbers");
   }
-  if (options.image_y_up && options.write_imu) {
+  if (is_numbered && options.imu) {
     throw InputError(
-        "--write_imu is true, must be false with --image_y_up, which replaces timestamps by frame "
+        "--imu is true, must be false with --format=icl_nuim, which replaces timestamps by frame "
         "numbers");
   }
   const ThreadLimit limit(options.threads);
   const Scene scene = MakeScene(options.scene, options.seed, options.building);
-  RgbdCamera camera = TrueCameraOf(options), given = CameraYamlOf(options, camera);
+  RgbdCamera camera = TrueCameraOf(options), given = CameraYamlOf(settings, camera);
   PathOptions path_options = options.path;
   path_options.frames_per_second = camera.frames_per_second;
   const Trajectory path = MakePath(scene, options.frames, options.seed, path_options);
   const SimulatedSensor sensor(options.sensor);
   const FrameSimulator studio = {
-      options, camera.depth, error, sensor, {scene, camera, path, options.color}};
+      options, camera.depth, error, sensor, {scene, camera, path, settings.color}};
   if (const double sigma = studio.InverseDepthSigma(); sigma > 0) {
     camera.noise.inverse_depth_sigma = given.noise.inverse_depth_sigma = sigma;
   }
   const ImuSimulation imu = ImuOf(options);
   const std::string output = FolderOfPart(options.part, options);
-  const SequenceWriter writer(
-      output, options.image_y_up ? SequenceLayout::kIclNuim : SequenceLayout::kTum, given,
-      options.latency_s, sensor.HasConfidence(),
-      options.write_imu && options.camera_yaml_imu ? &imu.calibration : nullptr);
+  const SequenceWriter writer(output, is_numbered ? SequenceLayout::kIclNuim : SequenceLayout::kTum,
+                              given, settings.latency_s, sensor.HasConfidence(),
+                              options.imu && settings.camera_yaml_imu ? &imu.calibration : nullptr);
   writer.WriteLists(path);
-  if (options.write_imu) WriteImuFiles(SmoothPath(path), imu, writer);
-  if (HasUnlistedTruth(options)) writer.WriteTruth(path, TruthOf(studio, camera, path));
+  if (options.imu) WriteImuFiles(SmoothPath(path), imu, writer);
+  if (HasUnlistedTruth(settings)) writer.WriteTruth(path, TruthOf(studio, camera, path));
   const SurfaceSampler surface =
       options.join ? JoinParts(options, writer) : WriteFrames(studio, path, writer);
   WritePly(surface.cloud(), SurfaceFile(output));

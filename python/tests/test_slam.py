@@ -94,7 +94,7 @@ def test_returns_the_estimated_calibration(room, tmp_path):
     assert slam_over(surfit.Sequence(room)).calibration is None
     path = tmp_path / "tilted"
     run_tool("surfit_simulate", f"--output={path}", "--frames=120", "--downsample=2",
-             "--sensor=kinect", "--inverse_depth_distortion=0.03,0,0,0,0")
+             "--sensor=kinect", "--sensor_settings=inverse_depth_distortion=0.03,0,0,0,0")
     slam = slam_over(surfit.Sequence(path))
     slam.finish()
     fx, fy, cx, cy, *field = slam.calibration
@@ -104,7 +104,7 @@ def test_returns_the_estimated_calibration(room, tmp_path):
 
 def test_files_of_images_with_y_up_give_the_programs_digest_and_files(tmp_path):
     path = tmp_path / "y_up"
-    run_tool("surfit_simulate", f"--output={path}", "--frames=6", "--image_y_up",
+    run_tool("surfit_simulate", f"--output={path}", "--frames=6", "--format=icl_nuim",
              "--downsample=4")
     summary = run_surfit_slam(path, tmp_path / "out")
     sequence = surfit.Sequence(path)

@@ -52,10 +52,8 @@ void ColorOptions::Visit(OptionVisitor& v) {
 
 void PathOptions::Visit(OptionVisitor& v) {
   v.Add(frames_per_second, "frames_per_second", "frames per second of the timestamps", Positive());
-  v.Add(min_step_m, "min_step_m", "minimum translation between consecutive frames", Positive(),
-        AsFlag());
-  v.Add(max_step_m, "max_step_m", "maximum translation between consecutive frames", Positive(),
-        AsFlag());
+  v.Add(min_step_m, "min_step_m", "minimum translation between consecutive frames", Positive());
+  v.Add(max_step_m, "max_step_m", "maximum translation between consecutive frames", Positive());
   v.Add(min_turn_deg, "min_turn_deg", "minimum rotation between consecutive frames", Positive());
   v.Add(max_turn_deg, "max_turn_deg", "maximum rotation between consecutive frames", Positive());
   v.Check([this] {

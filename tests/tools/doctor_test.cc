@@ -132,7 +132,8 @@ TEST_F(DoctorTool, AgreesWithSlamAboutTheRegistrationOfColor) {
 }
 
 TEST_F(DoctorTool, DetectsDelayedColor) {
-  const std::string early = SlamTool::Simulate("early", {"--frames=150", "--color_latency_s=0.03"});
+  const std::string early =
+      SlamTool::Simulate("early", {"--frames=150", "--sensor_settings=color_latency_s=0.03"});
   EXPECT_THAT(Faults(early, {}), ElementsAre("depth_width", "color_latency"));
   const std::string copy = CopyOfRoom();
   ChangeRows(copy + "/associations.txt", [](auto* rows) {
@@ -146,7 +147,8 @@ TEST_F(DoctorTool, DetectsDelayedColor) {
 }
 
 TEST_F(DoctorTool, DetectsLateStampsByTheGroundTruth) {
-  const std::string late = Simulate("late", {"--latency_s=0.05", "--max_step_m=0.03"});
+  const std::string late =
+      Simulate("late", {"--sensor_settings=latency_s=0.05", "--step_m=0.01,0.03"});
   EXPECT_THAT(Faults(late, {}), ElementsAre("stamps_late"));
   EXPECT_THAT(result_.out, ContainsRegex("latency_s: 0\\.0(49|5)"));
 }
@@ -254,10 +256,10 @@ TEST_F(DoctorTool, DetectsUnreadableAndSmallImages) {
 TEST_F(DoctorTool, AcceptsTheDepthOfPhones) {
   const std::vector<std::string> lidar = {"--frames=6", "--downsample=1", "--sensor=lidar"};
   std::vector<std::string> flags = lidar;
-  flags.insert(flags.end(), {"--width=256", "--height=192"});
+  flags.insert(flags.end(), {"--size=256x192"});
   EXPECT_THAT(FaultsOfImages(SlamTool::Simulate("phone", flags)), Not(Contains("depth_width")));
   flags = lidar;
-  flags.insert(flags.end(), {"--width=192", "--height=256"});
+  flags.insert(flags.end(), {"--size=192x256"});
   EXPECT_THAT(FaultsOfImages(SlamTool::Simulate("portrait", flags)), Not(Contains("depth_width")));
 }
 
@@ -270,7 +272,8 @@ TEST_F(DoctorTool, DetectsAWrongCamera) {
 
 TEST_F(DoctorTool, DetectsWrongSignOfGyroscope) {
   const std::string sequence = SlamTool::Simulate(
-      "inertial", {"--write_imu", "--camera_yaml_imu", "--frames=150", "--downsample=2"});
+      "inertial",
+      {"--imu", "--sensor_settings=camera_yaml_imu=true", "--frames=150", "--downsample=2"});
   EXPECT_THAT(Faults(sequence, {}), IsEmpty());
   std::vector<std::string> rows = Lines(sequence + "/imu.csv");
   std::ofstream file(sequence + "/imu.csv");

@@ -58,7 +58,7 @@ TEST_F(RecordTool, RecordedFolderHasTheSameTrajectoryAndMap) {
 }
 
 TEST_F(RecordTool, RecordsMirroredAndNumberedSequences) {
-  const std::string sequence = Simulate("icl", {"--image_y_up"});
+  const std::string sequence = Simulate("icl", {"--format=icl_nuim"});
   Succeeded(Record(sequence));
   Succeeded(Slam(sequence, Output("a")));
   Succeeded(Slam(Copy(), Output("b")));

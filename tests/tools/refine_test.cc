@@ -16,17 +16,16 @@ namespace {
 
 constexpr double kOffset = 0.02 / 3;  // 1/m: 2 % at 3 m
 
-// Simulates a sequence with a depth error, at 640 x 480 pixels divided by `downsample`.
+// Simulates a sequence with a depth error, at 640 x 480 pixels divided by `downsample`. `settings`
+// are more settings of the sensor.
 void Simulate(const std::string& folder, int frames, int downsample, int seed,
-              double offset_per_m = kOffset, const std::vector<std::string>& more = {}) {
-  std::vector<std::string> flags = {"--output=" + folder,
-                                    "--frames=" + std::to_string(frames),
-                                    "--downsample=" + std::to_string(downsample),
-                                    "--seed=" + std::to_string(seed),
-                                    "--surface_grid_m=0.05",
-                                    "--inverse_depth_offset=" + std::to_string(offset_per_m)};
-  flags.insert(flags.end(), more.begin(), more.end());
-  Succeeded(RunProgram("surfit_simulate", flags));
+              double offset_per_m = kOffset, const std::string& settings = "") {
+  Succeeded(RunProgram(
+      "surfit_simulate",
+      {"--output=" + folder, "--frames=" + std::to_string(frames),
+       "--downsample=" + std::to_string(downsample), "--seed=" + std::to_string(seed),
+       "--surface_grid_m=0.05",
+       "--sensor_settings=inverse_depth_offset=" + std::to_string(offset_per_m) + ";" + settings}));
 }
 
 TEST(RefineTool, RefinesASimulatedRunAndWritesReadableFiles) {
@@ -90,7 +89,7 @@ TEST(RefineTool, EstimatesTheReadoutTime) {
   const double readout_s = 0.033;
   for (const int seed : {4, 7, 11}) {
     const TempFolder folder;
-    Simulate(folder / "in", 150, 4, seed, 0, {"--readout_s=" + std::to_string(readout_s)});
+    Simulate(folder / "in", 150, 4, seed, 0, "readout_s=" + std::to_string(readout_s));
     RgbdCamera sensor = ReadCameraYaml(folder / "in/camera.yaml");
     sensor.prior.readout_s = 0.03;
     WriteCameraYaml(sensor, folder / "in/camera.yaml");
@@ -162,7 +161,7 @@ TEST(RefineTool, EstimatesTheDepthErrorField) {
   for (const int seed : {4, 7, 11}) {
     const TempFolder folder;
     Simulate(folder / "in", 300, 2, seed, kOffset,
-             {"--inverse_depth_distortion=0.002,-0.002,0.008,0.002,0.006"});
+             "inverse_depth_distortion=0.002,-0.002,0.008,0.002,0.006");
     Succeeded(
         RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
                                    "--pictures=false", "--nofinal_map", "--nocalibrate"}));

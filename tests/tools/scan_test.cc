@@ -298,10 +298,9 @@ TEST(ScanSweep, DistinguishesSimilarRoomsOnTwoFloors) {
   if (!HasSnakemake()) GTEST_SKIP() << "Snakemake is not installed";
   const TempFolder folder;
   const std::string sequence = folder / "building", scan = folder / "scan";
-  Succeeded(RunProgram(
-      "surfit_simulate",
-      {"--scene=building", "--floors=2", "--rooms=2", "--frames=2700", "--min_step_m=0.05",
-       "--max_step_m=0.07", "--downsample=2", "--surface_grid_m=0.02", "--output=" + sequence}));
+  Succeeded(RunProgram("surfit_simulate", {"--scene=building", "--floors=2", "--rooms=2",
+                                           "--frames=2700", "--step_m=0.05,0.07", "--downsample=2",
+                                           "--surface_grid_m=0.02", "--output=" + sequence}));
   Succeeded(RunProgram("surfit_scan", {"--sequence=" + sequence, "--output=" + scan}));
   const auto summary = nlohmann::json::parse(ReadBytes(scan + "/summary.json"));
   EXPECT_TRUE(summary["failed"].empty());

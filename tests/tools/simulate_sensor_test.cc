@@ -58,8 +58,8 @@ TEST_F(SimulateSensorTest, HasNoErrorsByDefault) {
 
 TEST_F(SimulateSensorTest, WritesAWrongCameraAndTheTrueCamera) {
   ASSERT_EQ(Simulate("room", {}), "");
-  ASSERT_EQ(Simulate("off", {"--camera_yaml_focal_error=0.01,-0.02",
-                             "--camera_yaml_center_error=1.5,-2", "--inverse_depth_offset=0.006"}),
+  ASSERT_EQ(Simulate("off", {"--sensor_settings=camera_yaml_focal_error=0.01,-0.02;"
+                             "camera_yaml_center_error=1.5,-2;inverse_depth_offset=0.006"}),
             "");
   const PinholeCamera truth = ReadCameraYaml(folder_ / "room/camera.yaml").depth;
   const PinholeCamera given = ReadCameraYaml(folder_ / "off/camera.yaml").depth;
@@ -79,9 +79,9 @@ TEST_F(SimulateSensorTest, WritesAWrongCameraAndTheTrueCamera) {
 }
 
 TEST_F(SimulateSensorTest, DelaysStampsAndWritesKnownLatency) {
-  ASSERT_EQ(Simulate("late", {"--latency_s=0.02"}), "");
-  ASSERT_EQ(Simulate("known", {"--latency_s=0.02", "--color_latency_s=0.004",
-                               "--camera_yaml_times=latency_s,color_latency_s"}),
+  ASSERT_EQ(Simulate("late", {"--sensor_settings=latency_s=0.02"}), "");
+  ASSERT_EQ(Simulate("known", {"--sensor_settings=latency_s=0.02;color_latency_s=0.004;"
+                               "camera_yaml_times=latency_s,color_latency_s"}),
             "");
   const Trajectory truth = ReadTumTrajectory(folder_ / "late/groundtruth.txt");
   const auto late = Frames("late"), known = Frames("known");
@@ -98,11 +98,11 @@ TEST_F(SimulateSensorTest, DelaysStampsAndWritesKnownLatency) {
 }
 
 TEST_F(SimulateSensorTest, RendersRowsOfAMovingCamera) {
-  ASSERT_EQ(
-      Simulate("moving", {"--readout_s=0.03", "--color_readout_s=0.02", "--color_latency_s=0.01",
-                          "--exposure_s=0.02", "--auto_exposure_lag_s=0.1",
-                          "--auto_white_balance_lag_s=0.2", "--channel_gains=1.2,1,0.8"}),
-      "");
+  ASSERT_EQ(Simulate("moving",
+                     {"--sensor_settings=readout_s=0.03;color_readout_s=0.02;color_latency_s=0.01;"
+                      "exposure_s=0.02;auto_exposure_lag_s=0.1;auto_white_balance_lag_s=0.2;"
+                      "channel_gains=1.2,1,0.8"}),
+            "");
   RgbdCamera camera = ReadCameraYaml(folder_ / "moving/truth_camera.yaml");
   EXPECT_EQ(camera.readout_s, 0.03);
   EXPECT_EQ(camera.color_latency_s, 0.01);
@@ -140,8 +140,9 @@ TEST_F(SimulateSensorTest, RendersRowsOfAMovingCamera) {
 
 TEST_F(SimulateSensorTest, ImagesDoNotDependOnThreads) {
   for (const std::string threads : {"1", "3"}) {
-    ASSERT_EQ(Simulate(threads, {"--threads=" + threads, "--readout_s=0.03", "--exposure_s=0.02",
-                                 "--auto_exposure_lag_s=0.1"}),
+    ASSERT_EQ(Simulate(threads, {"--threads=" + threads,
+                                 "--sensor_settings=readout_s=0.03;exposure_s=0.02;"
+                                 "auto_exposure_lag_s=0.1"}),
               "");
   }
   for (const char* const file : {"surface.ply", "truth_color.txt", "truth_camera.yaml"}) {
@@ -156,7 +157,7 @@ TEST_F(SimulateSensorTest, ImagesDoNotDependOnThreads) {
 }
 
 TEST_F(SimulateSensorTest, SurfaceIsExactWithRollingShutter) {
-  ASSERT_EQ(Simulate("rolling", {"--readout_s=0.03"}), "");
+  ASSERT_EQ(Simulate("rolling", {"--sensor_settings=readout_s=0.03"}), "");
   ASSERT_EQ(Simulate("still", {}), "");
   EXPECT_NE(Text("rolling/surface.ply"), Text("still/surface.ply"));
   const Scene scene = MakeScene("room", kSensorSeed);
@@ -168,7 +169,7 @@ TEST_F(SimulateSensorTest, SurfaceIsExactWithRollingShutter) {
 }
 
 TEST_F(SimulateSensorTest, SizeScalesTheIntrinsics) {
-  ASSERT_EQ(Simulate("room", {"--downsample=1", "--width=160", "--height=96", "--frames=1"}), "");
+  ASSERT_EQ(Simulate("room", {"--downsample=1", "--size=160x96", "--frames=1"}), "");
   const PinholeCamera camera = ReadCameraYaml(folder_ / "room/camera.yaml").depth;
   EXPECT_EQ(camera.width, 160);
   EXPECT_EQ(camera.height, 96);
@@ -253,23 +254,36 @@ TEST_F(SimulateSensorTest, LidarWritesConfidence) {
 }
 
 TEST_F(SimulateSensorTest, RejectsLatencyOfNumberedFrames) {
-  EXPECT_THAT(Simulate("up", {"--image_y_up", "--latency_s=0.02"}), Names("--latency_s"));
-  ASSERT_EQ(Simulate("up", {"--image_y_up", "--readout_s=0.02"}), "");
+  EXPECT_THAT(Simulate("up", {"--format=icl_nuim", "--sensor_settings=latency_s=0.02"}),
+              Names("latency_s", "--sensor_settings", "--format=icl_nuim"));
+  EXPECT_THAT(Simulate("up", {"--format=icl_nuim", "--imu"}), Names("--imu"));
+  ASSERT_EQ(Simulate("up", {"--format=icl_nuim", "--sensor_settings=readout_s=0.02"}), "");
   const RgbdCamera truth = ReadCameraYaml(folder_ / "up/truth_camera.yaml");
   EXPECT_LT(truth.depth.fy, 0);
   EXPECT_EQ(truth.readout_s, 0.02);
 }
 
-TEST_F(SimulateSensorTest, RejectsBadFlagsByName) {
-  EXPECT_THAT(Simulate("room", {"--camera_yaml_times=readout"}),
-              Names("--camera_yaml_times", "readout"));
-  EXPECT_THAT(Simulate("room", {"--camera_yaml_times=readout_s,readout_s"}),
-              Names("--camera_yaml_times", "readout_s"));
-  EXPECT_THAT(Simulate("room", {"--camera_yaml_focal_error=-1,0"}), Names("camera.yaml"));
-  EXPECT_THAT(Simulate("room", {"--camera_yaml_center_error=3"}),
-              Names("camera_yaml_center_error"));
-  EXPECT_THAT(Simulate("room", {"--channel_gains=1,0,1"}), Names("channel_gains"));
-  EXPECT_THAT(Simulate("room", {"--readout_s=-1"}), Names("readout_s", -1));
+TEST_F(SimulateSensorTest, RejectsBadSettingsByName) {
+  // The message ends with the setting and its constraint, after the text of the flag.
+  const auto refuses = [&](const std::string& settings, const std::vector<std::string>& names) {
+    const std::string flag = "--sensor_settings", error = Simulate("room", {flag + "=" + settings});
+    const std::string text = flag + " is '" + settings + "'";
+    ASSERT_THAT(error, StartsWith("error: " + text));
+    EXPECT_THAT(error.substr(7 + text.size()), NamesMatcher(names));
+  };
+  refuses("camera_yaml_times=readout", {"camera_yaml_times", "readout", "readout_s"});
+  refuses("camera_yaml_times=readout_s,readout_s", {"camera_yaml_times", "readout_s", "latency_s"});
+  EXPECT_THAT(Simulate("room", {"--sensor_settings=camera_yaml_focal_error=-1,0"}),
+              Names("camera.yaml"));
+  refuses("camera_yaml_center_error=3", {"camera_yaml_center_error", "3", "2"});
+  refuses("channel_gains=1,0,1", {"channel_gains", "1,0,1"});
+  refuses("readout_s=-1", {"readout_s", "-1", "0", "1"});
+  refuses("inverse_depth_offset=0.2", {"inverse_depth_offset", "0.2", "-0.1", "0.1"});
+  refuses("inverse_depth_distortion=1,2", {"inverse_depth_distortion", "1,2"});
+  refuses("inverse_depth_distortion=0,0,0.2,0,0", {"inverse_depth_distortion", "0,0,0.2,0,0"});
+  refuses("inverse_depth_distortion=0,0,nan,0,0", {"inverse_depth_distortion", "0,0,nan,0,0"});
+  refuses("camera_from_imu=0,0,0,1,1,0,0", {"camera_from_imu", "0,0,0,1,1,0,0", "1"});
+  refuses("rolling=1", {"rolling", "readout_s", "camera_yaml_imu"});
 }
 
 }  // namespace

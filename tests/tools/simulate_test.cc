@@ -95,7 +95,7 @@ TEST_F(SimulateTest, KinectDepthHasHolesAndSteps) {
 // The convention of ICL-NUIM: u = fx x/z + cx, v = fy y/z + cy with fy < 0, in mirrored camera and
 // world frames. S = diag(1, -1, 1) must map both to the original scene.
 TEST_F(SimulateTest, ImageYUpMirrorsTheWorld) {
-  Succeeded(Simulate("up", {"--seed=1", "--sensor=ideal", "--image_y_up"}));
+  Succeeded(Simulate("up", {"--seed=1", "--sensor=ideal", "--format=icl_nuim"}));
   Succeeded(Simulate("down", {"--seed=1", "--sensor=ideal"}));
   const PinholeCamera camera = ReadCameraYaml(folder_ / "up/camera.yaml").depth;
   EXPECT_LT(camera.fy, 0);
@@ -127,7 +127,7 @@ TEST_F(SimulateTest, ImageYUpMirrorsTheWorld) {
 }
 
 TEST_F(SimulateTest, ImageYUpReadsBackAsTheOriginalSequence) {
-  Succeeded(Simulate("up", {"--image_y_up"}));
+  Succeeded(Simulate("up", {"--format=icl_nuim"}));
   Succeeded(Simulate("down", {}));
   const auto up = Open("up"), down = Open("down");
   EXPECT_EQ(up->info().format, "icl_nuim");
@@ -187,8 +187,10 @@ TEST_F(SimulateTest, FilesDependOnlyOnTheSeed) {
 }
 
 TEST_F(SimulateTest, JoinedPartsEqualOneSimulation) {
-  for (const std::vector<std::string>& more :
-       {std::vector<std::string>{}, {"--image_y_up"}, {"--exposure_s=0.01"}, {"--sensor=lidar"}}) {
+  for (const std::vector<std::string>& more : {std::vector<std::string>{},
+                                               {"--format=icl_nuim"},
+                                               {"--sensor_settings=exposure_s=0.01"},
+                                               {"--sensor=lidar"}}) {
     const auto simulate = [&](const std::string& name, std::vector<std::string> flags) {
       flags.insert(flags.end(), more.begin(), more.end());
       return Simulate(name, flags);
@@ -229,7 +231,7 @@ TEST_F(SimulateTest, NamesTheMissingPart) {
 }
 
 TEST_F(SimulateTest, ReplacesOnlyFormerSimulations) {
-  Succeeded(Simulate("room", {"--image_y_up"}));
+  Succeeded(Simulate("room", {"--format=icl_nuim"}));
   Succeeded(Simulate("room", {}));
   EXPECT_EQ(Files("room").count("simulated.gt.freiburg"), 0u);
   folder_.Write("mine/thesis.tex", "irreplaceable");
@@ -242,8 +244,9 @@ TEST_F(SimulateTest, ReplacesOnlyFormerSimulations) {
 TEST_F(SimulateTest, AddsAnInverseDepthField) {
   const InverseDepthField error = {{0.006, 0.002, -0.003, 0.008, 0.004, 0.006}};
   Succeeded(Simulate("exact", {"--sensor=ideal"}));
-  Succeeded(Simulate("off", {"--sensor=ideal", "--inverse_depth_offset=0.006",
-                             "--inverse_depth_distortion=0.002,-0.003,0.008,0.004,0.006"}));
+  Succeeded(Simulate("off", {"--sensor=ideal",
+                             "--sensor_settings=inverse_depth_offset=0.006;"
+                             "inverse_depth_distortion=0.002,-0.003,0.008,0.004,0.006"}));
   const auto source = Open("exact");
   const PinholeCamera camera = source->info().pinhole;
   const Image<float> exact = source->Next()->frame->depth_m;
@@ -256,9 +259,10 @@ TEST_F(SimulateTest, AddsAnInverseDepthField) {
 }
 
 TEST_F(SimulateTest, WritesInertialSensorWithItsCalibration) {
-  Succeeded(Simulate("room",
-                     {"--write_imu", "--imu_rate_hz=100", "--imu_time_offset_s=0.05",
-                      "--camera_from_imu=0.01,0.02,0.03,0.5,-0.5,0.5,-0.5", "--camera_yaml_imu"}));
+  Succeeded(
+      Simulate("room", {"--imu",
+                        "--sensor_settings=imu_rate_hz=100;imu_time_offset_s=0.05;"
+                        "camera_from_imu=0.01,0.02,0.03,0.5,-0.5,0.5,-0.5;camera_yaml_imu=true"}));
   SequenceOptions options;
   options.path = folder_ / "room";
   const auto imu = ReadImu(options, "tum");
@@ -272,7 +276,7 @@ TEST_F(SimulateTest, WritesInertialSensorWithItsCalibration) {
   EXPECT_EQ(imu->calibration.time_offset_s, 0.05);
   const std::string noisy = ReadBytes(folder_ / "room/imu.csv");
   EXPECT_NE(noisy, ReadBytes(folder_ / "room/imu_exact.csv"));
-  Succeeded(Simulate("other", {"--write_imu"}));
+  Succeeded(Simulate("other", {"--imu"}));
   options.path = folder_ / "other";
   EXPECT_TRUE(std::isinf(ReadImu(options, "tum")->calibration.rotation_sigma_rad));
 }
@@ -281,14 +285,20 @@ TEST_F(SimulateTest, RejectsBadFlagsByName) {
   const RefusedFlags cases = {
       {{"--scene=kitchen"}, {"scene", "kitchen", "building", "corridor", "room"}},
       {{"--sensor=radar"}, {"--sensor", "radar", "ideal", "kinect", "lidar", "stereo", "tof"}},
-      {{"--width=-1"}, {"--width", "-1"}},
-      {{"--height=20000"}, {"--height", "20000"}},
+      {{"--size=-1x480"}, {"--size", "-1x480"}},
+      {{"--size=640x20000"}, {"--size", "640x20000", "16384"}},
+      {{"--size=640"}, {"--size", "640", "WIDTHxHEIGHT"}},
+      {{"--size=640x480x3"}, {"--size", "640x480x3"}},
+      {{"--step_m=0.02,0.01"}, {"--step_m", "0.02,0.01", "MIN,MAX"}},
+      {{"--step_m=0,0.01"}, {"--step_m", "0,0.01"}},
+      {{"--step_m=0.01"}, {"--step_m", "0.01"}},
+      {{"--format=klg"}, {"--format", "klg", "tum", "icl_nuim"}},
       {{"--seed=-1"}, {"--seed", "-1"}},
       {{"--surface_grid_m=0"}, {"--surface_grid_m", "0", "0.001"}},
       {{"--threads=-2"}, {"threads", "-2"}},
-      {{"--inverse_depth_offset=0.2"}, {"--inverse_depth_offset", "0.2"}},
-      {{"--inverse_depth_distortion=1,2"}, {"--inverse_depth_distortion", "1,2"}},
-      {{"--inverse_depth_distortion=0,0,nan,0,0"}, {"inverse_depth_distortion", "0,0,nan,0,0"}},
+      {{"--sensor_settings=readout_s"}, {"--sensor_settings", "readout_s", "name=value"}},
+      {{"--readout_s=0.03"}, {"--readout_s", "--sensor_settings=readout_s=VALUE"}},
+      {{"--image_y_up"}, {"--image_y_up", "--format=icl_nuim"}},
       {{"--colour=red"}, {"colour"}}};
   for (const auto& [flags, names] : cases)
     ExpectRefused(Simulate("room", flags), NamesMatcher(names));

@@ -129,7 +129,7 @@ TEST_F(SlamTool, PoseStampsSubtractTheLatency) {
 }
 
 TEST_F(SlamTool, WritesMirroredTrajectoryInItsOwnConvention) {
-  const std::string mirrored = Simulate("mirrored", {"--image_y_up"});
+  const std::string mirrored = Simulate("mirrored", {"--format=icl_nuim"});
   Succeeded(Slam(Room(), Output("down")));
   Succeeded(Slam(mirrored, Output("up")));
   // The images are equal, so the maps are equal up to the mirror. Colours may differ: numbered

@@ -31,7 +31,8 @@ nlohmann::json SummaryOf(const std::string& sequence, const std::string& output,
 TEST(SlamSensor, KnownRollingShutterReducesTheErrorToAFifth) {
   for (const int seed : {4, 11}) {
     const TempFolder folder;
-    SimulateRoom(folder / "in", seed, 150, {"--readout_s=0.033", "--camera_yaml_times=readout_s"});
+    SimulateRoom(folder / "in", seed, 150,
+                 {"--sensor_settings=readout_s=0.033;camera_yaml_times=readout_s"});
     const auto ate_mm = [&](const std::string& name, const std::string& flag) -> double {
       return 1000 * SummaryOf(folder / "in", folder / name,
                               {"--nocalibrate", "--nofinal_map", flag})["ate_rmse_m"]
@@ -51,7 +52,8 @@ TEST(SlamSensor, KnownRollingShutterReducesTheErrorToAFifth) {
 TEST(SlamSensor, EstimatesTheColourLatency) {
   for (const double latency_s : {0., 0.02}) {
     const TempFolder folder;
-    SimulateRoom(folder / "in", 4, 150, {"--color_latency_s=" + std::to_string(latency_s)});
+    SimulateRoom(folder / "in", 4, 150,
+                 {"--sensor_settings=color_latency_s=" + std::to_string(latency_s)});
     const nlohmann::json last =
         SummaryOf(folder / "in", folder / "out", {"--nofinal_map"})["calibrations"].back();
     const double found_s = last["color_latency_s"];
@@ -71,7 +73,8 @@ TEST(SlamSensor, EstimatesTheColourLatency) {
 TEST(SlamSensor, RefinesCameraAndPosesAtTheEnd) {
   const TempFolder folder;
   SimulateRoom(folder / "in", 4, 150,
-               {"--camera_yaml_center_error=2,-1.5", "--inverse_depth_distortion=0.015,0,0,0,0"});
+               {"--sensor_settings=camera_yaml_center_error=2,-1.5;"
+                "inverse_depth_distortion=0.015,0,0,0,0"});
   const nlohmann::json refined = SummaryOf(folder / "in", folder / "refined", {"--threads=1"}),
                        given = SummaryOf(folder / "in", folder / "given", {"--norefine"});
   SummaryOf(folder / "in", folder / "other", {"--threads=2"});
@@ -132,9 +135,9 @@ TEST(SlamSensorSweep, CalibratesAllParameters) {
     SCOPED_TRACE(seed);
     const TempFolder folder;
     SimulateRoom(folder / "in", seed, 300,
-                 {"--readout_s=0.033", "--color_readout_s=0.033", "--color_latency_s=0.02",
-                  "--camera_yaml_focal_error=0.01,0.01", "--camera_yaml_center_error=2,-1.5",
-                  "--inverse_depth_distortion=0.015,0,0,0,0"});
+                 {"--sensor_settings=readout_s=0.033;color_readout_s=0.033;color_latency_s=0.02;"
+                  "camera_yaml_focal_error=0.01,0.01;camera_yaml_center_error=2,-1.5;"
+                  "inverse_depth_distortion=0.015,0,0,0,0"});
     RgbdCamera given = ReadCameraYaml(folder / "in/camera.yaml");
     given.prior.readout_s = 0.03;
     WriteCameraYaml(given, folder / "in/camera.yaml");

@@ -21,6 +21,26 @@ std::string JoinNames(const std::vector<std::string>& names) {
   return text;
 }
 
+// Words of a text that continues a line at `indent`, in lines of at most kWidth columns. Further
+// lines begin at `indent`.
+std::string Wrapped(const std::string& text, std::size_t indent) {
+  std::string lines;
+  std::size_t column = indent;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (column > indent && column + 1 + word.size() > kWidth) {
+      lines += '\n' + std::string(indent, ' ');
+      column = indent;
+    }
+    if (column > indent) lines += ' ';
+    column += word.size() + (column > indent ? 1 : 0);
+    lines += word;
+  }
+  return lines;
+}
+
+// The first line of the help describes the flag. Each further line describes a setting of its
+// value.
 std::string Text(const FlagHelp& flag) {
   std::string text = "  --" + flag.name + "=";
   text += flag.default_value.empty() ? "\"\"" : flag.default_value;
@@ -30,17 +50,13 @@ std::string Text(const FlagHelp& flag) {
     column = 0;
   }
   text.append(kIndent - column, ' ');
-  column = kIndent;
-  std::istringstream words(flag.modes.empty() ? flag.help
+  std::istringstream lines(flag.modes.empty() ? flag.help
                                               : flag.help + " [" + JoinNames(flag.modes) + "]");
-  for (std::string word; words >> word;) {
-    if (column > kIndent && column + 1 + word.size() > kWidth) {
-      text += '\n' + std::string(kIndent, ' ');
-      column = kIndent;
-    }
-    if (column > kIndent) text += ' ';
-    column += word.size() + (column > kIndent ? 1 : 0);
-    text += word;
+  std::string line;
+  std::getline(lines, line);
+  text += Wrapped(line, kIndent);
+  while (std::getline(lines, line)) {
+    text += '\n' + std::string(kIndent + 2, ' ') + Wrapped(line, kIndent + 4);
   }
   return text + '\n';
 }

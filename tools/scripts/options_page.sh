@@ -33,17 +33,25 @@ In C++ and Python, the options have more fields than there are flags: see the he
 the help of the programs.
 END
   print_help | awk -v most=165 '
-    # Wraps words to 84 columns, with an indent of 30.
-    function wrapped(text, column,    words, count, i, lines) {
+    # Wraps words to 84 columns, with an indent.
+    function wrapped(text, indent,    words, column, count, i, lines) {
       count = split(text, words, " ")
+      column = indent
       for (i = 1; i <= count; ++i) {
-        if (column > 30 && column + 1 + length(words[i]) > 84) {
-          lines = lines sprintf("\n%30s", "")
-          column = 30
+        if (column > indent && column + 1 + length(words[i]) > 84) {
+          lines = lines sprintf("\n%*s", indent, "")
+          column = indent
         }
-        lines = lines (column > 30 ? " " : "") words[i]
-        column += length(words[i]) + (column > 30 ? 1 : 0)
+        lines = lines (column > indent ? " " : "") words[i]
+        column += length(words[i]) + (column > indent ? 1 : 0)
       }
+      return lines
+    }
+    # Help of a flag, and one line per setting of its value.
+    function help_lines(text,    parts, count, i, lines) {
+      count = split(text, parts, "\n")
+      lines = wrapped(parts[1], 30)
+      for (i = 2; i <= count; ++i) lines = lines sprintf("\n%32s", "") wrapped(parts[i], 34)
       return lines
     }
     function finish(    modes, text, place, flag) {
@@ -57,7 +65,7 @@ END
         help = substr(help, 1, RSTART - 1)
       }
       # The choices of some flags depend on the program.
-      flag = name ~ /^(start|solver|linear_solver|residual|association|threads)$/ && name in text_of && text_of[name] != help ? name "@" program : name
+      flag = name ~ /^(start|solver|linear_solver|residual|association|threads|format|imu)$/ && name in text_of && text_of[name] != help ? name "@" program : name
       if (!(flag in text_of)) {
         names[++flags] = flag
         text_of[flag] = help
@@ -87,7 +95,12 @@ END
       sub(/^  --[^ ]* */, "", help)
       next
     }
-    { sub(/^ */, ""); help = help (help == "" ? "" : " ") $0 }
+    {
+      match($0, /[^ ]/)
+      is_setting = RSTART == 29
+      sub(/^ */, "")
+      help = help (help == "" ? "" : is_setting ? "\n" : " ") $0
+    }
     END {
       finish()
       if (of_slam > 60 || distinct > most) {
@@ -103,7 +116,7 @@ END
           head = "    --" flag "=" default_of[flag]
           sub(/@[^=]*/, "", head)
           if (length(head) + 2 > 30) head = head sprintf("\n%30s", "")
-          printf "%-30s%s\n", head, wrapped(text_of[flag], 30)
+          printf "%-30s%s\n", head, help_lines(text_of[flag])
           printf "%30s%s\n", "", wrapped("[" programs_of[flag] "]", 30)
         }
       }

@@ -1,8 +1,12 @@
 #include "simulate/simulate_options.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
+#include <set>
 
+#include "core/settings_text.h"
 #include "core/shared_options.h"
 #include "simulate/simulated_sensor.h"
 #include "surfit/core/error.h"
@@ -11,52 +15,77 @@
 namespace surfit::tools {
 namespace {
 
-// True values of the sensor, and their errors in camera.yaml.
-void VisitSensor(OptionVisitor& v, SimulateOptions* o) {
-  v.Group("sensor");
-  v.Add(o->inverse_depth_offset, "inverse_depth_offset",
-        "offset of 1 / z that camera.yaml does not contain; 0.00667 shortens 3 m by 2 %",
-        Between(-0.1, 0.1), InUnit("1/m"), AsFlag());
-  v.Add(o->inverse_depth_distortion, "inverse_depth_distortion",
-        "c1,c2,c3,c4,c5: error of 1 / z that camera.yaml does not contain: c1 x + c2 y + c3 x^2 + "
-        "c4 x y + c5 y^2 at the ray (x, y, 1)",
-        InUnit("1/m"), AsFlag());
-  v.Add(o->latency_s, "latency_s",
-        "time from the middle of exposure and readout of the depth image to its timestamp",
-        Between(-1, 1), InUnit("s"), AsFlag());
-  v.Add(o->color_latency_s, "color_latency_s",
-        "latency of colour in addition to the latency of depth", Between(-1, 1), InUnit("s"),
-        AsFlag());
-  v.Add(o->readout_s, "readout_s",
-        "readout time of a rolling shutter, from the top row to the bottom row", Between(0, 1),
-        InUnit("s"), AsFlag());
-  v.AddPart(o->color, "color", "colour camera");
-  v.Add(o->camera_yaml_focal_error, "camera_yaml_focal_error",
-        "ex,ey: relative errors of the focal lengths in camera.yaml; 0.01: 1 % too long", AsFlag());
-  v.Add(o->camera_yaml_center_error, "camera_yaml_center_error",
-        "ex,ey: errors of the principal point in camera.yaml, to the right and down", InUnit("px"),
-        AsFlag());
-  v.Add(o->camera_yaml_times, "camera_yaml_times",
-        "values that camera.yaml contains: latency_s, color_latency_s and readout_s, "
-        "comma-separated; the others are 0 in camera.yaml",
-        AsFlag());
+void CheckDepthError(const std::vector<double>& distortion) {
+  constexpr double kLargest = 0.1;
+  const auto is_valid = [](double coefficient) { return std::abs(coefficient) <= kLargest; };
+  if (distortion.empty()) return;
+  ThrowIf(distortion.size() + 1 != InverseDepthField::kSize ||
+              !std::all_of(distortion.begin(), distortion.end(), is_valid),
+          "inverse_depth_distortion is ", OptionToText(distortion), ", must be five numbers from ",
+          -kLargest, " to ", kLargest);
 }
 
-void VisitImu(OptionVisitor& v, SimulateOptions* o) {
-  v.Group("inertial sensor");
-  v.Add(o->write_imu, "write_imu",
-        "write an inertial sensor to imu.csv, and without errors to imu_exact.csv", AsFlag());
-  v.Add(o->imu_rate_hz, "imu_rate_hz", "rate of the inertial sensor", Between(1, 10000),
-        InUnit("Hz"), AsFlag());
-  v.Add(o->camera_from_imu, "camera_from_imu",
-        "transform tx,ty,tz,qx,qy,qz,qw from the inertial sensor to the depth camera; empty: that "
-        "of a phone",
-        InUnit("m"), AsFlag());
-  v.Add(o->imu_time_offset_s, "imu_time_offset_s",
-        "time of the inertial sensor minus capture time of depth", Between(-1, 1), AsFlag());
-  v.Add(o->camera_yaml_imu, "camera_yaml_imu",
-        "camera.yaml contains transform, time offset and noise of the inertial sensor", AsFlag());
+void CheckTimes(const std::vector<std::string>& times) {
+  std::set<std::string> unused = {"latency_s", "color_latency_s", "readout_s"};
+  for (const std::string& name : times) {
+    ThrowIf(unused.erase(name) == 0, "camera_yaml_times contains '", name,
+            "', must be latency_s, color_latency_s or readout_s, each once");
+  }
 }
+
+void CheckMount(const std::vector<double>& mount) {
+  const double norm = mount.size() == 7 ? Eigen::Vector4d(mount.data() + 3).norm() : 0;
+  ThrowIf(!mount.empty() && !(std::abs(norm - 1) < 0.01), "camera_from_imu is ",
+          OptionToText(mount), ", must be seven numbers with a quaternion of norm 1");
+}
+
+// Size of the images as WIDTHxHEIGHT, or empty for the size of the sensor.
+class SizeText final : public OptionText {
+ public:
+  explicit SizeText(SimulateOptions* options) : options_(options) {}
+  std::string Get() const override {
+    if (options_->width == 0) return "";
+    return Concat(options_->width, "x", options_->height);
+  }
+  void Set(const std::string& text) override {
+    options_->width = options_->height = 0;
+    if (text.empty()) return;
+    const std::string kRule = "WIDTHxHEIGHT with two numbers from 1 to 16384";
+    int read = 0;
+    const bool is_size =
+        std::sscanf(text.c_str(), "%5dx%5d%n", &options_->width, &options_->height, &read) == 2 &&
+        read == static_cast<int>(text.size());
+    ThrowIf(!is_size || std::min(options_->width, options_->height) < 1 ||
+                std::max(options_->width, options_->height) > 16384,
+            kRule);
+  }
+  const std::type_info& type() const override { return typeid(SizeText); }
+  void* field() override { return options_; }
+
+ private:
+  SimulateOptions* options_;
+};
+
+// Bounds of the translation between frames as MIN,MAX.
+class StepText final : public OptionText {
+ public:
+  explicit StepText(PathOptions* path) : path_(path) {}
+  std::string Get() const override {
+    return OptionToText(std::vector<double>{path_->min_step_m, path_->max_step_m});
+  }
+  void Set(const std::string& text) override {
+    const std::vector<double> steps = NumbersFromText(text, 2);
+    ThrowIf(!(steps[0] > 0 && steps[1] >= steps[0] && std::isfinite(steps[1])),
+            "MIN,MAX with positive MIN and MAX at least MIN");
+    path_->min_step_m = steps[0];
+    path_->max_step_m = steps[1];
+  }
+  const std::type_info& type() const override { return typeid(StepText); }
+  void* field() override { return path_; }
+
+ private:
+  PathOptions* path_;
+};
 
 // Part I of N as I/N, or join/N to join all parts.
 class PartText final : public OptionText {
@@ -109,6 +138,50 @@ PinholeCamera Resized(PinholeCamera camera, int width, int height) {
 
 }  // namespace
 
+void SensorSettings::Visit(OptionVisitor& v) {
+  v.Add(inverse_depth_offset, "inverse_depth_offset",
+        "offset of 1 / z that camera.yaml does not contain; 0.00667 shortens 3 m by 2 %",
+        Between(-0.1, 0.1), InUnit("1/m"), AsFlag());
+  v.Add(inverse_depth_distortion, "inverse_depth_distortion",
+        "c1,c2,c3,c4,c5: error of 1 / z that camera.yaml does not contain: c1 x + c2 y + c3 x^2 + "
+        "c4 x y + c5 y^2 at the ray (x, y, 1)",
+        InUnit("1/m"), AsFlag());
+  v.Add(latency_s, "latency_s",
+        "time from the middle of exposure and readout of the depth image to its timestamp",
+        Between(-1, 1), InUnit("s"), AsFlag());
+  v.Add(color_latency_s, "color_latency_s", "latency of colour in addition to the latency of depth",
+        Between(-1, 1), InUnit("s"), AsFlag());
+  v.Add(readout_s, "readout_s",
+        "readout time of a rolling shutter, from the top row to the bottom row", Between(0, 1),
+        InUnit("s"), AsFlag());
+  v.AddPart(color, "color", "colour camera");
+  v.Add(camera_yaml_focal_error, "camera_yaml_focal_error",
+        "ex,ey: relative errors of the focal lengths in camera.yaml; 0.01: 1 % too long", AsFlag());
+  v.Add(camera_yaml_center_error, "camera_yaml_center_error",
+        "ex,ey: errors of the principal point in camera.yaml, to the right and down", InUnit("px"),
+        AsFlag());
+  v.Add(camera_yaml_times, "camera_yaml_times",
+        "values that camera.yaml contains: latency_s, color_latency_s and readout_s, "
+        "comma-separated; the others are 0 in camera.yaml",
+        AsFlag());
+  v.Add(imu_rate_hz, "imu_rate_hz", "rate of the inertial sensor", Between(1, 10000), InUnit("Hz"),
+        AsFlag());
+  v.Add(camera_from_imu, "camera_from_imu",
+        "transform tx,ty,tz,qx,qy,qz,qw from the inertial sensor to the depth camera; empty: that "
+        "of a phone",
+        InUnit("m"), AsFlag());
+  v.Add(imu_time_offset_s, "imu_time_offset_s",
+        "time of the inertial sensor minus capture time of depth", Between(-1, 1), InUnit("s"),
+        AsFlag());
+  v.Add(camera_yaml_imu, "camera_yaml_imu",
+        "camera.yaml contains transform, time offset and noise of the inertial sensor", AsFlag());
+  v.Check([this] {
+    CheckDepthError(inverse_depth_distortion);
+    CheckTimes(camera_yaml_times);
+    CheckMount(camera_from_imu);
+  });
+}
+
 void SimulateOptions::Visit(OptionVisitor& v) {
   v.Group("simulation");
   v.Add(output, SharedOption("output", Required(), Everyday()));
@@ -121,22 +194,32 @@ void SimulateOptions::Visit(OptionVisitor& v) {
         "depth sensor: exact, Kinect v1, active stereo (RealSense D435), time of flight (Azure "
         "Kinect), or lidar of a phone with confidence images",
         OneOf(SensorNames()), AsFlag(), Everyday());
-  v.Add(width, "width", "width of the images; fx and cx scale with it", InUnit("px"),
-        ZeroIs("640, with --sensor=lidar 256"), Between(0, 16384), AsFlag(), Everyday());
-  v.Add(height, "height", "height of the images; fy and cy scale with it", InUnit("px"),
-        ZeroIs("480, with --sensor=lidar 192"), Between(0, 16384), AsFlag(), Everyday());
+  SettingsText settings_text(&settings);
+  v.AddText(settings_text,
+            Option("sensor_settings",
+                   "name=value;name=value: true values of the sensors and their errors in "
+                   "camera.yaml; in quotes, since ; ends a command of the shell" +
+                       SettingsHelp(TableOf(&settings)),
+                   AsFlag()));
+  v.Add(imu, "imu", "write an inertial sensor to imu.csv, and without errors to imu_exact.csv",
+        AsFlag());
+  SizeText size(this);
+  v.AddText(size, Option("size",
+                         "size of the images as WIDTHxHEIGHT; fx and fy scale with it, px, at most "
+                         "16384; empty: 640x480, with --sensor=lidar 256x192",
+                         AsFlag(), Everyday()));
   v.Add(downsample, SharedOption("downsample", Everyday()));
-  v.Add(image_y_up, "image_y_up",
-        "write the convention of ICL-NUIM: numbered frames, fy < 0, poses mirrored by "
+  v.Add(format, "format",
+        "layout of the sequence; icl_nuim: numbered frames, fy < 0, poses mirrored by "
         "diag(1, -1, 1); surface.ply stays right-handed",
-        AsFlag(), Everyday());
+        OneOf({"tum", "icl_nuim"}), AsFlag(), Everyday());
   v.Add(surface_grid_m, "surface_grid_m", "distance between the points of surface.ply",
         AtLeast(0.001), AsFlag(), Everyday());
   v.Add(threads, SharedOption("threads", Everyday()));
-  v.AddPart(path, "path", "camera path");
-  VisitSensor(v, this);
-  VisitImu(v, this);
-  v.Group("parts");
+  StepText step(&path);
+  v.AddText(step,
+            Option("step_m", "MIN,MAX: bounds of the translation between consecutive frames, m",
+                   AsFlag()));
   PartText part_text(this);
   v.AddText(part_text,
             Option("part",
@@ -146,20 +229,11 @@ void SimulateOptions::Visit(OptionVisitor& v) {
                    AsFlag()));
 }
 
-InverseDepthField DepthErrorOf(const SimulateOptions& options) {
-  constexpr double kLargest = 0.1;
+InverseDepthField DepthErrorOf(const SensorSettings& settings) {
   InverseDepthField error;
-  const std::vector<double>& varying = options.inverse_depth_distortion;
-  if (!varying.empty() && varying.size() + 1 != InverseDepthField::kSize)
-    throw InputError(
-        Concat("--inverse_depth_distortion is ", OptionToText(varying), ", must be five numbers"));
-  std::copy(varying.begin(), varying.end(), error.coefficients.begin() + 1);
-  error.coefficients[0] = options.inverse_depth_offset;
-  for (const double coefficient : varying) {
-    if (!(std::abs(coefficient) <= kLargest))
-      throw InputError(Concat("--inverse_depth_distortion contains ", coefficient,
-                              ", must be from ", -kLargest, " to ", kLargest));
-  }
+  error.coefficients[0] = settings.inverse_depth_offset;
+  std::copy(settings.inverse_depth_distortion.begin(), settings.inverse_depth_distortion.end(),
+            error.coefficients.begin() + 1);
   return error;
 }
 
@@ -167,25 +241,20 @@ RgbdCamera TrueCameraOf(const SimulateOptions& options) {
   RgbdCamera camera;
   camera.depth = Resized(SimulatedSensor(options.sensor).camera(), options.width, options.height)
                      .Subsampled(options.downsample);
-  camera.latency_s = options.latency_s;
-  camera.color_latency_s = options.color_latency_s;
-  camera.readout_s = options.readout_s;
+  camera.latency_s = options.settings.latency_s;
+  camera.color_latency_s = options.settings.color_latency_s;
+  camera.readout_s = options.settings.readout_s;
   return camera;
 }
 
-RgbdCamera CameraYamlOf(const SimulateOptions& options, RgbdCamera camera) {
+RgbdCamera CameraYamlOf(const SensorSettings& settings, RgbdCamera camera) {
   std::map<std::string, double*> unknown = {{"latency_s", &camera.latency_s},
                                             {"color_latency_s", &camera.color_latency_s},
                                             {"readout_s", &camera.readout_s}};
-  for (const std::string& name : options.camera_yaml_times) {
-    if (unknown.erase(name) == 0) {
-      throw InputError(Concat("--camera_yaml_times contains '", name,
-                              "', must be latency_s, color_latency_s or readout_s, each once"));
-    }
-  }
+  for (const std::string& name : settings.camera_yaml_times) unknown.erase(name);
   for (const auto& [name, number] : unknown) *number = 0;
-  const auto focal = options.camera_yaml_focal_error.value_or(std::array<double, 2>());
-  const auto center = options.camera_yaml_center_error.value_or(std::array<double, 2>());
+  const auto focal = settings.camera_yaml_focal_error.value_or(std::array<double, 2>());
+  const auto center = settings.camera_yaml_center_error.value_or(std::array<double, 2>());
   camera.depth.fx *= 1 + focal[0];
   camera.depth.fy *= 1 + focal[1];
   camera.depth.cx += center[0];
@@ -196,31 +265,26 @@ RgbdCamera CameraYamlOf(const SimulateOptions& options, RgbdCamera camera) {
 
 ImuSimulation ImuOf(const SimulateOptions& options) {
   ImuSimulation imu;
-  imu.rate_hz = options.imu_rate_hz;
+  imu.rate_hz = options.settings.imu_rate_hz;
   imu.seed = options.seed;
-  const std::vector<double>& mount = options.camera_from_imu;
+  const std::vector<double>& mount = options.settings.camera_from_imu;
   if (mount.empty()) {
     imu.calibration.camera_from_imu =
         Rigid3d(Eigen::Quaterniond(0, 1, -1, 0).normalized(), {0.02, -0.01, 0.005});
   } else {
-    const double norm = mount.size() == 7 ? Eigen::Vector4d(mount.data() + 3).norm() : 0;
-    if (!(std::abs(norm - 1) < 0.01)) {
-      throw InputError(Concat("--camera_from_imu is ", OptionToText(mount),
-                              ", must be seven numbers with a quaternion of norm 1"));
-    }
     imu.calibration.camera_from_imu =
         Rigid3d(Eigen::Quaterniond(Eigen::Vector4d(mount.data() + 3)).normalized(),
                 Eigen::Vector3d(mount.data()));
   }
-  imu.calibration.time_offset_s = options.imu_time_offset_s;
+  imu.calibration.time_offset_s = options.settings.imu_time_offset_s;
   imu.calibration.rotation_sigma_rad = imu.calibration.translation_sigma_m = 0.001;
   imu.calibration.time_offset_sigma_s = 0.001;
   return imu;
 }
 
-bool HasUnlistedTruth(const SimulateOptions& o) {
-  return o.latency_s != 0 || o.color_latency_s != 0 || o.readout_s != 0 || !o.color.ArePlain() ||
-         o.camera_yaml_focal_error || o.camera_yaml_center_error;
+bool HasUnlistedTruth(const SensorSettings& s) {
+  return s.latency_s != 0 || s.color_latency_s != 0 || s.readout_s != 0 || !s.color.ArePlain() ||
+         s.camera_yaml_focal_error || s.camera_yaml_center_error;
 }
 
 }  // namespace surfit::tools
