@@ -41,7 +41,7 @@ def test_agrees_with_the_program(tmp_path):
     options.rpe.delta = 0.5
     options.rpe.delta_unit = "seconds"
     printed = json.loads(run_tool("surfit_evaluate", f"--groundtruth={paths[0]}",
-                                  f"--estimate={paths[1]}", "--delta=0.5", "--delta_unit=seconds"))
+                                  f"--estimate={paths[1]}", "--delta=0.5s"))
     for result in (surfit.evaluate(truth, estimate, options=options),
                    surfit.evaluate(*paths, options=options)):
         assert result.ate.translation_m.rmse == pytest.approx(printed["ate_rmse_m"], rel=1e-12)

@@ -26,6 +26,30 @@ Number NumberFromSetting(const std::string& name, const std::string& text) {
   return number;
 }
 
+// Sets an option to the value of a text. Throws InputError with `name` and the constraint.
+void SetToText(const std::string& name, const Option& option, const std::string& text,
+               const OptionValue& value) {
+  std::visit(
+      [&](auto* field) {
+        using T = std::decay_t<decltype(*field)>;
+        if constexpr (std::is_same_v<T, OptionText>) {
+          SetText(name, text, field);
+        } else if constexpr (std::is_same_v<T, std::string>) {
+          *field = text;
+        } else if constexpr (std::is_same_v<T, bool>) {
+          ThrowIf(text != "true" && text != "false", name, " is '", text,
+                  "', must be true or false");
+          *field = text == "true";
+        } else if constexpr (std::is_floating_point_v<T>) {
+          *field = static_cast<T>(NumberFromSetting<T>(name, text) * option.FlagUnit());
+        } else {
+          *field = NumberFromSetting<T>(name, text);
+        }
+      },
+      value);
+  RequireOption(name, option, value, /*in_degrees=*/true);
+}
+
 // Sets the setting with a name to the value of a text.
 class SettingSetter final : public OptionVisitor {
  public:
@@ -34,26 +58,7 @@ class SettingSetter final : public OptionVisitor {
 
  private:
   void Visit(const Option& option, const OptionValue& value) override {
-    if (option.flag != name_) return;
-    std::visit([&](auto* field) { SetField(option, field); }, value);
-    RequireOption(name_, option, value, /*in_degrees=*/true);
-  }
-
-  template <typename T>
-  void SetField(const Option& option, T* field) const {
-    if constexpr (std::is_same_v<T, OptionText>) {
-      SetText(name_, text_, field);
-    } else if constexpr (std::is_same_v<T, std::string>) {
-      *field = text_;
-    } else if constexpr (std::is_same_v<T, bool>) {
-      ThrowIf(text_ != "true" && text_ != "false", name_, " is '", text_,
-              "', must be true or false");
-      *field = text_ == "true";
-    } else if constexpr (std::is_floating_point_v<T>) {
-      *field = static_cast<T>(NumberFromSetting<T>(name_, text_) * option.FlagUnit());
-    } else {
-      *field = NumberFromSetting<T>(name_, text_);
-    }
+    if (option.flag == name_) SetToText(name_, option, text_, value);
   }
 
   std::string name_, text_;
@@ -101,6 +106,26 @@ void SettingsText::Set(const std::string& text) {
     WithContext("valid settings", [&] { table_(setter); });
   }
   WithContext("valid settings", [&] { ValidateTable(table_); });
+}
+
+PairText::PairText(Option first, OptionValue first_value, Option second, OptionValue second_value)
+    : first_(std::move(first)),
+      second_(std::move(second)),
+      first_value_(first_value),
+      second_value_(second_value) {}
+
+std::string PairText::Get() const {
+  return FlagText(first_, first_value_) + "," + FlagText(second_, second_value_);
+}
+
+void PairText::Set(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  const std::string form = first_.name + "," + second_.name;
+  WithContext(form, [&] {
+    SetToText(first_.name, first_, text.substr(0, comma), first_value_);
+    if (comma == std::string::npos) return;
+    SetToText(second_.name, second_, text.substr(comma + 1), second_value_);
+  });
 }
 
 std::string SettingsHelp(const OptionTable& table) {

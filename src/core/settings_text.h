@@ -39,6 +39,22 @@ class SettingsText final : public OptionText {
   std::map<std::string, std::string> defaults_;  // by name
 };
 
+// Two numbers of options as one text, FIRST,SECOND. The text FIRST does not change the second
+// number. The rules of both options apply.
+class PairText final : public OptionText {
+ public:
+  PairText(Option first, OptionValue first_value, Option second, OptionValue second_value);
+
+  std::string Get() const override;
+  void Set(const std::string& text) override;
+  const std::type_info& type() const override { return typeid(PairText); }
+  void* field() override { return this; }
+
+ private:
+  Option first_, second_;
+  OptionValue first_value_, second_value_;
+};
+
 // Help on the settings of a table, one line per setting, as "\nname=default: help".
 std::string SettingsHelp(const OptionTable& table);
 

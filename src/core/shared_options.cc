@@ -80,7 +80,7 @@ const std::vector<Option>& SharedOptions() {
        "maximum number of keyframes; the keyframe distance and angle grow to satisfy this limit",
        ZeroIs("no limit")},
       {"output", "folder or file for the results; created if missing"},
-      {"pictures", "write images of the map and the trajectory"},
+      {"pictures", "write images of the results"},
       {"run", "output folder of surfit_slam"},
       {"seed", "seed of the random numbers"},
       {"sequence",

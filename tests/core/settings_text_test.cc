@@ -111,6 +111,28 @@ TEST(SettingsText, RejectsValuesWithNameAndConstraint) {
   ExpectRefusedSettings("colors=1,2", "lamp", "colors", 2, 1, 3);
 }
 
+TEST(PairText, SetsBothNumbersOrTheFirst) {
+  int count = 3;
+  double step_m = 0.5;
+  PairText text(Option("count", "", AtLeast(1)), &count, Option("step_m", "", Between(0, 1)),
+                &step_m);
+  EXPECT_EQ(text.Get(), "3,0.5");
+  text.Set("7,0.25");
+  EXPECT_EQ(text.Get(), "7,0.25");
+  text.Set("5");
+  EXPECT_EQ(count, 5);
+  EXPECT_EQ(step_m, 0.25);
+  const auto refuses = [&](const std::string& pair, const auto&... names) {
+    ExpectInputError([&] { SetText("--pair", pair, &text); },
+                     Names("--pair", pair, "count,step_m", names...));
+  };
+  refuses("0,1", "count", 0, 1);
+  refuses("1,2", "step_m", 2, 0, 1);
+  refuses("1.5", "count", 1.5);
+  refuses("1,", "step_m");
+  refuses("1,0.5,3", "step_m", "0.5,3");
+}
+
 TEST(SettingsText, HelpListsDefaultsUnitsAndBounds) {
   Desk desk;
   const std::string help = SettingsHelp(TableOf(&desk));

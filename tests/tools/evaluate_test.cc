@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "surfit/core/error.h"
+#include "surfit/evaluation/map_error.h"
 #include "surfit/io/point_cloud.h"
 #include "testing/matchers.h"
 #include "testing/run_program.h"
@@ -65,9 +66,10 @@ TEST_F(EvaluateTest, PrintsTheErrorsOfTheLiftedSquare) {
 
 TEST_F(EvaluateTest, UsesTheStepOfTheFlags) {
   Write(kSquare, kLifted);
-  for (const char* unit : {"frames", "seconds"}) {
-    const ProgramResult result = Succeeded(Evaluate({"--delta=2", Concat("--delta_unit=", unit)}));
+  for (const char* delta : {"2", "2s"}) {
+    const ProgramResult result = Succeeded(Evaluate({Concat("--delta=", delta)}));
     const auto json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json.at("options").at("delta"), delta);
     EXPECT_EQ(json.at("rpe_pairs"), 2);
     EXPECT_NEAR(json.at("rpe_translation_rmse_m"), kLift_m * std::sqrt(1. / 2), 1e-12);
   }
@@ -119,7 +121,7 @@ TEST_F(EvaluateTest, CoverageCountsTheListedFrames) {
 
 TEST_F(EvaluateTest, RejectsFewerThanThreeMatches) {
   Write(kSquare, kLifted);
-  ExpectRefused(Evaluate({"--max_difference_s=0.003"}), 0, 0.003, 3);
+  ExpectRefused(Evaluate({"--max_gap_s=0.05,0.003"}), 0, 0.003, 3);
   Write(kSquare, FirstLines(kLifted, 2));
   ExpectRefused(Evaluate({}), "estimate.txt", 2, "1305031453.004", "1305031454.004");
   Write("# nothing\n", kLifted);
@@ -137,10 +139,12 @@ TEST_F(EvaluateTest, RejectsBadFlags) {
   Write(kSquare, kLifted);
   ExpectRefused(Evaluate({"--delta=0"}), "delta", 0);
   ExpectRefused(Evaluate({"--delta=1.5"}), "delta", 1.5, "frames");
-  ExpectRefused(Evaluate({"--delta_unit=m"}), "--delta_unit", "m", "frames", "seconds");
-  ExpectRefused(Evaluate({"--max_difference_s=-1"}), "max_difference_s", -1);
-  ExpectRefused(Evaluate({"--max_difference_s=abc"}), "abc");
+  ExpectRefused(Evaluate({"--delta=1m"}), "--delta", "1m", "frames", "seconds");
+  ExpectRefused(Evaluate({"--delta=s"}), "--delta", "s", "frames", "seconds");
+  ExpectRefused(Evaluate({"--max_gap_s=0.05,-1"}), "max_difference_s", -1);
+  ExpectRefused(Evaluate({"--max_gap_s=0.05,abc"}), "max_difference_s", "abc");
   ExpectRefused(Evaluate({"--max_gap_s=2"}), "max_gap_s", 2);
+  ExpectRefused(Evaluate({"--max_difference_s=0.02"}), "--max_difference_s", "--max_gap_s");
   ExpectRefused(Evaluate({"--time_offset_s=late"}), "time_offset_s", "late", "estimate");
   ExpectRefused(Evaluate({"--time_offset_s=100"}), "time_offset_s", 100, 3);
   ExpectRefused(Evaluate({"--time_offset_s=estimate"}), "time_offset_s", "estimate", 0.1);
@@ -161,9 +165,9 @@ TEST_F(EvaluateTest, AcceptsNamesThatAreNotUtf8) {
 
 TEST_F(EvaluateTest, ReadsAFlagfile) {
   Write(kSquare, kLifted);
-  const std::string flags = folder_.Write("flags", "--delta=2\n--max_difference_s=0.02\n");
+  const std::string flags = folder_.Write("flags", "--delta=2\n--max_gap_s=0,0.02\n");
   const ProgramResult result = Succeeded(Evaluate({"--flagfile=" + flags}));
-  EXPECT_EQ(nlohmann::json::parse(result.out).at("options").at("max_difference_s"), 0.02);
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("options").at("max_gap_s"), "0,0.02");
 }
 
 TEST_F(EvaluateTest, RejectsBadFlagfiles) {
@@ -179,7 +183,7 @@ TEST_F(EvaluateTest, RejectsBadFlagfiles) {
 
 TEST(EvaluateHelp, ShowsEveryDefault) {
   const ProgramResult result = Succeeded(RunProgram("surfit_evaluate", {"--help"}));
-  EXPECT_THAT(result.out, Names("--max_difference_s=0.01", "--delta=1", "--delta_unit=frames"));
+  EXPECT_THAT(result.out, Names("--max_gap_s=0.05,0.01", "--delta=1"));
 }
 
 // Motion capture at 100 Hz, compared with itself: the error is 0, and all nine frames are covered.
@@ -257,9 +261,11 @@ TEST_F(EvaluateMapTest, ReadsAFolderOfTilesAsOneMap) {
 }
 
 // The third point is within 0.5 m (inclusive). The fourth is sqrt(0.25^2 + 0.5^2) m away.
-TEST_F(EvaluateMapTest, UsesTheCompletenessDistanceOfTheFlag) {
-  const ProgramResult result = Succeeded(Evaluate({"--completeness_distance_m=0.5"}));
-  EXPECT_EQ(nlohmann::json::parse(result.out).at("completeness"), 0.75);
+TEST_F(EvaluateMapTest, CompletenessIncludesPointsAtItsDistance) {
+  const PointCloud reference = ReadPly(folder_ / "reference.ply");
+  const PointCloud map = ReadPly(folder_ / "map.ply");
+  EXPECT_EQ(ComputeMapError(map.points, reference.points, reference.normals, {0.5}).completeness,
+            0.75);
 }
 
 // The frame of the map is rotated by 90 degrees and shifted by 1 m. Without alignment the error
@@ -294,7 +300,8 @@ TEST_F(EvaluateMapTest, RejectsCollinearTrajectories) {
 }
 
 TEST_F(EvaluateMapTest, RejectsBadInput) {
-  ExpectRefused(Evaluate({"--completeness_distance_m=0"}), "completeness_distance_m", 0);
+  ExpectRefused(Evaluate({"--completeness_distance_m=0.02"}), "--completeness_distance_m",
+                "MapErrorOptions::completeness_distance_m");
   ExpectRefused(Evaluate({"--map=" + folder_.Write("bad.ply", "solid cube")}), "bad.ply", "PLY",
                 "PCD");
   ExpectRefused(Evaluate({"--map=" + (folder_ / "none.ply")}), "none.ply");

@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "apps/evaluate/view_evaluation.h"
 #include "tools/slam_tool.h"
 
 namespace surfit::testing {
@@ -68,17 +69,28 @@ TEST_F(EvaluateViewsTool, EvaluatesOnlyHeldOutFrames) {
 
 TEST_F(EvaluateViewsTool, EvaluatesEveryNthFrameIntoASeparateFolder) {
   Succeeded(Slam(Room(), Output()));
-  Succeeded(Judge(Output(), {"--every=8", "--view_pictures=2", "--output=" + Output("judged")}));
+  Succeeded(Judge(Output(), {"--every=8", "--output=" + Output("judged")}));
   EXPECT_EQ(Views(Output("judged"))["held_out"], false);
   EXPECT_EQ(Views(Output("judged"))["frames"], 3);
   EXPECT_FALSE(std::filesystem::exists(Output() + "/views.json"));
-  EXPECT_FALSE(std::filesystem::exists(Output("judged") + "/view_pictures/02.png"));
+  EXPECT_TRUE(std::filesystem::exists(Output("judged") + "/view_pictures/02.png"));
+  EXPECT_FALSE(std::filesystem::exists(Output("judged") + "/view_pictures/03.png"));
   const cv::Mat picture = cv::imread(Output("judged") + "/view_pictures/00.png");
   EXPECT_EQ(picture.cols, 3 * 160);
   EXPECT_EQ(picture.rows, 120 + 28);
   // The number of threads changes nothing. A new run removes earlier evaluations from its folder.
-  Succeeded(Judge(Output(), {"--every=8", "--threads=1"}));
+  Succeeded(Judge(Output(), {"--every=8", "--threads=1", "--nopictures"}));
   EXPECT_EQ(Views(Output()), Views(Output("judged")));
+  EXPECT_FALSE(std::filesystem::exists(Output() + "/view_pictures/00.png"));
+  ViewEvaluationOptions options;
+  options.sequence.path = Room();
+  options.run = Output();
+  options.output = Output("two");
+  options.every = 8;
+  options.pictures = 2;
+  EXPECT_EQ(EvaluateViews(options, [](int) {}).views.size(), 3u);
+  EXPECT_TRUE(std::filesystem::exists(Output("two") + "/view_pictures/01.png"));
+  EXPECT_FALSE(std::filesystem::exists(Output("two") + "/view_pictures/02.png"));
   Succeeded(Slam(Room(), Output()));
   EXPECT_FALSE(std::filesystem::exists(Output() + "/views.json"));
 }

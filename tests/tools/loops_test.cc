@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/evaluate/revisits.h"
 #include "benchmarks/loop_search.h"
 #include "surfit/core/error.h"
 #include "surfit/io/camera_files.h"
@@ -73,18 +74,23 @@ class EvaluateRevisitsTest : public DriftTest {
 
 // The drift over 20 to 40 frames is 20 to 40 mm.
 TEST_F(EvaluateRevisitsTest, ErrorIsLargerForDriftingPoses) {
-  const ProgramResult result =
-      Succeeded(Evaluate({"--revisit_gap=20", "--revisit_distance_m=1", "--revisit_angle_deg=40"}));
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_GT(json.at("pairs"), 5);
-  EXPECT_EQ(json.at("unregistered"), 0);
-  EXPECT_EQ(json.at("frames_without_pose"), 0);
-  const auto &truth = json.at("groundtruth"), &estimate = json.at("estimate");
-  EXPECT_LT(truth.at("icp_translation_max_m"), 0.005);
-  EXPECT_LT(truth.at("surface_max_m"), 0.003);
-  EXPECT_GT(estimate.at("surface_median_m"), 2 * truth.at("surface_median_m").get<double>());
-  EXPECT_GT(estimate.at("icp_translation_median_m"), 0.5 * kDrift_m - 0.005);
-  EXPECT_LT(estimate.at("icp_translation_max_m"), kDrift_m + 0.005);
+  RevisitOptions options;
+  options.sequence.path = sequence_;
+  options.sequence.stride = 5;
+  options.estimate = estimate_;
+  options.min_gap = 20;
+  options.max_distance_m = 1;
+  options.max_angle_rad = 0.7;
+  const RevisitReport report = CompareAtRevisits(options, [](int, int) {});
+  EXPECT_GT(report.pairs, 5);
+  EXPECT_EQ(report.unregistered, 0);
+  EXPECT_EQ(report.without_pose, 0);
+  const SurfaceAgreement &truth = report.ground_truth, &estimate = report.estimate;
+  EXPECT_LT(truth.icp_translation_m.max, 0.005);
+  EXPECT_LT(truth.surface_m.max, 0.003);
+  EXPECT_GT(estimate.surface_m.median, 2 * truth.surface_m.median);
+  EXPECT_GT(estimate.icp_translation_m.median, 0.5 * kDrift_m - 0.005);
+  EXPECT_LT(estimate.icp_translation_m.max, kDrift_m + 0.005);
 }
 
 TEST_F(EvaluateRevisitsTest, UsesTheCalibrationOfTheRun) {
@@ -93,12 +99,16 @@ TEST_F(EvaluateRevisitsTest, UsesTheCalibrationOfTheRun) {
   WriteBytes(run_ + "/summary.json", summary.dump());
   const auto evaluate = [&](const std::string& flag) {
     return RunProgram("surfit_evaluate",
-                      {"--what=revisits", "--run=" + run_, "--revisit_gap=20", flag,
-                       "--revisit_distance_m=1", "--revisit_angle_deg=40"});
+                      {"--what=revisits", "--run=" + run_, "--revisit_gap=10", flag});
   };
   const ProgramResult own = evaluate("--stride=5");
   ASSERT_EQ(own.exit_code, 0) << own.err;
   EXPECT_THAT(own.err, Not(Names(run_ + "/camera.yaml")));
+  const auto json = nlohmann::json::parse(own.out);
+  EXPECT_GT(json.at("pairs"), 1);
+  EXPECT_EQ(json.at("unregistered"), 0);
+  EXPECT_EQ(json.at("frames_without_pose"), 0);
+  EXPECT_GT(json.at("estimate").at("icp_translation_max_m"), 0);
   RgbdCamera found = ReadCameraYaml(sequence_ + "/camera.yaml");
   found.depth.fx *= 1.1;
   found.depth.fy *= 1.1;

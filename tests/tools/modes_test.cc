@@ -79,9 +79,11 @@ TEST(OldNames, PrintTheNewCommandLineAndRunIt) {
                              "--what=map", "--map=a.ply"),
               HasSubstr("--reference"));
   expect_renamed(RunProgram("surfit_evaluate_views", {"--run=out", "--pictures=3"}),
-                 "surfit_evaluate", "--what=views", "--run=out", "--view_pictures=3");
-  expect_renamed(RunProgram("surfit_evaluate_revisits", {"--min_gap=9", "--max_angle_deg=4"}),
-                 "surfit_evaluate", "--what=revisits", "--revisit_gap=9", "--revisit_angle_deg=4");
+                 "surfit_evaluate", "--what=views", "--run=out", "--pictures");
+  expect_renamed(RunProgram("surfit_evaluate_views", {"--run=out", "--pictures=0"}),
+                 "surfit_evaluate", "--what=views", "--run=out", "--nopictures");
+  expect_renamed(RunProgram("surfit_evaluate_revisits", {"--min_gap=9"}), "surfit_evaluate",
+                 "--what=revisits", "--revisit_gap=9");
   ExpectRefused(RunProgram("surfit_find_loops", {}), "surfit_slam", "--loop_closure");
 }
 

@@ -9,6 +9,9 @@
 #include <sstream>
 #include <thread>
 
+#include "surfit/evaluation/map_error.h"
+#include "surfit/geometry/rigid3.h"
+#include "surfit/io/point_cloud.h"
 #include "testing/matchers.h"
 #include "testing/mutations.h"
 #include "testing/run_program.h"
@@ -310,12 +313,23 @@ TEST(ScanSweep, DistinguishesSimilarRoomsOnTwoFloors) {
     if (summary[worst].is_null()) continue;
     EXPECT_LT(summary[worst]["translation_m"].get<double>(), 0.1) << worst;
   }
-  const ProgramResult map = Succeeded(RunProgram(
-      "surfit_evaluate",
-      {"--what=map", "--map=" + scan + "/tiles", "--reference=" + sequence + "/surface.ply",
-       "--completeness_distance_m=0.02", "--estimate=" + scan + "/trajectory.txt",
-       "--groundtruth=" + sequence + "/groundtruth.txt"}));
-  EXPECT_GT(nlohmann::json::parse(map.out)["completeness"].get<double>(), 0.95);
+  const ProgramResult map =
+      Succeeded(RunProgram("surfit_evaluate", {"--what=map", "--map=" + scan + "/tiles",
+                                               "--reference=" + sequence + "/surface.ply",
+                                               "--estimate=" + scan + "/trajectory.txt",
+                                               "--groundtruth=" + sequence + "/groundtruth.txt"}));
+  const auto pose = nlohmann::json::parse(map.out)["reference_from_map"];
+  const std::vector<double> t = pose["translation_m"], q = pose["quaternion_xyzw"];
+  const Rigid3d reference_from_map(Eigen::Quaterniond(q.data()), Eigen::Vector3d(t.data()));
+  std::vector<Eigen::Vector3f> points;
+  for (const auto& tile : fs::directory_iterator(scan + "/tiles")) {
+    if (tile.path().extension() != ".ply") continue;
+    for (const Eigen::Vector3f& point : ReadPly(tile.path()).points) {
+      points.push_back((reference_from_map * point.cast<double>()).cast<float>());
+    }
+  }
+  const PointCloud surface = ReadPly(sequence + "/surface.ply");
+  EXPECT_GT(ComputeMapError(points, surface.points, surface.normals, {0.02}).completeness, 0.95);
 }
 
 }  // namespace

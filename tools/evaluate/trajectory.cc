@@ -8,6 +8,7 @@
 
 #include "common/json.h"
 #include "common/tool_main.h"
+#include "core/settings_text.h"
 #include "core/shared_options.h"
 #include "evaluate/evaluations.h"
 #include "surfit/core/error.h"
@@ -17,10 +18,33 @@
 namespace surfit::tools {
 namespace {
 
+// Distance of the poses of a relative pose error: N frames, or Ns for N seconds.
+class DeltaText final : public OptionText {
+ public:
+  explicit DeltaText(RelativePoseErrorOptions* rpe) : rpe_(rpe) {}
+  std::string Get() const override { return OptionToText(rpe_->delta) + (IsTime() ? "s" : ""); }
+  void Set(const std::string& text) override {
+    const bool is_time = !text.empty() && text.back() == 's';
+    const auto numbers = WithContext("a number of frames, or seconds as in 0.5s", [&] {
+      return NumbersFromText(is_time ? text.substr(0, text.size() - 1) : text, 1);
+    });
+    rpe_->delta = numbers.front();
+    rpe_->delta_unit = is_time ? Unit::kSeconds : Unit::kFrames;
+  }
+  const std::type_info& type() const override { return typeid(DeltaText); }
+  void* field() override { return rpe_; }
+
+ private:
+  using Unit = RelativePoseErrorOptions::Unit;
+  bool IsTime() const { return rpe_->delta_unit == Unit::kSeconds; }
+
+  RelativePoseErrorOptions* rpe_;
+};
+
 struct TrajectoryOptions {
   std::string groundtruth, estimate, frames;
   std::string time_offset_s;  // number, "estimate" or empty
-  bool fit_mount = false, fit_scale = false;
+  bool fit_mount = false;
   TrajectoryEvaluationOptions evaluation;
 
   void Visit(OptionVisitor& v) {
@@ -38,14 +62,21 @@ struct TrajectoryOptions {
         "ATE; empty: none",
         InUnit("s"), AsFlag());
     v.Add(fit_mount, SharedOption("fit_mount"));
-    v.Add(fit_scale, "fit_scale", "with fit_mount: also fit the scale of the estimate", AsFlag());
-    v.AddPart(evaluation, "evaluation", "trajectory comparison");
-    v.Check([this] {
-      GivenOffset();
-      if (fit_scale && !fit_mount) {
-        throw InputError("fit_scale is true, must be false without fit_mount");
-      }
-    });
+    MatchOptions& match = evaluation.match;
+    PairText max_gap(Option("max_gap_s", "", Between(0, 1)), &match.max_gap_s,
+                     Option("max_difference_s", "", Between(0, 1)), &match.max_difference_s);
+    v.AddText(max_gap,
+              Option("max_gap_s",
+                     "GAP,DIFFERENCE: interpolate between ground-truth poses at most GAP apart, "
+                     "else take the nearest pose with a time difference of at most DIFFERENCE, s; "
+                     "0,0.01: as evo; 0,0.02: as the TUM scripts",
+                     AsFlag()));
+    DeltaText delta(&evaluation.rpe);
+    v.AddText(delta, Option("delta",
+                            "distance between the two poses of a relative pose error: a number of "
+                            "frames, or seconds as in 0.5s",
+                            AsFlag()));
+    v.Check([this] { GivenOffset(); });
   }
 
   // std::nullopt if the offset is not a number.
@@ -90,7 +121,6 @@ Json ToJson(const TrajectoryEvaluation& e, const std::optional<TimeOffset>& offs
   SetStatistics("ate_at_time_offset", "m", offset ? &offset->ate.translation_m : nullptr, &json);
   SetStatistics("ate_fit_mount", "m", mount ? &mount->ate.translation_m : nullptr, &json);
   json["mount_m"] = mount ? Json(mount->true_body_in_estimated_m) : Json();
-  json["fitted_scale"] = mount && options.fit_scale ? Json(mount->scale) : Json();
   json["ate_coverage"] = e.coverage;
   json["ate_rotation_unique"] = e.ate->alignment.status == AlignmentStatus::kAligned;
   SetStatistics("rpe_translation", "m", e.rpe ? &e.rpe->translation_m : nullptr, &json);
@@ -106,9 +136,8 @@ Json ToJson(const TrajectoryEvaluation& e, const std::optional<TimeOffset>& offs
 }
 
 void PrintMount(const MountFit& mount) {
-  std::cerr << "with a fitted mount of " << mount.true_body_in_estimated_m.norm() << " m";
-  if (mount.scale != 1) std::cerr << " and a fitted scale of " << mount.scale;
-  std::cerr << ": ATE RMSE " << mount.ate.translation_m.rmse << " m" << std::endl;
+  std::cerr << "with a fitted mount of " << mount.true_body_in_estimated_m.norm() << " m: ATE RMSE "
+            << mount.ate.translation_m.rmse << " m" << std::endl;
   const std::string warning = MountWarning(mount);
   if (!warning.empty()) LOG(WARNING) << warning;
 }
@@ -146,8 +175,7 @@ int RunTrajectory(const TrajectoryOptions& options) {
   const std::optional<TimeOffset> offset = FindTimeOffset(ground_truth, estimate, options);
   std::optional<MountFit> mount;
   if (options.fit_mount) {
-    mount =
-        FitMount(MatchPoses(ground_truth, estimate, options.evaluation.match), options.fit_scale);
+    mount = FitMount(MatchPoses(ground_truth, estimate, options.evaluation.match), false);
   }
   PrintJson(ToJson(evaluation, offset, mount, options));
   PrintSummary(evaluation, offset, options);

@@ -6,6 +6,7 @@
 #include "common/console.h"
 #include "common/recorded_flags.h"
 #include "common/tool_main.h"
+#include "core/shared_options.h"
 #include "evaluate/evaluations.h"
 #include "surfit/core/error.h"
 
@@ -31,7 +32,19 @@ void Print(const ViewEvaluation& evaluation) {
   if (!evaluation.worst_view.empty()) std::printf("worst: %s\n", evaluation.worst_view.c_str());
 }
 
-int RunViews(const ViewEvaluationOptions& options) {
+struct ViewOptions {
+  ViewEvaluationOptions views;
+  bool pictures = true;
+
+  void Visit(OptionVisitor& v) {
+    v.AddPart(views, "views", "comparison of views");
+    v.Add(pictures, SharedOption("pictures"));
+  }
+};
+
+int RunViews(const ViewOptions& given) {
+  ViewEvaluationOptions options = given.views;
+  if (!given.pictures) options.pictures = 0;
   ProgressLine line;
   const ViewEvaluation evaluation =
       EvaluateViews(options, [&](int views) { line.Show(Concat("view ", views), false); });
@@ -41,9 +54,10 @@ int RunViews(const ViewEvaluationOptions& options) {
 }
 
 // The calibrated camera is in poses.json of the run, so the frames are read with the input camera.
-void PrepareViews(ViewEvaluationOptions* options) {
-  RequireFlag("run", options->run);
-  ApplyRecordedFlags(options->run, TableOf(&options->sequence), {}, RecordedCamera::kGiven);
+void PrepareViews(ViewOptions* options) {
+  const std::string& run = options->views.run;
+  RequireFlag("run", run);
+  ApplyRecordedFlags(run, TableOf(&options->views.sequence), {}, RecordedCamera::kGiven);
 }
 
 }  // namespace

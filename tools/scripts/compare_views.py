@@ -3,10 +3,11 @@
 
     surfit_slam --sequence=DIR --output=before --hold_out=10 --nofinal_map
     surfit_slam --sequence=DIR --output=after --hold_out=10
-    for run in before after; do surfit_evaluate --what=views --run=$run --view_pictures=100; done
+    for run in before after; do surfit_evaluate --what=views --run=$run; done
     tools/scripts/compare_views.py --frame=99 --output=looks.jpg before after
 
 The picture shows the frame on the left, followed by the view of each run (one of its view_pictures).
+surfit_evaluate writes the 12 worst views. For more, set `pictures` of surfit.ViewEvaluationOptions in Python.
 Without --frame, the top views in map_color.png of the runs are shown:
 
     tools/scripts/compare_views.py --output=maps.jpg before after

@@ -7,12 +7,12 @@ renamed=''
 case $name in
   surfit_evaluate_map) command='surfit_evaluate --what=map' ;;
   surfit_evaluate_views)
-    command='surfit_evaluate --what=views' renamed='s/^(--?)pictures\b/\1view_pictures/'
+    command='surfit_evaluate --what=views'
+    renamed='s/^--?pictures=0$/--nopictures/; s/^--?pictures=[0-9]+$/--pictures/'
     ;;
   surfit_evaluate_revisits)
     command='surfit_evaluate --what=revisits'
-    renamed='s/^(--?)min_gap\b/\1revisit_gap/; s/^(--?)max_distance_m\b/\1revisit_distance_m/
-      s/^(--?)max_angle_deg\b/\1revisit_angle_deg/'
+    renamed='s/^(--?)min_gap\b/\1revisit_gap/'
     ;;
   surfit_plan) command='surfit_scan --step=plan' ;;
   surfit_scan_*) command="surfit_scan --step=${name#surfit_scan_}" ;;

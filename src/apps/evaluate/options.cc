@@ -14,9 +14,9 @@ void RevisitOptions::Visit(OptionVisitor& v) {
   v.Add(min_gap, "min_gap", "minimum number of frames between two visits", AtLeast(1),
         AsFlag("revisit_gap"), Everyday());
   v.Add(max_distance_m, "max_distance_m", "maximum distance between the cameras of two visits",
-        Positive(), AsFlag("revisit_distance_m"), Everyday());
+        Positive());
   v.Add(max_angle_rad, "max_angle_rad", "maximum angle between the cameras of two visits",
-        Positive(), AsFlag("revisit_angle_rad"), Everyday());
+        Positive());
   v.AddPart(preprocess, "preprocess", "depth preprocessing", NoFlags());
 }
 
@@ -28,8 +28,8 @@ void ViewEvaluationOptions::Visit(OptionVisitor& v) {
   v.Add(every, "every",
         "evaluate every n-th frame with a pose; for a run with --hold_out: all held-out frames",
         AtLeast(1), Everyday());
-  v.Add(pictures, "pictures", "number of pictures, worst views first", Between(0, kMaxViewPictures),
-        AsFlag("view_pictures"), Everyday());
+  v.Add(pictures, "pictures", "number of pictures, worst views first",
+        Between(0, kMaxViewPictures));
   v.Add(threads, SharedOption("threads", Everyday()));
 }
 
