@@ -5,9 +5,25 @@
 #include "apps/solvers/register_run.h"
 #include "common/outcomes.h"
 #include "common/tool_main.h"
+#include "core/settings_text.h"
 
 namespace surfit::tools {
 namespace {
+
+struct Options {
+  AlignRunOptions align;
+
+  void Visit(OptionVisitor& v) {
+    v.AddPart(align, "align", "alignment");
+    v.Group("sequence");
+    PairText pair(Option("source_frame", "", AtLeast(0)), &align.source,
+                  Option("target_frame", "", AtLeast(0)), &align.target);
+    v.AddText(pair, Option("pair",
+                           "SOURCE,TARGET: index of the source frame, which is moved, and of the "
+                           "target frame",
+                           Everyday()));
+  }
+};
 
 void PrintResult(const AlignRunResult& result, bool verified) {
   const IcpResult& icp = result.registration.icp;
@@ -32,7 +48,8 @@ void PrintResult(const AlignRunResult& result, bool verified) {
               result.initial_error->translation_m, result.initial_error->rotation_deg);
 }
 
-int Run(const AlignRunOptions& options) {
+int Run(const Options& given) {
+  const AlignRunOptions& options = given.align;
   const AlignRunResult result = RunAlign(options);
   const IcpResult& icp = result.registration.icp;
   PrintIterations(icp);

@@ -8,10 +8,34 @@
 #include "common/console.h"
 #include "common/recorded_flags.h"
 #include "common/tool_main.h"
+#include "core/settings_text.h"
 #include "surfit/registration/register_clouds.h"
 
 namespace surfit::tools {
 namespace {
+
+struct Options {
+  CompareOptions compare;
+
+  void Visit(OptionVisitor& v) {
+    v.AddPart(compare, "compare", "comparison");
+    v.Group("problem");
+    PairText points(Option("synthetic_points", "", AtLeast(0)), &compare.synthetic_points,
+                    Option("noise_m", "", AtLeast(0)), &compare.noise_m);
+    v.AddText(points,
+              Option("synthetic_points",
+                     "POINTS,NOISE: compare on this number of random points with known "
+                     "correspondences, without robust kernel; NOISE: standard deviation of the "
+                     "coordinates, also in the error model, m; 0: no points",
+                     Everyday()));
+    PairText pairs(Option("pairs", "", AtLeast(0)), &compare.pairs, Option("gap", "", AtLeast(1)),
+                   &compare.gap);
+    v.AddText(pairs, Option("pairs",
+                            "PAIRS,GAP: number of frame pairs, evenly spread over the sequence, "
+                            "and number of frames from source to target; 0: none, requires slam",
+                            Everyday()));
+  }
+};
 
 void ShowProgress(const CompareProgress& progress) {
   static ProgressLine line;
@@ -72,9 +96,9 @@ void PrintSlamTable(const std::vector<SlamComparisonRow>& rows) {
   std::printf("Surfaces are compared with those of the first solver with the same residual.\n");
 }
 
-int Run(const CompareOptions& options) {
+int Run(const Options& options) {
   const std::atomic<bool>& interrupted = CatchInterruptions();
-  const Comparison comparison = CompareSolvers(options, interrupted, ShowProgress);
+  const Comparison comparison = CompareSolvers(options.compare, interrupted, ShowProgress);
   if (interrupted) std::fputc('\n', stderr);  // ends the progress line
   if (!comparison.rows.empty()) PrintTable(comparison.rows);
   if (!comparison.slam.empty()) PrintSlamTable(comparison.slam);
@@ -82,10 +106,11 @@ int Run(const CompareOptions& options) {
   return kDone;
 }
 
-void Prepare(CompareOptions* options) {
-  if (!options->run.empty()) ApplyRecordedFlags(options->run, TableOf(&options->sequence));
-  const bool clouds = !options->source.empty() || !options->target.empty();
-  if (clouds) options->icp = RegisterCloudsOptions::DefaultIcp();
+void Prepare(Options* options) {
+  CompareOptions& compare = options->compare;
+  if (!compare.run.empty()) ApplyRecordedFlags(compare.run, TableOf(&compare.sequence));
+  const bool clouds = !compare.source.empty() || !compare.target.empty();
+  if (clouds) compare.icp = RegisterCloudsOptions::DefaultIcp();
 }
 
 }  // namespace

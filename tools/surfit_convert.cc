@@ -23,23 +23,26 @@
 namespace surfit::tools {
 namespace {
 
+constexpr const char* kCameraYaml = "camera_yaml";
+
 struct Options {
   ExportOptions run_export;  // with the sequence and the output of all conversions
-  std::string cloud, trajectory;
-  bool make_camera_yaml = false;
+  std::string to, map, estimate;
   KlgOptions klg;
 
   void Visit(OptionVisitor& v) {
-    v.AddPart(run_export, "run_export", "export of a run");
+    v.AddPart(run_export, "run_export", "export of a run", WithoutFlags({"to"}));
+    std::vector<std::string> formats = ExportFormatNames();
+    formats.insert(formats.begin(), "");
+    formats.emplace_back(kCameraYaml);
+    v.Group("export");
+    v.Add(to, "to",
+          "format for the results of --run; camera_yaml: with --sequence, write its camera as a "
+          "template, by default to camera.yaml in the folder of the sequence",
+          OneOf(formats), Everyday());
     v.Group("input");
-    v.Add(cloud, "cloud", "instead of a sequence: a map or point cloud (PLY or PCD)", Everyday());
-    v.Add(trajectory, "trajectory", "instead of a sequence: a trajectory in TUM format",
-          Everyday());
-    v.Group("output");
-    v.Add(make_camera_yaml, "make_camera_yaml",
-          "write the camera of the sequence to a camera.yaml, as a template; default of --output: "
-          "camera.yaml in the folder of the sequence",
-          Everyday());
+    v.Add(map, SharedOption("map", Everyday()));
+    v.Add(estimate, SharedOption("estimate", Everyday()));
     v.AddPart(klg, "klg", ".klg file");
   }
 };
@@ -92,7 +95,7 @@ void MakeCameraYaml(const Options& options) {
 void ConvertCloud(const Options& options) {
   const bool pcd = EndsWith(OutputOf(options), ".pcd");
   RequireEnding(OutputOf(options), pcd || EndsWith(OutputOf(options), ".ply"), ".pcd or .ply");
-  const PointCloud cloud = ReadPointCloudAboutOrigin(options.cloud);
+  const PointCloud cloud = ReadPointCloudAboutOrigin(options.map);
   if (pcd) {
     WritePcd(cloud, OutputOf(options));
   } else {
@@ -117,7 +120,7 @@ long CountMissing(const Trajectory& trajectory) {
 }
 
 void ConvertTrajectory(const Options& options) {
-  const Trajectory trajectory = ReadTumTrajectory(options.trajectory);
+  const Trajectory trajectory = ReadTumTrajectory(options.estimate);
   WriteKittiTrajectory(trajectory, OutputOf(options));
   std::printf("%s: %zu poses\n", OutputOf(options).c_str(), trajectory.size());
   const long missing = CountMissing(trajectory);
@@ -154,24 +157,27 @@ void Prepare(Options* options) {
 
 int Run(const Options& options) {
   const bool has_run = !options.run_export.run.empty();
-  const int inputs = (!SequenceOf(options).path.empty() && !has_run) + !options.cloud.empty() +
-                     !options.trajectory.empty() + has_run;
+  const bool has_sequence = !SequenceOf(options).path.empty() && !has_run;
+  const int inputs = has_sequence + !options.map.empty() + !options.estimate.empty() + has_run;
   if (inputs != 1) {
     throw InputError(
-        Concat(inputs, " of --sequence, --cloud, --trajectory and --run are set, must be 1"));
+        Concat(inputs, " of --sequence, --map, --estimate and --run are set, must be 1"));
   }
-  if (!options.run_export.to.empty() && !has_run) throw InputError("--to requires --run");
-  if (has_run) return ConvertRun(options.run_export);
-  if (options.make_camera_yaml && SequenceOf(options).path.empty())
-    throw InputError("--make_camera_yaml requires --sequence");
-  if (options.make_camera_yaml) {
+  if (options.to == kCameraYaml) {
+    if (!has_sequence) throw InputError("--to=camera_yaml requires --sequence");
     MakeCameraYaml(options);
     return kDone;
   }
+  if (has_run) {
+    ExportOptions run_export = options.run_export;
+    run_export.to = options.to;
+    return ConvertRun(run_export);
+  }
+  if (!options.to.empty()) throw InputError(Concat("--to=", options.to, " requires --run"));
   RequireFlag("output", OutputOf(options));
-  if (!SequenceOf(options).path.empty()) ConvertSequence(options);
-  if (!options.cloud.empty()) ConvertCloud(options);
-  if (!options.trajectory.empty()) ConvertTrajectory(options);
+  if (has_sequence) ConvertSequence(options);
+  if (!options.map.empty()) ConvertCloud(options);
+  if (!options.estimate.empty()) ConvertTrajectory(options);
   return kDone;
 }
 

@@ -2,13 +2,53 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include "apps/solvers/register_run.h"
 #include "common/outcomes.h"
 #include "common/tool_main.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
 
 namespace surfit::tools {
 namespace {
+
+// Method of the initial pose, or a pose or file for the method "file".
+class StartText final : public OptionText {
+ public:
+  explicit StartText(RegisterRunOptions* options) : options_(options) {}
+  std::string Get() const override {
+    return options_->start.method == "file" ? options_->start_pose : options_->start.method;
+  }
+  void Set(const std::string& text) override {
+    const bool is_method = text == "identity" || text == "global" || text == "auto";
+    ThrowIf(!is_method && text.find(',') == std::string::npos && !std::filesystem::exists(text),
+            "identity, global, auto, tx,ty,tz,qx,qy,qz,qw, or a file with a 4 x 4 matrix");
+    options_->start.method = is_method ? text : "file";
+    options_->start_pose = is_method ? "" : text;
+  }
+  const std::type_info& type() const override { return typeid(StartText); }
+  void* field() override { return options_; }
+
+ private:
+  RegisterRunOptions* options_;
+};
+
+struct Options {
+  RegisterRunOptions run;
+
+  void Visit(OptionVisitor& v) {
+    v.AddPart(run, "run", "registration", WithoutFlags({"start"}));
+    v.Group("registration");
+    StartText start(&run);
+    v.AddText(start, Option("start",
+                            "initial pose; identity; global: matches of local shapes; auto: "
+                            "identity, then global if that result is not accepted; "
+                            "tx,ty,tz,qx,qy,qz,qw, or a file with a 4 x 4 matrix: initial "
+                            "target_from_source",
+                            Everyday()));
+  }
+};
 
 void PrintCloud(const char* name, const RegisteredCloud& cloud) {
   std::printf("%s: %zu points", name, cloud.points);
@@ -39,7 +79,8 @@ ExitCode PrintReason(const CloudRegistration& result, const RegisterRunOptions& 
   return kAlgorithmFailed;
 }
 
-int Run(const RegisterRunOptions& options) {
+int Run(const Options& given) {
+  const RegisterRunOptions& options = given.run;
   const RegisterRunResult result = RunRegister(options);
   const CloudRegistration& registration = result.registration;
   PrintCloud("source", result.source);

@@ -7,27 +7,52 @@
 #include "common/console.h"
 #include "common/tool_main.h"
 #include "common/workflow.h"
+#include "core/settings_text.h"
+#include "core/shared_options.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
 namespace surfit::tools {
 namespace {
 
-struct ScanOptions {
+struct PlanOptions {
   ScanPlanOptions plan;
-  WorkflowOptions workflow;
+  bool calibrate = true;
 
   void Visit(OptionVisitor& v) {
     v.AddPart(plan, "plan", "fragments");
+    v.Group("fragments");
+    PairText frames(Option("fragment_frames", "", AtLeast(2)), &plan.fragment_frames,
+                    Option("overlap_frames", "", AtLeast(1)), &plan.overlap_frames);
+    v.AddText(frames, Option("fragment_frames",
+                             "FRAMES,OVERLAP: maximum number of frames of a fragment, and number "
+                             "of frames shared by consecutive fragments",
+                             Everyday()));
+    v.Add(calibrate, SharedOption("calibrate"));
+  }
+
+  ScanPlanOptions Plan() const {
+    ScanPlanOptions result = plan;
+    if (!calibrate) result.camera_frames = 0;
+    return result;
+  }
+};
+
+struct ScanOptions {
+  PlanOptions plan;
+  WorkflowOptions workflow;
+
+  void Visit(OptionVisitor& v) {
+    v.AddPart(plan, "plan", "plan");
     v.AddPart(workflow, "workflow", "jobs");
   }
 };
 
 int RunAll(const ScanOptions& options) {
-  const std::string& scan = options.plan.run.output;
+  const std::string& scan = options.plan.plan.run.output;
   const Workflow workflow(options.workflow, scan, "Snakefile");
   workflow.Lock();
-  const ScanPlan plan = PlanScan(options.plan);
+  const ScanPlan plan = PlanScan(options.plan.Plan());
   std::cout << plan.fragments.size() << " fragments" << std::endl;
   DeleteStaleReceipts(scan, options.workflow.retry_failed);
   if (!workflow.Run()) return kBadInput;
@@ -47,13 +72,13 @@ int RunAll(const ScanOptions& options) {
                                                                           : kDone;
 }
 
-int RunPlan(const ScanPlanOptions& options) {
-  const ScanPlan plan = PlanScan(options);
+int RunPlan(const PlanOptions& options) {
+  const ScanPlan plan = PlanScan(options.Plan());
   for (const ScanFragment& fragment : plan.fragments) {
     std::cout << fragment.name << ": " << plan.recordings[fragment.recording].path << ", frames "
               << fragment.first << " to " << fragment.last << '\n';
   }
-  std::cout << options.run.output << "/plan.json: " << plan.fragments.size() << " fragments"
+  std::cout << options.plan.run.output << "/plan.json: " << plan.fragments.size() << " fragments"
             << std::endl;
   return kDone;
 }

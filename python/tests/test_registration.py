@@ -97,7 +97,7 @@ def test_align_agrees_with_the_program(room, tmp_path):
     frames = list(surfit.Sequence(room))
     result = surfit.align(frames[5], frames[1])
     out = tmp_path / "out"
-    text = run_tool("surfit_align", f"--sequence={room}", "--source_frame=5", "--target_frame=1",
+    text = run_tool("surfit_align", f"--sequence={room}", "--pair=5,1",
                     f"--output={out}")
     last = [line for line in text.splitlines() if line.startswith(result.icp.termination)][0]
     assert f"rmse {result.icp.rmse_m:.4f} m" in last

@@ -1,15 +1,13 @@
 #include "surfit/calibration/calibration.h"
 
+#include "core/shared_options.h"
 #include "surfit/core/options.h"
 
 namespace surfit {
 
 void CalibrationOptions::Visit(OptionVisitor& v) {
   v.Group("calibration");
-  v.Add(enabled, "enabled",
-        "calibrate the depth camera during tracking, from keyframes: focal lengths, principal "
-        "point and the depth error over the image",
-        AsFlag("calibrate"), Everyday());
+  v.Add(enabled, SharedOption("calibrate", InField("enabled"), Everyday()));
   v.Add(first_keyframes, "first_keyframes",
         "number of keyframes of the first calibration; repeated for every 25 % more keyframes",
         AtLeast(2));

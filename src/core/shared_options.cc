@@ -63,6 +63,9 @@ constexpr std::array kRenamedOptions = {
 
 const std::vector<Option>& SharedOptions() {
   static const std::vector<Option> kOptions = {
+      {"calibrate",
+       "calibrate the depth camera during tracking, from keyframes: focal lengths, principal "
+       "point and the depth error over the image"},
       {"downsample", "keep every n-th column and row", Between(1, 16)},
       {"estimate", "estimated trajectory, TUM format"},
       {"fit_mount",

@@ -17,8 +17,7 @@ void FusionOptions::Visit(OptionVisitor& v) {
         "maximum angle between the normals of a surfel and a point that merge", Positive(),
         Below(M_PI / 2));
   v.Add(max_spacing_m, "max_spacing_m",
-        "maximum distance across the surface between a surfel and a point that merge", Positive(),
-        AsFlag());
+        "maximum distance across the surface between a surfel and a point that merge", Positive());
   v.Add(duplicate_ratio, "duplicate_ratio",
         "maximum distance of duplicate surfels, relative to their radii and to max_spacing_m; the "
         "less confident duplicate is removed",

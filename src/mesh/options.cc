@@ -18,8 +18,7 @@ void MeshOptions::Visit(OptionVisitor& v) {
         "fill all holes with artificial triangles; open sheets get a back side", AsFlag(),
         Everyday());
   v.Add(min_component_m, "min_component_m",
-        "minimum diameter of disconnected pieces; smaller pieces are removed", ZeroIs("keep all"),
-        AsFlag(), Everyday());
+        "minimum diameter of disconnected pieces; smaller pieces are removed", ZeroIs("keep all"));
   v.Add(normal_noise_rad, "normal_noise_rad",
         "smooth surfels until the noise of their normals is about this", ZeroIs("no smoothing"),
         Below(M_PI / 2));

@@ -133,10 +133,9 @@ void AddStaircase(const Site& site, bool is_east, Random* random) {
 }  // namespace
 
 void BuildingOptions::Visit(OptionVisitor& v) {
-  v.Add(floors, "floors", "number of floors of the scene building", Between(1, 100), AsFlag(),
-        Everyday());
+  v.Add(floors, "floors", "number of floors of the scene building", Between(1, 100));
   v.Add(rooms, "rooms", "total number of rooms of the scene building, a multiple of floors",
-        Between(1, kMaxRooms), AsFlag(), Everyday());
+        Between(1, kMaxRooms));
   v.Check([this] {
     if (rooms % floors == 0) return;
     throw InputError("rooms is ", rooms, ", must be a multiple of floors (", floors, ")");

@@ -36,7 +36,7 @@ void SlamOptions::Visit(OptionVisitor& v) {
   v.Add(acceleration_m_per_s2, "acceleration_m_per_s2",
         "standard deviation of the acceleration in the motion prior, which constrains directions "
         "that the data do not; requires motion_model=constant_velocity",
-        ZeroIs("3, for weakly constrained frames only"), AsFlag());
+        ZeroIs("3, for weakly constrained frames only"));
   v.Add(angular_acceleration_rad_per_s2, "angular_acceleration_rad_per_s2",
         "standard deviation of the angular acceleration in the motion prior", Positive());
   v.Add(prior_sigma_m, "prior_sigma_m", "standard deviation of the drift of prior poses after 1 s",

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "io/bag_fixture.h"
+#include "surfit/core/options.h"
 #include "surfit/io/sequence.h"
 #include "testing/largest_allocation.h"
 #include "testing/matchers.h"
@@ -161,19 +162,20 @@ TEST_F(BagTest, RejectsMissingAndAmbiguousTopics) {
   AddInfos();
   ExpectError(Names("a.bag", "/camera/depth/camera_info", "sensor_msgs/CameraInfo"));
   AddColor();
-  ExpectError(Names("a.bag", "/camera/rgb/image_raw", "rgb8", "depth_topic"));
+  ExpectError(Names("a.bag", "/camera/rgb/image_raw", "rgb8", "depth_topic", "--topics"));
   AddDepth();
   AddDepth("/left/depth/image");
-  ExpectError(
-      Names("a.bag", 2, "/camera/depth/image_raw", "/left/depth/image", "16UC1", "depth_topic"));
+  ExpectError(Names("a.bag", 2, "/camera/depth/image_raw", "/left/depth/image", "16UC1",
+                    "depth_topic", "--topics"));
   options_.depth_topic = "/right/depth/image";
   ExpectError(Names("depth_topic", "/right/depth/image"));
   options_.depth_topic = kDepth;
   EXPECT_EQ(Open()->info().frame_count, 3);
   AddColor("/left/rgb/image");
-  ExpectError(Names(2, "/camera/rgb/image_raw", "/left/rgb/image", "color_topic"));
+  ExpectError(Names(2, "/camera/rgb/image_raw", "/left/rgb/image", "color_topic", "--topics"));
   options_.color_topic = "none";
   EXPECT_TRUE(First().color.empty());
+  EXPECT_EQ(FlagValues(options_).at("topics"), std::string(kDepth) + ",none");
   options_.color_topic = kColor;
   EXPECT_EQ(First().color, NumberedColor(0));
   options_.depth_topic = kColor;

@@ -387,7 +387,7 @@ def test_aligns_a_run_with_another_world_frame(browser, runs):
 
 def test_shows_a_refined_run(browser, runs):
     refined = runs / "plane" / "refined"
-    done = run_tool("surfit_refine", f"--run={runs / 'plane'}", "--max_rounds=2", "--keyframe_translation_m=0.02")
+    done = run_tool("surfit_refine", f"--run={runs / 'plane'}")
     assert done.returncode == 0, done.stderr
     done = run_tool("surfit_report", f"--run={runs / 'plane'}", f"--run={refined}", f"--output={runs / 'refined.html'}")
     assert done.returncode == 0, done.stderr

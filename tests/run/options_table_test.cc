@@ -89,7 +89,7 @@ TEST(SequenceTable, NamesEveryField) {
         color_latency_s, readout_s, confidence, imu, depth_topic, color_topic, device_width,
         device_height, device_fps, device_registration, device_lock_exposure, openni2_library,
         first, last, stride, rectify] = SequenceOptions();
-  ExpectAll<SequenceOptions>(28 + 1);  // the text `device` has five fields
+  ExpectAll<SequenceOptions>(28 + 2);  // the texts `device` and `topics` have seven fields
 }
 
 TEST(PriorTable, NamesEveryField) {

@@ -61,9 +61,9 @@ TEST_F(CompareTool, ComparesAllSolversOverKnownPairs) {
 // the origin, 3 m away, adds a few times that. The error model has the standard deviation of the
 // noise, so twice the cost is chi-square with 3 * 2000 - 6 degrees of freedom.
 TEST_F(CompareTool, ErrorMatchesTheNoiseOverKnownPairs) {
-  Succeeded(Compare({"--synthetic_points=2000", "--noise_m=0.01", "--rotations_deg=5",
-                     "--translations_m=0.1", "--solver=svd,closed_form_ldlt,ceres",
-                     "--residual=point_to_point", "--threads=1,2"}));
+  Succeeded(Compare({"--synthetic_points=2000,0.01", "--rotations_deg=5", "--translations_m=0.1",
+                     "--solver=svd,closed_form_ldlt,ceres", "--residual=point_to_point",
+                     "--threads=1,2"}));
   const nlohmann::json rows = Rows();
   ASSERT_EQ(rows.size(), 6u);
   for (const auto& row : rows) {
@@ -82,8 +82,8 @@ TEST_F(CompareTool, ErrorMatchesTheNoiseOverKnownPairs) {
 // Each step keeps the covariances constant. The gradient of the final cost is therefore not zero,
 // and the final cost is proportional to the remaining pose difference of 1e-6.
 TEST_F(CompareTool, SolversFindTheSameMinimumOverKnownPairs) {
-  Succeeded(Compare(
-      {"--synthetic_points=2000", "--noise_m=0.01", "--rotations_deg=10", "--translations_m=0.1"}));
+  Succeeded(
+      Compare({"--synthetic_points=2000,0.01", "--rotations_deg=10", "--translations_m=0.1"}));
   std::map<std::string, double> cost_of;
   for (const auto& row : Rows()) {
     SCOPED_TRACE(row.dump());
@@ -98,7 +98,7 @@ TEST_F(CompareTool, SolversFindTheSameMinimumOverKnownPairs) {
 TEST_F(CompareTool, ComparesOverPairsOfFrames) {
   const std::string room = own_ / "room";
   Succeeded(RunProgram("surfit_simulate", {"--output=" + room, "--frames=6", "--downsample=4"}));
-  Succeeded(Compare({"--sequence=" + room, "--pairs=2", "--gap=2", "--rotations_deg=1,45",
+  Succeeded(Compare({"--sequence=" + room, "--pairs=2,2", "--rotations_deg=1,45",
                      "--translations_m=0.01,1", "--solver=closed_form_ldlt,ceres"}));
   const nlohmann::json rows = Rows();
   ASSERT_EQ(rows.size(), 2u * 4 * 2);

@@ -15,13 +15,19 @@ namespace {
 TEST(ConvertTool, WritesASequenceAsKlg) {
   const TempFolder folder;
   WriteTumSequence(folder, 5);
-  const ProgramResult result = Succeeded(
-      RunProgram("surfit_convert", {"--sequence=" + folder.path(), "--stride=2", "--jpeg_quality=0",
-                                    "--output=" + (folder / "a.klg")}));
+  const ProgramResult result =
+      Succeeded(RunProgram("surfit_convert", {"--sequence=" + folder.path(), "--stride=2",
+                                              "--output=" + (folder / "a.klg")}));
   EXPECT_THAT(result.out, Names("a.klg", 3, 0));
   const auto frames = ReadAll(OpenSequence(OptionsOf(folder / "a.klg")).get());
   ASSERT_EQ(frames.size(), 3u);
-  EXPECT_EQ(frames[2].frame->color, NumberedColor(4));
+  // Depth is exact, and colour is JPEG.
+  for (std::size_t i = 0; i < frames[2].frame->depth_m.size(); ++i) {
+    ASSERT_FLOAT_EQ(frames[2].frame->depth_m[i], 0.001f * NumberedDepth(4)[i]);
+    ASSERT_NEAR(frames[2].frame->color[i].r, 4, 3);
+    ASSERT_NEAR(frames[2].frame->color[i].g, 20, 3);
+    ASSERT_NEAR(frames[2].frame->color[i].b, 30, 3);
+  }
   EXPECT_DOUBLE_EQ(frames[2].stamp_s, 5.403);
 }
 
@@ -50,7 +56,7 @@ TEST(ConvertTool, WritesACameraYamlWithTheAssumedCamera) {
   WriteDepth(folder / "depth/1.png", NumberedDepth(1, 640, 480));
   const std::string sequence = "--sequence=" + folder.path();
   const ProgramResult made =
-      Succeeded(RunProgram("surfit_convert", {sequence, "--make_camera_yaml"}));
+      Succeeded(RunProgram("surfit_convert", {sequence, "--to=camera_yaml"}));
   EXPECT_THAT(made.out, Names(folder.path() + "/camera.yaml", "redwood", 1));
   EXPECT_THAT(made.err, HasWarning(folder.path()));
   const auto info = OpenSequence(OptionsOf(folder.path()))->info();
@@ -58,10 +64,9 @@ TEST(ConvertTool, WritesACameraYamlWithTheAssumedCamera) {
   EXPECT_EQ(info.camera.depth.fx, 525);
   EXPECT_EQ(info.camera.depth.width, 640);
   EXPECT_THAT(info.warnings, IsEmpty());
-  ExpectRefused(RunProgram("surfit_convert", {sequence, "--make_camera_yaml"}), "camera.yaml");
-  Succeeded(
-      RunProgram("surfit_convert", {sequence, "--make_camera_yaml", "--intrinsics=500,501,3,4",
-                                    "--output=" + (folder / "other.yaml")}));
+  ExpectRefused(RunProgram("surfit_convert", {sequence, "--to=camera_yaml"}), "camera.yaml");
+  Succeeded(RunProgram("surfit_convert", {sequence, "--to=camera_yaml", "--intrinsics=500,501,3,4",
+                                          "--output=" + (folder / "other.yaml")}));
   EXPECT_EQ(ReadCameraYaml(folder / "other.yaml").depth.fy, 501);
 }
 
@@ -72,7 +77,7 @@ TEST(ConvertTool, WritesCloudsAsPcdAndPly) {
   std::string from = folder / "map.ply";
   for (const char* name : {"a.pcd", "b.ply"}) {
     const ProgramResult result =
-        Succeeded(RunProgram("surfit_convert", {"--cloud=" + from, "--output=" + (folder / name)}));
+        Succeeded(RunProgram("surfit_convert", {"--map=" + from, "--output=" + (folder / name)}));
     EXPECT_THAT(result.out, Names(1));
     from = folder / name;
     const PointCloud read = ReadPointCloud(from);
@@ -87,7 +92,7 @@ TEST(ConvertTool, WritesTrajectoriesAsKittiPoses) {
   const TempFolder folder;
   const std::string path = folder.Write("t.txt", "1.5 7 8 9 0 0 0 1\n");
   Succeeded(
-      RunProgram("surfit_convert", {"--trajectory=" + path, "--output=" + (folder / "poses.txt")}));
+      RunProgram("surfit_convert", {"--estimate=" + path, "--output=" + (folder / "poses.txt")}));
   EXPECT_THAT(ReadBytes(folder / "poses.txt"), Names("0.000000000 1.000000000 9.000000000"));
 }
 
@@ -96,7 +101,7 @@ TEST(ConvertTool, CountsFramesThatKittiPosesLack) {
   std::string lines;
   for (const int i : {0, 1, 2, 5, 6, 8}) lines += std::to_string(0.1 * i) + " 7 8 9 0 0 0 1\n";
   const ProgramResult result =
-      Succeeded(RunProgram("surfit_convert", {"--trajectory=" + folder.Write("t.txt", lines),
+      Succeeded(RunProgram("surfit_convert", {"--estimate=" + folder.Write("t.txt", lines),
                                               "--output=" + (folder / "poses.txt")}));
   EXPECT_THAT(result.err, ::testing::HasSubstr("about 3 frames have no pose"));
 }
@@ -105,13 +110,16 @@ TEST(ConvertTool, RejectsBadInput) {
   const auto expect = [](const std::vector<std::string>& flags, const auto&... names) {
     ExpectRefused(RunProgram("surfit_convert", flags), names...);
   };
-  expect({}, "--sequence", "--cloud", "--trajectory", "surfit_convert", "--help");
-  expect({"--cloud=b"}, "--output");
-  expect({"--cloud=b", "--make_camera_yaml"}, "--make_camera_yaml", "--sequence");
-  expect({"--output=a"}, "--sequence", "--cloud", "--trajectory");
-  expect({"--output=a", "--cloud=b", "--trajectory=c"}, "--sequence", "--cloud", "--trajectory");
+  expect({}, "--sequence", "--map", "--estimate", "surfit_convert", "--help");
+  expect({"--map=b"}, "--output");
+  expect({"--map=b", "--to=camera_yaml"}, "--to=camera_yaml", "--sequence");
+  expect({"--map=b", "--to=colmap"}, "--to=colmap", "--run");
+  expect({"--output=a", "--to=ply"}, "--to", "ply", "colmap", "camera_yaml");
+  expect({"--output=a", "--cloud=b"}, "--cloud", "--map");
+  expect({"--output=a"}, "--sequence", "--map", "--estimate");
+  expect({"--output=a", "--map=b", "--estimate=c"}, "--sequence", "--map", "--estimate");
   expect({"--output=a.ply", "--sequence=b"}, "--output", "a.ply", ".klg");
-  expect({"--output=a.klg", "--cloud=b"}, "--output", "a.klg", ".pcd", ".ply");
+  expect({"--output=a.klg", "--map=b"}, "--output", "a.klg", ".pcd", ".ply");
 }
 
 }  // namespace

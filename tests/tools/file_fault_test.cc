@@ -86,7 +86,7 @@ TEST_F(FileFaultTest, ConvertKeepsTheOldFileIfACallFails) {
   PointCloud cloud;
   cloud.points.resize(20000, {1, 2, 3});
   WritePly(cloud, In() + "/a.ply");
-  const std::string convert = "surfit_convert --cloud=" + In() + "/a.ply --output=";
+  const std::string convert = "surfit_convert --map=" + In() + "/a.ply --output=";
   ExpectOlderOrWholeWhicheverReadFails(convert + Out("b.pcd"), {"b.pcd"});
   ExpectOlderOrWholeWhicheverWriteFails(convert + Out("b.pcd"), {"b.pcd"});
   fs::remove(Out("b.pcd"));
@@ -96,7 +96,7 @@ TEST_F(FileFaultTest, ConvertKeepsTheOldFileIfACallFails) {
 TEST_F(FileFaultTest, ConvertKeepsTheOldPosesIfACallFails) {
   WriteTumTrajectory(Trajectory(2000), In() + "/a.txt");
   const std::string command =
-      "surfit_convert --trajectory=" + In() + "/a.txt --output=" + Out("b.txt");
+      "surfit_convert --estimate=" + In() + "/a.txt --output=" + Out("b.txt");
   ExpectOlderOrWholeWhicheverWriteFails(command, {"b.txt"});
   ExpectOlderOrWholeWhicheverReadFails(command, {"b.txt"});
 }

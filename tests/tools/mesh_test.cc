@@ -213,7 +213,11 @@ TEST(MeshTool, RejectsBadInput) {
   expect("half.ply", {"--output=a.stl"}, "a.stl", ".ply", ".obj", ".glb");
   expect("half.ply", {"--cell_m=0"}, "cell_m", 0);
   expect("half.ply", {"--cell_m=1e-9"}, "cell_m");
-  expect("half.ply", {"--min_component_m=5"}, "cell_m", "trim_distance_m", "min_component_m");
+  // A piece of 6 cm is smaller than min_component_m.
+  PointCloud tiny = HalfSphere();
+  for (Eigen::Vector3f& point : tiny.points) point *= 0.06f;
+  WritePly(tiny, folder / "tiny.ply");
+  expect("tiny.ply", {}, "cell_m", "trim_distance_m", "min_component_m");
   expect("half.ply", {"--cell_m=-1"}, "cell_m", -1);
   expect("points.ply", {}, "map");
   ExpectRefused(RunProgram("surfit_mesh", {"--output=" + (folder / "mesh.ply")}), "--map");

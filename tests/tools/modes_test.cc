@@ -35,7 +35,7 @@ TEST(Modes, ShowHelpOfTheSelectedModeAndOfAll) {
   const std::string all = Succeeded(RunProgram("surfit_evaluate", {"--help=all"})).out;
   EXPECT_THAT(all, Names("--reference=", "--every=", "[views]", "revisits=5]"));
   const std::string words = Succeeded(RunProgram("surfit_scan", {"--help=words"})).out;
-  EXPECT_THAT(words, Names("--step=tile", "--tile="));
+  EXPECT_THAT(words, Names("--step=tile", "--part="));
 }
 
 TEST(RemovedFlags, NameTheirReplacement) {
@@ -47,6 +47,11 @@ TEST(RemovedFlags, NameTheirReplacement) {
 }
 
 TEST(RemovedFlags, NameTheOptionThatReplacesThem) {
+  ExpectRefused(RunProgram("surfit_mesh", {"--min_component_m=0.2"}), "--min_component_m",
+                "MeshOptions::min_component_m");
+  const ProgramResult old = RunProgram("surfit_mesh", {"--min_piece_m=0.2"});
+  EXPECT_EQ(old.exit_code, 1);
+  EXPECT_THAT(old.err, Names("--min_piece_m", "MeshOptions::min_component_m"));
   ExpectRefused(RunProgram("surfit_slam", {"--max_view_shift=0.2"}), "--max_view_shift", "0.2",
                 "SlamOptions::max_view_shift");
   ExpectRefused(RunProgram("surfit_slam", {"--noreal_time"}), "--real_time",
@@ -57,10 +62,11 @@ TEST(RemovedFlags, NameTheOptionThatReplacesThem) {
 }
 
 TEST(RenamedFlags, WorkWithAWarning) {
-  const ProgramResult mesh = RunProgram("surfit_mesh", {"--min_piece_m=0.2", "--help=words"});
-  EXPECT_EQ(mesh.exit_code, 0) << mesh.err;
-  EXPECT_THAT(mesh.err, HasWarning("--min_piece_m", "--min_component_m"));
-  EXPECT_THAT(mesh.out, Not(Names("--min_piece_m=")));
+  const ProgramResult help =
+      RunProgram("surfit_optimize", {"--initialization=odometry", "--help=words"});
+  EXPECT_EQ(help.exit_code, 0) << help.err;
+  EXPECT_THAT(help.err, HasWarning("--initialization", "--start"));
+  EXPECT_THAT(help.out, Not(Names("--initialization=")));
 }
 
 // The new program runs: it names its missing flags and files.
@@ -74,7 +80,7 @@ TEST(OldNames, PrintTheNewCommandLineAndRunIt) {
                              "surfit_scan", "--step=plan", "--sequence=a\\ b", "--output=scan"),
               HasSubstr("a b is neither"));
   expect_renamed(RunProgram("surfit_scan_tile", {"--tile=0_0_0"}), "surfit_scan", "--step=tile",
-                 "--tile=0_0_0");
+                 "--part=0_0_0");
   EXPECT_THAT(expect_renamed(RunProgram("surfit_evaluate_map", {"--map=a.ply"}), "surfit_evaluate",
                              "--what=map", "--map=a.ply"),
               HasSubstr("--reference"));

@@ -48,14 +48,14 @@ TEST(OptimizeTool, ResultDoesNotDependOnThreadsOrBackend) {
       setenv("OPENBLAS_NUM_THREADS", threads, 1);
       Succeeded(
           RunProgram("surfit_optimize",
-                     {"--graph=" + folder / "in.g2o", "--sparse_backend=" + backend,
+                     {"--graph=" + folder / "in.g2o", "--linear_solver=" + backend,
                       "--output=" + folder / "out.g2o", "--summary=" + folder / "summary.json"}));
       const std::string bytes = ReadBytes(folder / "out.g2o");
       if (first.empty()) first = bytes;
       EXPECT_EQ(bytes, first) << backend << " " << threads;
     }
     const auto json = nlohmann::json::parse(ReadBytes(folder / "summary.json"));
-    EXPECT_EQ(json["options"]["sparse_backend"], backend);
+    EXPECT_EQ(json["options"]["linear_solver"], backend);
     costs.push_back(json["final_cost"]);
     EXPECT_NEAR(costs.back(), costs.front(), 1e-9 * costs.front());
   }
@@ -123,8 +123,8 @@ TEST(OptimizeTool, ReportsAnUnwritableStdout) {
 
 TEST(OptimizeTool, RejectsBadInput) {
   EXPECT_EQ(RunProgram("surfit_optimize", {}).exit_code, 1);
-  ExpectRefused(RunProgram("surfit_optimize", {"--graph=a", "--sparse_backend=b"}),
-                "--sparse_backend", "b");
+  ExpectRefused(RunProgram("surfit_optimize", {"--graph=a", "--linear_solver=b"}),
+                "--linear_solver", "b", "suite_sparse", "eigen_sparse");
 }
 
 }  // namespace

@@ -25,9 +25,8 @@ class RefineFaultTest : public FaultTest {
   }
 
   std::string RefineCommand() const {
-    return "surfit_refine --max_rounds=1 --threads=1 --keyframe_translation_m=0.02 --run=" +
-           WholePath(own_.path() + "/run") + " --sequence=" + WholePath(Room()) +
-           " --output=" + WholePath(Output());
+    return "surfit_refine --threads=1 --run=" + WholePath(own_.path() + "/run") +
+           " --sequence=" + WholePath(Room()) + " --output=" + WholePath(Output());
   }
 
   // Number of complete result files, 0 to 5.

@@ -59,7 +59,7 @@ TEST(RefineTool, FindsTheFramesOfTheRunByTheirTimestamps) {
   WriteCameraYaml(sensor, folder / "in/camera.yaml");
   Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
                                        "--pictures=false", "--nofinal_map"}));
-  Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--max_rounds=1"}));
+  Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out"}));
   const std::string refined = folder / "out/refined";
   const Trajectory before = ReadTumTrajectory(folder / "out/trajectory.txt");
   const Trajectory after = ReadTumTrajectory(refined + "/trajectory.txt");
@@ -77,7 +77,7 @@ TEST(RefineTool, UsesThePriorOfCameraYaml) {
   WriteCameraYaml(sensor, folder / "in/camera.yaml");
   Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
                                        "--pictures=false", "--nofinal_map"}));
-  Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--max_rounds=1"}));
+  Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out"}));
   const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
   EXPECT_EQ(json["options"]["refinement.prior.focal_relative_sigma"], "1e-06");
   EXPECT_EQ(json["options"]["refinement.prior.aspect_relative_sigma"], "0.001");
@@ -187,8 +187,7 @@ TEST(RefineTool, EstimatesTheDepthErrorField) {
 // fx of the depth camera before refinement.
 double GivenFx(const std::string& run, const std::vector<std::string>& more,
                std::string* messages) {
-  std::vector<std::string> flags = {"--run=" + run, "--max_rounds=1",
-                                    "--fix=intrinsics,depth_offset,depth_field"};
+  std::vector<std::string> flags = {"--run=" + run, "--fix=intrinsics,depth_offset,depth_field"};
   flags.insert(flags.end(), more.begin(), more.end());
   const ProgramResult result = Succeeded(RunProgram("surfit_refine", flags));
   *messages = result.err;
@@ -212,6 +211,15 @@ TEST(RefineTool, UsesTheCalibrationOfTheRun) {
   WriteCameraYaml(found, run + "/camera.yaml");
   EXPECT_EQ(GivenFx(run, {}, &messages), 131);
   EXPECT_THAT(messages, Names(run + "/camera.yaml"));
+  // Version 0.1 recorded one flag per topic of a ROS bag.
+  nlohmann::json summary = nlohmann::json::parse(ReadBytes(run + "/summary.json"));
+  summary["options"].erase("topics");
+  summary["options"]["depth_topic"] = "/depth";
+  summary["options"]["color_topic"] = "/rgb";
+  WriteBytes(run + "/summary.json", summary.dump());
+  EXPECT_EQ(GivenFx(run, {}, &messages), 131);
+  const auto refined = nlohmann::json::parse(ReadBytes(run + "/refined/refinement.json"));
+  EXPECT_EQ(refined["options"]["topics"], "/depth,/rgb");
   // Flags override the calibration of the run.
   EXPECT_EQ(GivenFx(run, {"--intrinsics=130,130,79.5,59.5"}, &messages), 130);
   EXPECT_EQ(GivenFx(run, {"--camera="}, &messages), 132);

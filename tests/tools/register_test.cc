@@ -158,7 +158,7 @@ TEST_F(RegisterTool, StartsFromGivenPose) {
   const std::string file = folder_ / "pose.txt";
   std::ofstream(file) << "1 0 0 -3\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
   for (const std::string& pose : {std::string("-3,0,0,0,0,0,1"), file}) {
-    Succeeded(Register(Source(), Target(), {"--start=file", "--start_pose=" + pose}));
+    Succeeded(Register(Source(), Target(), {"--start=" + pose}));
     const Rigid3d expected =
         Truth() * Rigid3d(Eigen::Quaterniond::Identity(), Eigen::Vector3d(-3, 0, 0));
     EXPECT_THAT(ParseTransform(ReadBytes(Output("transform.txt"))),
@@ -227,10 +227,10 @@ TEST_F(RegisterTool, RejectsBadInputInOneLine) {
       {"/no/such.pcd", {}, {"/no/such.pcd"}},
       {empty, {}, {empty}},
       {Source(), {"--association=projective"}, {"association", "projective", "kd_tree"}},
-      {Source(), {"--start=magic"}, {"start", "magic", "identity", "file", "global", "auto"}},
-      {Source(), {"--start=file"}, {"start", "file", "start_pose"}},
-      {Source(), {"--start=file", "--start_pose=/no/pose.txt"}, {"/no/pose.txt"}},
-      {Source(), {"--start=global", "--start_pose=0,0,0,0,0,0,1"}, {"start_pose", "global"}},
+      {Source(), {"--start=magic"}, {"--start", "magic", "identity", "global", "auto"}},
+      {Source(), {"--start=/no/pose.txt"}, {"--start", "/no/pose.txt"}},
+      {Source(), {"--start=0,0,0"}, {"start_pose", "0,0,0"}},
+      {Source(), {"--start_pose=0,0,0,0,0,0,1"}, {"--start_pose", "--start=POSE"}},
       {Source(), {"--solver=magic"}, {"solver", "magic", "closed_form_ldlt"}},
       {Source(), {"--solver=svd"}, {"svd"}},
       {Source(), {"--pyramid_levels=3"}, {"pyramid_levels"}}};
@@ -264,7 +264,7 @@ class AlignTool : public ::testing::Test {
 TempFolder* AlignTool::folder_ = nullptr;
 
 TEST_F(AlignTool, PrintsEachIterationAndWritesCloudsAndPictures) {
-  const ProgramResult result = Succeeded(Align(Room(), {"--source_frame=0", "--target_frame=2"}));
+  const ProgramResult result = Succeeded(Align(Room(), {"--pair=0,2"}));
   EXPECT_THAT(result.out,
               AllOf(ContainsRegex("iter 0: avg loss = [0-9.]+e[-+][0-9]+, inlier count = [0-9]+\n"),
                     Names("converged", "pose")));
@@ -277,7 +277,7 @@ TEST_F(AlignTool, PrintsEachIterationAndWritesCloudsAndPictures) {
 }
 
 TEST_F(AlignTool, WritesPoseAndCovariance) {
-  Succeeded(Align(Room(), {"--source_frame=0", "--target_frame=5", "--start=features"}));
+  Succeeded(Align(Room(), {"--pair=0,5", "--start=features"}));
   const std::string folder = own_ / "out" + "/";
   const Rigid3d pose = ParseTransform(ReadBytes(folder + "transform.txt"));
   const auto json = nlohmann::json::parse(ReadBytes(folder + "registration.json"));
@@ -298,7 +298,7 @@ TEST_F(AlignTool, WritesPoseAndCovariance) {
 }
 
 TEST_F(AlignTool, FailsWithValueAndConstraint) {
-  const ProgramResult few = Align(Room(), {"--target_frame=5", "--max_distance_m=0.00001"});
+  const ProgramResult few = Align(Room(), {"--pair=0,5", "--max_distance_m=0.00001"});
   EXPECT_EQ(few.exit_code, 2);
   EXPECT_THAT(WithoutNotes(few.err),
               AllOf(StartsWith("failed: too_few_inliers: "), Names("min_inliers", 200)));
@@ -307,15 +307,15 @@ TEST_F(AlignTool, FailsWithValueAndConstraint) {
 TEST_F(AlignTool, FlagsOverrideThePreset) {
   const ProgramResult help = RunProgram("surfit_align", {"--helpon=registration"});
   EXPECT_THAT(help.out, Names("--max_distance_m=0.05"));
-  const ProgramResult strict = Align(Room(), {"--target_frame=1", "--max_distance_m=0.0001"});
+  const ProgramResult strict = Align(Room(), {"--pair=0,1", "--max_distance_m=0.0001"});
   EXPECT_EQ(strict.exit_code, 2);
   EXPECT_THAT(WithoutNotes(strict.err), StartsWith("failed: too_few_inliers"));
 }
 
 TEST_F(AlignTool, RejectsBadInputInOneLine) {
   const RefusedFlags cases = {
-      {{"--source_frame=-1"}, {"source_frame", "-1"}},
-      {{"--target_frame=6"}, {"6"}},
+      {{"--pair=-1,1"}, {"--pair", "source_frame", "-1"}},
+      {{"--pair=0,6"}, {"6"}},
       {{"--max_normal_angle_deg=-1"}, {"--max_normal_angle_deg", "-1"}},
       {{"--max_free_space_violation_ratio=2"}, {"max_free_space_violation_ratio", "0.2"}},
       {{"--solver=magic"}, {"solver", "magic", "closed_form_ldlt"}},
@@ -328,8 +328,7 @@ TEST_F(AlignTool, RejectsBadInputInOneLine) {
 
 TEST_F(AlignTool, StartsFromFeaturesAndPrintsTheVerification) {
   for (const char* start : {"--start=so3", "--start=features"}) {
-    const ProgramResult result =
-        Succeeded(Align(Room(), {"--source_frame=0", "--target_frame=5", start}));
+    const ProgramResult result = Succeeded(Align(Room(), {"--pair=0,5", start}));
     EXPECT_THAT(result.out, ContainsRegex("overlap [a-z]+ 0\\.[0-9]+.* correlation .*0\\.[0-9]+"));
     // The motion is 14 mm per frame. The pose error is below one pixel, 8 mm at 1 m.
     EXPECT_THAT(result.out, ContainsRegex("error:? 0\\.00[0-7][0-9] m.* 0\\.0[4-9]"));
@@ -339,11 +338,11 @@ TEST_F(AlignTool, StartsFromFeaturesAndPrintsTheVerification) {
 // The motion is too large for ICP from the identity. The failure must be reported.
 TEST_F(AlignTool, ReportsFailureOfLargeMotions) {
   SURFIT_REQUIRE_SHARED_DATA("icl_office");
-  for (const char* target : {"--target_frame=50", "--target_frame=100"}) {
-    const ProgramResult result = Align(SharedData("icl_office"), {"--source_frame=10", target});
-    EXPECT_EQ(result.exit_code, 2) << target;
-    EXPECT_THAT(result.out, Not(ContainsRegex("(^|\n)converged: "))) << target;
-    EXPECT_THAT(WithoutNotes(result.err), StartsWith("failed: ")) << target;
+  for (const char* pair : {"--pair=10,50", "--pair=10,100"}) {
+    const ProgramResult result = Align(SharedData("icl_office"), {pair});
+    EXPECT_EQ(result.exit_code, 2) << pair;
+    EXPECT_THAT(result.out, Not(ContainsRegex("(^|\n)converged: "))) << pair;
+    EXPECT_THAT(WithoutNotes(result.err), StartsWith("failed: ")) << pair;
   }
 }
 
@@ -352,8 +351,7 @@ TEST_F(AlignTool, ReportsFailureOfLargeMotions) {
 TEST_F(AlignTool, FeaturesRegisterFramesFarApart) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
   const ProgramResult result =
-      Succeeded(Align(SharedData("seven_scenes_kitchen"),
-                      {"--source_frame=10", "--target_frame=100", "--start=features"}));
+      Succeeded(Align(SharedData("seven_scenes_kitchen"), {"--pair=10,100", "--start=features"}));
   EXPECT_THAT(result.out, ContainsRegex("error:? 0\\.0[0-5]"));
 }
 

@@ -48,10 +48,9 @@ class ScanTool : public ::testing::Test {
                                         const std::vector<std::string>& more = {}) {
     std::vector<std::string> flags = {"--sequence=" + Sequence(),
                                       "--output=" + scan,
-                                      "--fragment_frames=16",
-                                      "--overlap_frames=6",
+                                      "--fragment_frames=16,6",
                                       "--tile_m=10",
-                                      "--camera_frames=0",
+                                      "--nocalibrate",
                                       "--nopictures"};
     flags.insert(flags.end(), more.begin(), more.end());
     return flags;
@@ -286,7 +285,8 @@ TEST_F(ScanTool, ContinuesWithoutJobsThatFailOnAFullDisk) {
 TEST_F(ScanTool, RejectsBadInput) {
   const TempFolder folder;
   const std::string scan = folder.path() + "/scan";
-  ExpectRefused(RunProgram("surfit_scan", Flags(scan, {"--overlap_frames=20"})), "overlap_frames");
+  ExpectRefused(RunProgram("surfit_scan", Flags(scan, {"--fragment_frames=16,20"})),
+                "overlap_frames");
   ExpectRefused(RunProgram("surfit_scan", Flags(scan, {"--sequence=" + folder.path() + "/none"})),
                 "none");
   ExpectRefused(RunProgram("surfit_scan", Flags(scan, {"--profile=nowhere"})), "profile",
@@ -301,9 +301,9 @@ TEST(ScanSweep, DistinguishesSimilarRoomsOnTwoFloors) {
   if (!HasSnakemake()) GTEST_SKIP() << "Snakemake is not installed";
   const TempFolder folder;
   const std::string sequence = folder / "building", scan = folder / "scan";
-  Succeeded(RunProgram("surfit_simulate", {"--scene=building", "--floors=2", "--rooms=2",
-                                           "--frames=2700", "--step_m=0.05,0.07", "--downsample=2",
-                                           "--surface_grid_m=0.02", "--output=" + sequence}));
+  Succeeded(RunProgram("surfit_simulate",
+                       {"--scene=building", "--rooms=2", "--frames=2700", "--step_m=0.05,0.07",
+                        "--downsample=2", "--surface_grid_m=0.02", "--output=" + sequence}));
   Succeeded(RunProgram("surfit_scan", {"--sequence=" + sequence, "--output=" + scan}));
   const auto summary = nlohmann::json::parse(ReadBytes(scan + "/summary.json"));
   EXPECT_TRUE(summary["failed"].empty());

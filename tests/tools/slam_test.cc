@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "surfit/io/point_cloud.h"
+#include "surfit/run/slam_run.h"
 #include "testing/matchers.h"
 #include "testing/trace_slices.h"
 #include "tools/slam_tool.h"
@@ -61,8 +62,14 @@ TEST_F(SlamTool, FusesTheFinalMapAlongFinalPoses) {
   EXPECT_EQ(first["map_points"], first["surfels_added"].get<std::int64_t>() -
                                      first["surfels_removed"].get<std::int64_t>());
   // The final map is finer, and has no surfels at depth edges that were observed about once.
-  Succeeded(
-      Slam(Room(), Output("fine"), {flags[0], flags[1], "--nofinal_map", "--max_spacing_m=0.007"}));
+  SlamRunOptions fine;
+  fine.sequence.path = Room();
+  fine.output = Output("fine");
+  fine.poses = "groundtruth";
+  fine.pictures = fine.final_map = false;
+  fine.slam.map_period = 1;
+  fine.slam.fusion.max_spacing_m = 0.007f;
+  RunSlam(fine, {false}, [](const SlamRunProgress&) {});
   const auto lasting_radii = [&](const char* run) {
     std::vector<float> radii;
     for (const Surfel& surfel : ReadSurfelPly(Output(run) + "/map.ply")) {

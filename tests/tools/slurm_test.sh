@@ -29,8 +29,8 @@ fail() {
 }
 
 scan() {  # scan NAME FLAG...
-  exec "$programs/surfit_scan" --sequence="$folder/rooms" --output="$folder/$1" --fragment_frames=75 \
-    --overlap_frames=20 --camera_frames=60 "${@:2}" >"$folder/$1.txt" 2>&1
+  exec "$programs/surfit_scan" --sequence="$folder/rooms" --output="$folder/$1" --fragment_frames=75,20 \
+    "${@:2}" >"$folder/$1.txt" 2>&1
 }
 digest() { grep '"digest"' "$folder/$1/summary.json"; }
 receipts() { find "$folder/$1/jobs" -name '*.json' "${@:2}" | wc -l; }

@@ -57,6 +57,14 @@ class RecordedTexts final : public OptionVisitor {
   std::string summary_json_;
 };
 
+// Runs of version 0.1 have one flag per topic of a ROS bag.
+std::map<std::string, std::string> WithTopics(std::map<std::string, std::string> recorded) {
+  if (recorded.count("topics") > 0) return recorded;
+  const std::string depth = recorded["depth_topic"], color = recorded["color_topic"];
+  if (!depth.empty() || !color.empty()) recorded["topics"] = depth + "," + color;
+  return recorded;
+}
+
 // True if the program has the flag and the command line does not set it.
 bool IsDefault(const std::string& name) {
   gflags::CommandLineFlagInfo flag;
@@ -68,7 +76,7 @@ bool IsDefault(const std::string& name) {
 void ApplyRecordedFlags(const std::string& run, const OptionTable& sequence,
                         const std::set<std::string>& left_out, RecordedCamera wanted) {
   const std::string summary_json = run + "/summary.json";
-  const std::map<std::string, std::string> recorded = RecordedFlags(summary_json);
+  const std::map<std::string, std::string> recorded = WithTopics(RecordedFlags(summary_json));
   const bool wants_found = wanted == RecordedCamera::kFound && IsDefault("camera");
   const std::string camera = wants_found ? FoundCamera(run) : "";
   for (const auto& [name, present] : TableFlags(sequence)) {

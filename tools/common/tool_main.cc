@@ -24,9 +24,8 @@ namespace {
 
 // Flags with output paths and with input paths.
 constexpr std::array kOutputs = {"output", "summary", "trace", "dump_failures"};
-constexpr std::array kInputs = {"sequence",   "sequences", "graph",       "cloud",
-                                "trajectory", "estimate",  "groundtruth", "map",
-                                "source",     "target",    "reference",   "residual_library"};
+constexpr std::array kInputs = {"sequence", "sequences", "graph",  "estimate",  "groundtruth",
+                                "map",      "source",    "target", "reference", "residual_library"};
 
 template <std::size_t kCount>
 bool IsOneOf(const std::array<const char*, kCount>& names, const FlagHelp& flag) {

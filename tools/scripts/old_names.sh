@@ -15,7 +15,9 @@ case $name in
     renamed='s/^(--?)min_gap\b/\1revisit_gap/'
     ;;
   surfit_plan) command='surfit_scan --step=plan' ;;
-  surfit_scan_*) command="surfit_scan --step=${name#surfit_scan_}" ;;
+  surfit_scan_*)
+    command="surfit_scan --step=${name#surfit_scan_}" renamed='s/^(--?)(candidates|tile)\b/\1part/'
+    ;;
   surfit_find_loops)
     echo "error: $name was removed in 0.2: surfit_slam --loop_closure writes loops.csv" >&2
     exit 1

@@ -77,7 +77,7 @@ def main():
             ate_m = json.loads((scan / "summary.json").read_text())["ate_rmse_m"]
             print(f"| --cores={cores} | {wall_s:.0f} s | {cpu_s:.0f} s | {1000 * ate_m:.1f} mm | {spent} |", flush=True)
     whole = options.output / "whole"
-    of_run = [flag for flag in flags if not re.match("--(fragment_frames|overlap_frames|camera_frames|tile_m)=", flag)]
+    of_run = [flag for flag in flags if not re.match("--(fragment_frames|tile_m)=", flag)]
     wall_s, cpu_s = measure([str(options.tools / "surfit_slam"), f"--sequence={options.sequence}", f"--output={whole}",
                              "--loop_closure", "--nopictures", "--threads=2", *of_run])
     ate_m = json.loads((whole / "summary.json").read_text())["ate_rmse_m"]

@@ -187,7 +187,12 @@ void SimulateOptions::Visit(OptionVisitor& v) {
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(scene, "scene", "scene; three_rooms needs 1500 frames to visit all rooms and return",
         OneOf(SceneNames()), AsFlag(), Everyday());
-  v.AddPart(building, "building", "size of the building");
+  PairText rooms(Option("rooms", "", Between(1, 2000)), &building.rooms,
+                 Option("floors", "", Between(1, 100)), &building.floors);
+  v.AddText(rooms, Option("rooms",
+                          "ROOMS,FLOORS: total number of rooms, a multiple of FLOORS, and number "
+                          "of floors of the scene building",
+                          Everyday()));
   v.Add(frames, "frames", "number of frames", AtLeast(1), AsFlag(), Everyday());
   v.Add(seed, SharedOption("seed", AtLeast(0), Everyday()));
   v.Add(sensor, "sensor",

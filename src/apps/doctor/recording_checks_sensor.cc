@@ -143,7 +143,7 @@ RecordingCheck Guess(const RecordingEvidence& evidence) {
   check.fault =
       "the recording does not contain its camera: default intrinsics are used and may be wrong";
   check.advice =
-      "set the intrinsics of the sensor: surfit_convert --make_camera_yaml writes a template";
+      "set the intrinsics of the sensor: surfit_convert --to=camera_yaml writes a template";
   return check;
 }
 

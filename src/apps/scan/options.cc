@@ -14,6 +14,14 @@ Option Scan() {
   return Option("scan", "folder of the scan, with plan.json", Required(), Everyday());
 }
 
+// Work of one job.
+Option Part(const std::string& field) {
+  return Option(field,
+                "link: file with the candidates of two fragments, written by --step=candidates; "
+                "tile: name of the tile in graph/tiles.json",
+                Required(), AsFlag("part"), Everyday());
+}
+
 }  // namespace
 
 void ScanPlanOptions::Visit(OptionVisitor& v) {
@@ -26,13 +34,12 @@ void ScanPlanOptions::Visit(OptionVisitor& v) {
                     "pictures", "report", "keep_places", "session", "continue", "localize", "trace",
                     "dump_failures", "offered_fps", "poses", "initial_pose"}));
   v.Group("fragments");
-  v.Add(fragment_frames, "fragment_frames", "maximum number of frames of a fragment", AtLeast(2),
-        AsFlag(), Everyday());
+  v.Add(fragment_frames, "fragment_frames", "maximum number of frames of a fragment", AtLeast(2));
   v.Add(overlap_frames, "overlap_frames", "number of frames shared by consecutive fragments",
-        AtLeast(1), AsFlag());
+        AtLeast(1));
   v.Add(camera_frames, "camera_frames",
         "number of frames at the start of a sequence for the calibration of the depth camera",
-        AtLeast(0), ZeroIs("no calibration"), AsFlag());
+        AtLeast(0), ZeroIs("no calibration"));
   v.Add(tile_m, "tile_m", "edge length of a map tile", AtLeast(0.5), AsFlag());
   v.Add(pictures, SharedOption("pictures"));
   v.Check([this] {
@@ -61,9 +68,7 @@ void CandidatesOptions::Visit(OptionVisitor& v) {
 void LinkOptions::Visit(OptionVisitor& v) {
   v.Group("run");
   v.Add(scan, Scan());
-  v.Add(candidates, "candidates",
-        "file with the candidates of two fragments, written by --step=candidates", Required(),
-        AsFlag(), Everyday());
+  v.Add(candidates, Part("candidates"));
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(threads, SharedOption("threads", Everyday()));
 }
@@ -77,7 +82,7 @@ void GraphOptions::Visit(OptionVisitor& v) {
 void TileOptions::Visit(OptionVisitor& v) {
   v.Group("run");
   v.Add(scan, Scan());
-  v.Add(tile, "tile", "name of the tile in graph/tiles.json", Required(), AsFlag(), Everyday());
+  v.Add(tile, Part("tile"));
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(margin_m, "margin_m", "margin around the tile that is fused as well", Positive());
   v.Add(threads, SharedOption("threads", Everyday()));

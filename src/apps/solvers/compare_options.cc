@@ -58,17 +58,17 @@ void CompareOptions::Visit(OptionVisitor& v) {
   v.Group("problem");
   v.Add(synthetic_points, "synthetic_points",
         "compare on this number of random points with known correspondences, without robust kernel",
-        ZeroIs("none"), Everyday());
+        ZeroIs("none"));
   v.Add(noise_m, "noise_m",
         "standard deviation of the coordinates of the random points, also in the error model; 0: "
         "exact points",
-        AtLeast(0), AsFlag());
+        AtLeast(0));
   v.AddPart(sequence, "sequence", "compare on frames of a sequence", WithoutFlags({"stride"}),
             OptionalPart());
   v.Add(pairs, "pairs",
         "number of frame pairs, evenly spread over the sequence; 0: none, requires slam",
-        AtLeast(0), Everyday());
-  v.Add(gap, "gap", "number of frames from source to target of a pair", AtLeast(1), AsFlag());
+        AtLeast(0));
+  v.Add(gap, "gap", "number of frames from source to target of a pair", AtLeast(1));
   v.Add(slam, "slam", "also run SLAM on the sequence with each combination, and compare the maps",
         Everyday());
   v.Add(source, SharedOption("source", Everyday()));

@@ -15,7 +15,7 @@ void RefineRunOptions::Visit(OptionVisitor& v) {
   v.Add(threads, SharedOption("threads", Everyday()));
   v.Group("keyframes");
   v.Add(keyframe_translation_m, "keyframe_translation_m", "minimum translation between keyframes",
-        Positive(), AsFlag());
+        Positive());
   v.Add(keyframe_rotation_rad, "keyframe_rotation_rad",
         "minimum rotation between keyframes; one of both limits is sufficient", Positive());
   v.Add(max_keyframes, SharedOption("max_keyframes"));
@@ -48,24 +48,21 @@ void RegisterRunOptions::Visit(OptionVisitor& v) {
   v.AddPart(start, "start", "initial pose and verification");
   v.Add(start_pose, "start_pose",
         "initial target_from_source: a file with a 4 x 4 matrix, or tx,ty,tz,qx,qy,qz,qw; empty: "
-        "none",
-        AsFlag(), Everyday());
+        "none");
   v.Group("run");
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(threads, SharedOption("threads", Everyday()));
   v.AddPart(sensor, "sensor", "sensor of both clouds");
   v.Add(single_view, "single_view",
-        "both clouds were observed from --viewpoint: verify their free space", AsFlag());
+        "both clouds were observed from the viewpoint of the sensor: verify their free space");
   v.AddPart(normals, "normals", "normal estimation");
   v.AddPart(registration, "registration", "registration");
 }
 
 void AlignRunOptions::Visit(OptionVisitor& v) {
   v.AddPart(sequence, "sequence", "input sequence", WithoutFlags({"first", "last", "stride"}));
-  v.Add(source, "source", "index of the source frame, which is moved", AtLeast(0),
-        AsFlag("source_frame"), Everyday());
-  v.Add(target, "target", "index of the target frame", AtLeast(0), AsFlag("target_frame"),
-        Everyday());
+  v.Add(source, "source", "index of the source frame, which is moved", AtLeast(0));
+  v.Add(target, "target", "index of the target frame", AtLeast(0));
   v.Group("run");
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(threads, SharedOption("threads", Everyday()));

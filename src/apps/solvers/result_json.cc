@@ -123,7 +123,8 @@ void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOpt
                 &j);
   j["source"] = ToJson(result.source, options.source);
   j["target"] = ToJson(result.target, options.target);
-  j["options"] = FlagValues(options);
+  RegisterRunOptions recorded = options;
+  j["options"] = RecordedValues(TableOf(&recorded));
   WriteJson(j, path);
 }
 

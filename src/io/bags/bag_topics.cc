@@ -92,7 +92,7 @@ ImageTopic OnlyOne(const std::vector<Candidate>& found, const char* what, const 
                    const MessageLog& log) {
   if (found.size() == 1) return found[0].image;
   throw InputError(log.path(), " has ", found.size(), " topics with ", what, ": ", List(found),
-                   "; select one with ", option);
+                   "; select one with ", option, " (--topics)");
 }
 
 ImageTopic FindDepth(const MessageLog& log, const std::vector<Candidate>& candidates) {
@@ -102,7 +102,8 @@ ImageTopic FindDepth(const MessageLog& log, const std::vector<Candidate>& candid
   const auto found = OfKind(candidates, ImageKind::kDepth);
   if (found.empty()) {
     throw InputError(log.path(), " has no topic with depth images (16UC1, 32FC1) among ",
-                     List(candidates), "; if one of them has depth, select it with depth_topic");
+                     List(candidates),
+                     "; if one of them has depth, select it with depth_topic (--topics)");
   }
   return OnlyOne(found, "depth images", "depth_topic", log);
 }
@@ -111,7 +112,7 @@ ImageTopic FindColor(const MessageLog& log, const std::vector<Candidate>& candid
   auto found = OfKind(candidates, ImageKind::kColor);
   if (found.empty()) found = OfKind(candidates, ImageKind::kGrey);
   if (found.empty()) return {};
-  return OnlyOne(found, "colour images", "color_topic (or none)", log);
+  return OnlyOne(found, "colour images", "color_topic", log);
 }
 
 std::string ParentOf(const std::string& name) { return name.substr(0, name.rfind('/')); }

@@ -18,6 +18,27 @@ std::vector<std::string> Formats() {
   return formats;
 }
 
+// Both topics of a ROS bag as one text.
+class TopicsText final : public OptionText {
+ public:
+  explicit TopicsText(SequenceOptions* options) : o_(*options) {}
+  std::string Get() const override {
+    return o_.depth_topic + (o_.color_topic.empty() ? "" : "," + o_.color_topic);
+  }
+  void Set(const std::string& text) override {
+    const std::size_t comma = text.find(',');
+    const bool has_color = comma != std::string::npos;
+    ThrowIf(has_color && text.find(',', comma + 1) != std::string::npos, "DEPTH,COLOR");
+    o_.depth_topic = text.substr(0, comma);
+    o_.color_topic = has_color ? text.substr(comma + 1) : "";
+  }
+  const std::type_info& type() const override { return typeid(TopicsText); }
+  void* field() override { return &o_; }
+
+ private:
+  SequenceOptions& o_;
+};
+
 // The mode of a live camera as one text.
 class DeviceText final : public OptionText {
  public:
@@ -109,11 +130,14 @@ void SequenceOptions::Visit(OptionVisitor& v) {
         "use the inertial sensor of a recording: imu.csv, imu0/data.csv, accelerometer.txt, or Imu "
         "topics",
         AsFlag());
-  v.Add(depth_topic, "depth_topic", "depth image topic of a ROS bag; empty: the only depth topic",
-        AsFlag());
+  TopicsText topics(this);
+  v.AddText(topics, Option("topics",
+                           "DEPTH,COLOR: image topics of a ROS bag; COLOR none: no colour; empty: "
+                           "the only topic of a kind",
+                           AsFlag()));
+  v.Add(depth_topic, "depth_topic", "depth image topic of a ROS bag; empty: the only depth topic");
   v.Add(color_topic, "color_topic",
-        "colour image topic of a ROS bag; none: no colour; empty: the only colour topic, if any",
-        AsFlag());
+        "colour image topic of a ROS bag; none: no colour; empty: the only colour topic, if any");
   DeviceText device(this);
   v.AddText(device,
             Option("device",
@@ -144,7 +168,7 @@ void SequenceOptions::Visit(OptionVisitor& v) {
 void KlgOptions::Visit(OptionVisitor& v) {
   v.Add(compress_depth, "compress_depth", "compress depth in .klg files");
   v.Add(jpeg_quality, "jpeg_quality", "JPEG quality of colour in .klg files", Between(0, 100),
-        ZeroIs("raw"), AsFlag());
+        ZeroIs("raw"));
 }
 
 }  // namespace surfit

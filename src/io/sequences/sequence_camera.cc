@@ -180,7 +180,7 @@ std::string GuessWarning(const std::string& path, const RgbdCamera& camera) {
              ". A wrong camera distorts poses and map. ");
   if (camera.depth.fy < 0) text += "The guess is ICL-NUIM, whose images are mirrored. ";
   return text +
-         "Set the camera with a camera.yaml (surfit_convert --make_camera_yaml writes a template), "
+         "Set the camera with a camera.yaml (surfit_convert --to=camera_yaml writes a template), "
          "with intrinsics and depth_scale, or with a preset as camera";
 }
 

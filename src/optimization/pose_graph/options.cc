@@ -38,7 +38,7 @@ std::string ToString(PoseGraphTermination termination) {
 void PoseGraphOptions::Visit(OptionVisitor& v) {
   v.Group("graph");
   v.Add(sparse_backend, "sparse_backend", "sparse linear solver of Ceres",
-        OneOf(SparseBackendNames()), AsFlag());
+        OneOf(SparseBackendNames()), AsFlag("linear_solver"));
   v.Add(
       start, "start",
       "initial poses; given: from the file; odometry: chained along odometry edges; chordal: from "

@@ -86,7 +86,7 @@ void RefinementOptions::Visit(OptionVisitor& v) {
         "linear solver of ceres: sparse factorisation or conjugate gradients",
         OneOf(RefinementLinearSolverNames()), AsFlag());
   v.Add(max_rounds, "max_rounds", "maximum number of rounds, which select surfels and solve",
-        Between(1, 1000), AsFlag());
+        Between(1, 1000));
   v.Add(max_iterations, "max_iterations",
         "maximum number of Levenberg-Marquardt iterations per round", Between(1, 1000));
   v.Add(min_relative_step_change, "min_relative_step_change",

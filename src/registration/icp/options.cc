@@ -57,7 +57,7 @@ void ObservabilityOptions::Visit(OptionVisitor& v) {
       min_information_ratio, "min_information_ratio",
       "minimum ratio of the information along an observable direction to the spurious information "
       "from noise of the normals",
-      ZeroIs("off"), AsFlag());
+      ZeroIs("off"));
 }
 
 void AssociationGates::Visit(OptionVisitor& v) {
@@ -192,8 +192,8 @@ void CloudCriteria::Visit(OptionVisitor& v) {
 void CloudStartOptions::Visit(OptionVisitor& v) {
   v.Group("registration");
   v.Add(method, "method",
-        "initial pose; file: --start_pose; global: matches of local shapes; auto: start_pose "
-        "or identity, then global if that result is not accepted",
+        "initial pose; file: start_pose; global: matches of local shapes; auto: start_pose or "
+        "identity, then global if that result is not accepted",
         OneOf(CloudStartNames()), AsFlag("start"), Everyday());
   v.AddPart(criteria, "criteria", "acceptance criteria", NoFlags());
 }
