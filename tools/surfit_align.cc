@@ -4,8 +4,8 @@
 
 #include "apps/solvers/register_run.h"
 #include "common/outcomes.h"
+#include "common/settings_text.h"
 #include "common/tool_main.h"
-#include "core/settings_text.h"
 
 namespace surfit::tools {
 namespace {

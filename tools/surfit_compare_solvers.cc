@@ -7,8 +7,8 @@
 #include "apps/solvers/compare_solvers.h"
 #include "common/console.h"
 #include "common/recorded_flags.h"
+#include "common/settings_text.h"
 #include "common/tool_main.h"
-#include "core/settings_text.h"
 #include "surfit/registration/register_clouds.h"
 
 namespace surfit::tools {

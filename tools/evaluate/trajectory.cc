@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "common/json.h"
+#include "common/settings_text.h"
 #include "common/tool_main.h"
-#include "core/settings_text.h"
 #include "core/shared_options.h"
 #include "evaluate/evaluations.h"
 #include "surfit/core/error.h"

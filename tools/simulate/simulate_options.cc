@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "core/settings_text.h"
+#include "common/settings_text.h"
 #include "core/shared_options.h"
 #include "simulate/simulated_sensor.h"
 #include "surfit/core/error.h"

@@ -6,7 +6,7 @@
 
 #include "surfit/core/options.h"
 
-namespace surfit {
+namespace surfit::tools {
 
 // Options of a table as one text, name=value;name=value. A setting is an option with a flag, and
 // has the name and the unit of this flag. Other options of the table keep their default values.
@@ -58,4 +58,4 @@ class PairText final : public OptionText {
 // Help on the settings of a table, one line per setting, as "\nname=default: help".
 std::string SettingsHelp(const OptionTable& table);
 
-}  // namespace surfit
+}  // namespace surfit::tools

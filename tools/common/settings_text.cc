@@ -1,4 +1,4 @@
-#include "core/settings_text.h"
+#include "common/settings_text.h"
 
 #include <charconv>
 #include <set>
@@ -7,7 +7,7 @@
 #include "core/named_values.h"
 #include "surfit/core/error.h"
 
-namespace surfit {
+namespace surfit::tools {
 namespace {
 
 std::string WithoutSpaces(const std::string& text) {
@@ -134,4 +134,4 @@ std::string SettingsHelp(const OptionTable& table) {
   return std::move(helper.text);
 }
 
-}  // namespace surfit
+}  // namespace surfit::tools

@@ -1,4 +1,4 @@
-#include "core/settings_text.h"
+#include "common/settings_text.h"
 
 #include <gmock/gmock.h>
 
@@ -10,6 +10,10 @@
 
 namespace surfit::testing {
 namespace {
+
+using tools::PairText;
+using tools::SettingsHelp;
+using tools::SettingsText;
 
 struct Lamp {
   double tilt_rad = 0;
