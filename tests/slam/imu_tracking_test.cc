@@ -138,6 +138,27 @@ TEST(ImuTracking, IsSwitchedOffIfItContradictsPoses) {
   EXPECT_FALSE(imu.Predict(100 * kEvery_s));
 }
 
+// The state of the filter is wrong after a step of the map. The sensor is right.
+TEST(ImuTracking, StartsAgainAfterStepOfTheMap) {
+  const SmoothPath path = SwungCamera(5);
+  ImuTracking imu(RecordingOf(path, 9));
+  std::mt19937_64 rng(9);
+  Track(path, 0, 60, &rng, &imu);
+  ASSERT_EQ(imu.report().starts, 1);
+  const Rigid3d step(Eigen::Quaterniond::Identity(), {0.8, 0, 0});
+  for (int i = 60; i < 120; ++i) {
+    TrackedPose pose = TrackedAt(path, i, &rng);
+    pose.world_from_camera = pose.registered = step * pose.registered;
+    imu.Add(pose, imu.Predict(pose.stamp_s));
+  }
+  EXPECT_EQ(imu.report().off_reason, "");
+  EXPECT_EQ(imu.report().starts, 2);
+  const auto predicted = imu.Predict(120 * kEvery_s);
+  ASSERT_TRUE(predicted && predicted->covariance);
+  const Rigid3d truth = step * TrackedAt(path, 120, &rng).registered;
+  EXPECT_LT((predicted->world_from_camera.translation - truth.translation).norm(), 0.02);
+}
+
 TEST(ImuTracking, FindsGravityWithoutGyroscope) {
   const SmoothPath path = SwungCamera(4);
   ImuRecording recording = RecordingOf(path, 6);

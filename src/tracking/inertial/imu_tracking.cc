@@ -29,10 +29,12 @@ constexpr double kNoiseRate = 0.05;
 constexpr std::size_t kMinRecent = 8;
 // An interval without poses of this length is a bridge. It exceeds the interval of slow cameras.
 constexpr double kBridge_s = 0.25;
-// The sensor is switched off after this number of consecutive contradictions. A rotation
+// The filter starts again after this number of consecutive contradictions. A rotation
 // contradicts the gyroscope beyond the limit. A pose contradicts both sensors beyond this squared
 // Mahalanobis distance (6 degrees of freedom).
 constexpr int kMaxContradictions = 8;
+// Minimum time between two new starts of the filter after a contradiction.
+constexpr double kMinTrusted_s = 5;
 constexpr double kMaxTurnError_rad = 0.03, kMaxTurnError_rad_per_s = 0.1, kMaxPoseDistance2 = 100;
 
 // Covariance of a pose with this information, and a prior of 1 rad and 1 m for directions without
@@ -116,22 +118,25 @@ Matrix6d ImuTracking::PoseNoise::Covariance() const {
   return variances.asDiagonal();
 }
 
-// The squared error has the expectation of both covariances. Errors beyond three standard
-// deviations are limited.
-void ImuTracking::AddError(const Rigid3d& predicted_from_registered, const Matrix6d& covariance) {
-  const auto update = [](double error2, double predicted2, double least, double most,
-                         double* sigma) {
+// The difference of two consecutive errors has twice the variance of one registered pose. A lasting
+// error is one of the prediction, and does not count. Differences beyond three standard deviations
+// are limited.
+void ImuTracking::AddError(const Rigid3d& predicted_from_registered) {
+  const auto update = [](double difference2, double least, double most, double* sigma) {
     const double now = *sigma * *sigma;
-    const double limited = std::min(error2, 9 * 3 * (now + predicted2)) / 3;
-    const double next = now + kNoiseRate * (std::max(0., limited - predicted2) - now);
-    *sigma = std::clamp(std::sqrt(next), least, most);
+    const double variance = std::min(difference2 / 2, 9 * 3 * now) / 3;
+    *sigma = std::clamp(std::sqrt(now + kNoiseRate * (variance - now)), least, most);
   };
-  const double turn = RotationAngle(predicted_from_registered.rotation);
-  update(turn * turn, covariance.topLeftCorner<3, 3>().trace() / 3, kMinPoseSigma_rad,
-         kMaxPoseSigma_rad, &noise_.turn_rad);
-  update(predicted_from_registered.translation.squaredNorm(),
-         covariance.bottomRightCorner<3, 3>().trace() / 3, kMinPoseSigma_m, kMaxPoseSigma_m,
-         &noise_.shift_m);
+  Vector6d error;
+  error << QuaternionLog<double>(predicted_from_registered.rotation),
+      predicted_from_registered.translation;
+  if (last_error_) {
+    const Vector6d difference = error - *last_error_;
+    update(difference.head<3>().squaredNorm(), kMinPoseSigma_rad, kMaxPoseSigma_rad,
+           &noise_.turn_rad);
+    update(difference.tail<3>().squaredNorm(), kMinPoseSigma_m, kMaxPoseSigma_m, &noise_.shift_m);
+  }
+  last_error_ = error;
 }
 
 void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& predicted) {
@@ -145,7 +150,7 @@ void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& 
       pose.continues && !recent_.empty() && pose.stamp_s > recent_.back().stamp_s;
   if (!continues) {
     recent_ = {pose};
-    filter_.reset();
+    StopFilter();
     return;
   }
   const double seconds = pose.stamp_s - recent_.back().stamp_s;
@@ -162,7 +167,7 @@ void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& 
     }
     if (!filter_) {
       CountContradiction(turn_error > kMaxTurnError_rad + kMaxTurnError_rad_per_s * seconds,
-                         "the gyroscope contradicts the registered rotation");
+                         "the gyroscope contradicts the registered rotation", pose);
     }
   }
   if (filter_) {
@@ -170,14 +175,14 @@ void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& 
         seconds <= kMaxImuBridge_s ? filter_->Correct(Registered(pose)) : std::nullopt;
     if (distance2) {
       if (predicted && predicted->covariance) {
-        AddError(predicted->world_from_camera.Inverse() * pose.registered, *predicted->covariance);
+        AddError(predicted->world_from_camera.Inverse() * pose.registered);
       }
       const bool is_noisy =
           noise_.shift_m >= kMaxPoseSigma_m || noise_.turn_rad >= kMaxPoseSigma_rad;
       CountContradiction(*distance2 > kMaxPoseDistance2 || is_noisy,
-                         "the inertial sensor contradicts the registered poses");
+                         "the inertial sensor contradicts the registered poses", pose);
     } else {
-      filter_.reset();
+      StopFilter();
       recent_.clear();
     }
   }
@@ -227,10 +232,20 @@ void ImuTracking::StartFilter() {
   report_.starts += filter_.has_value();
 }
 
-void ImuTracking::CountContradiction(bool contradicts, const char* what) {
+// The state of the filter can be wrong. A second contradiction soon after a new start is one of the
+// sensor.
+void ImuTracking::CountContradiction(bool contradicts, const char* what, const TrackedPose& pose) {
   contradictions_ = contradicts ? contradictions_ + 1 : 0;
   if (contradictions_ < kMaxContradictions) return;
   const bool is_negative = filter_ && NegativeAccelFits();
+  if (filter_ && !is_negative && pose.stamp_s - restart_s_ > kMinTrusted_s) {
+    restart_s_ = pose.stamp_s;
+    contradictions_ = 0;
+    noise_ = {};
+    StopFilter();
+    recent_.clear();
+    return;
+  }
   SwitchOff(Concat(what, " in ", kMaxContradictions, " consecutive frames",
                    is_negative ? ": the sign of the accelerometer is wrong" : ""));
 }
@@ -272,9 +287,14 @@ void ImuTracking::AddForce(const TrackedPose& pose) {
   ++force_count_;
 }
 
+void ImuTracking::StopFilter() {
+  filter_.reset();
+  last_error_.reset();
+}
+
 void ImuTracking::SwitchOff(const std::string& reason) {
   report_.off_reason = reason;
-  filter_.reset();
+  StopFilter();
   LOG(WARNING) << "the inertial sensor is switched off: " << reason;
 }
 
@@ -330,7 +350,9 @@ ImuReport ImuTracking::report() const {
   report.calibration.translation_sigma_m =
       LargestSigma(filter_->covariance().bottomRightCorner<3, 3>());
   report.up_in_world = smoothed_up_.value_or(-filter_->gravity_m_per_s2().normalized());
-  report.up_sigma_rad = filter_->GravitySigma();
+  // The error of the mounting does not average out.
+  report.up_sigma_rad =
+      std::hypot(filter_->GravitySigma(), alignment_.calibration.rotation_sigma_rad);
   return report;
 }
 

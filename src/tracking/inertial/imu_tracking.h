@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <vector>
@@ -29,8 +30,8 @@ struct TrackedPose {
 // 1. rotation unknown: no prediction until AlignImu() knows it
 // 2. the gyroscope predicts the rotation, and the last velocity predicts the translation
 // 3. both sensors predict the pose with its covariance (ImuFilter)
-// The sensor is switched off if it contradicts the registered poses over several frames. Not
-// thread-safe.
+// If both sensors contradict the registered poses over several frames, stage 3 starts again. A
+// second contradiction within 5 s switches the sensor off. Not thread-safe.
 class ImuTracking {
  public:
   explicit ImuTracking(ImuRecording recording);
@@ -92,9 +93,10 @@ class ImuTracking {
   void AddTurn(const TrackedPose& pose);
   void Align();
   void StartFilter();
-  // Updates the pose noise by the error of one prediction.
-  void AddError(const Rigid3d& predicted_from_registered, const Matrix6d& covariance);
-  void CountContradiction(bool contradicts, const char* what);
+  void StopFilter();
+  // Updates the pose noise by the errors of this and the last prediction.
+  void AddError(const Rigid3d& predicted_from_registered);
+  void CountContradiction(bool contradicts, const char* what, const TrackedPose& pose);
   // Checks the mean size of the accelerometer. Returns the reason of a fault; empty: none.
   std::string FaultOfSize() const;
   // True if the recent poses agree much better with the negative accelerometer.
@@ -110,6 +112,9 @@ class ImuTracking {
   std::vector<TrackedPose> recent_;  // consecutive poses of the last 1.5 s, or the last eight
   double last_turn_s_ = 0;           // end of the last turn
   PoseNoise noise_;
+  // Error of the last prediction (rad, m) in the predicted camera frame; std::nullopt: none.
+  std::optional<Vector6d> last_error_;
+  double restart_s_ = -std::numeric_limits<double>::infinity();  // last new start
   std::optional<Eigen::Vector3d> smoothed_up_;  // up direction in the world by Smooth()
   std::map<int, Registration> registrations_;   // by frame; only frames with an information matrix
   int contradictions_ = 0;                      // consecutive frames
