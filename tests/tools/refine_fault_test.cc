@@ -25,8 +25,9 @@ class RefineFaultTest : public FaultTest {
   }
 
   std::string RefineCommand() const {
-    return "surfit_refine --threads=1 --run=" + WholePath(own_.path() + "/run") +
-           " --sequence=" + WholePath(Room()) + " --output=" + WholePath(Output());
+    return "surfit_refine --threads=1 --keyframe_translation_m=0.02 --run=" +
+           WholePath(own_.path() + "/run") + " --sequence=" + WholePath(Room()) +
+           " --output=" + WholePath(Output());
   }
 
   // Number of complete result files, 0 to 5.

@@ -117,8 +117,6 @@ constexpr std::array kRemovedFlags = {
     RemovedFlag{"surfit_convert", "trajectory", "--estimate"},
     RemovedFlag{"surfit_mesh", "min_component_m", "MeshOptions::min_component_m"},
     RemovedFlag{"surfit_optimize", "sparse_backend", "--linear_solver"},
-    RemovedFlag{"surfit_refine", "keyframe_translation_m",
-                "RefineRunOptions::keyframe_translation_m"},
     RemovedFlag{"surfit_refine", "max_rounds", "RefinementOptions::max_rounds"},
     RemovedFlag{"surfit_register", "single_view", "SensedCloud::has_viewpoint"},
     RemovedFlag{"surfit_register", "start_pose", "--start=POSE"},

@@ -81,7 +81,7 @@ class SettingsHelper final : public OptionVisitor {
 std::string SettingsText::Get() const {
   std::string text;
   for (const auto& [name, value] : TableFlags(table_)) {
-    if (value != defaults_.at(name)) text += (text.empty() ? "" : ";") + name + "=" + value;
+    if (value != defaults_.at(name)) text += Concat(text.empty() ? "" : ";", name, "=", value);
   }
   return text;
 }

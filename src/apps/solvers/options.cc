@@ -15,7 +15,7 @@ void RefineRunOptions::Visit(OptionVisitor& v) {
   v.Add(threads, SharedOption("threads", Everyday()));
   v.Group("keyframes");
   v.Add(keyframe_translation_m, "keyframe_translation_m", "minimum translation between keyframes",
-        Positive());
+        Positive(), AsFlag());
   v.Add(keyframe_rotation_rad, "keyframe_rotation_rad",
         "minimum rotation between keyframes; one of both limits is sufficient", Positive());
   v.Add(max_keyframes, SharedOption("max_keyframes"));
