@@ -140,22 +140,22 @@ TEST(ImuTracking, IsSwitchedOffIfItContradictsPoses) {
 
 // The state of the filter is wrong after a step of the map. The sensor is right.
 TEST(ImuTracking, StartsAgainAfterStepOfTheMap) {
-  const SmoothPath path = SwungCamera(5);
+  const SmoothPath path = SwungCamera(10);
   ImuTracking imu(RecordingOf(path, 9));
   std::mt19937_64 rng(9);
-  Track(path, 0, 60, &rng, &imu);
+  Track(path, 0, 200, &rng, &imu);
   ASSERT_EQ(imu.report().starts, 1);
   const Rigid3d step(Eigen::Quaterniond::Identity(), {0.8, 0, 0});
-  for (int i = 60; i < 120; ++i) {
+  for (int i = 200; i < 260; ++i) {
     TrackedPose pose = TrackedAt(path, i, &rng);
     pose.world_from_camera = pose.registered = step * pose.registered;
     imu.Add(pose, imu.Predict(pose.stamp_s));
   }
   EXPECT_EQ(imu.report().off_reason, "");
   EXPECT_EQ(imu.report().starts, 2);
-  const auto predicted = imu.Predict(120 * kEvery_s);
+  const auto predicted = imu.Predict(260 * kEvery_s);
   ASSERT_TRUE(predicted && predicted->covariance);
-  const Rigid3d truth = step * TrackedAt(path, 120, &rng).registered;
+  const Rigid3d truth = step * TrackedAt(path, 260, &rng).registered;
   EXPECT_LT((predicted->world_from_camera.translation - truth.translation).norm(), 0.02);
 }
 

@@ -33,7 +33,7 @@ constexpr double kBridge_s = 0.25;
 // contradicts the gyroscope beyond the limit. A pose contradicts both sensors beyond this squared
 // Mahalanobis distance (6 degrees of freedom).
 constexpr int kMaxContradictions = 8;
-// Minimum time between two new starts of the filter after a contradiction.
+// Minimum time from the first start of the filter, and from a contradiction, to the next one.
 constexpr double kMinTrusted_s = 5;
 constexpr double kMaxTurnError_rad = 0.03, kMaxTurnError_rad_per_s = 0.1, kMaxPoseDistance2 = 100;
 
@@ -230,16 +230,17 @@ void ImuTracking::StartFilter() {
         std::min(kMaxStartSigma_m, noise_.shift_m * std::sqrt(filter_->start_distance2()));
   }
   report_.starts += filter_.has_value();
+  if (filter_ && !trusted_since_s_) trusted_since_s_ = recent_.back().stamp_s;
 }
 
-// The state of the filter can be wrong. A second contradiction soon after a new start is one of the
-// sensor.
+// The state of the filter can be wrong. A contradiction soon after the first start or after another
+// contradiction is a fault of the sensor.
 void ImuTracking::CountContradiction(bool contradicts, const char* what, const TrackedPose& pose) {
   contradictions_ = contradicts ? contradictions_ + 1 : 0;
   if (contradictions_ < kMaxContradictions) return;
   const bool is_negative = filter_ && NegativeAccelFits();
-  if (filter_ && !is_negative && pose.stamp_s - restart_s_ > kMinTrusted_s) {
-    restart_s_ = pose.stamp_s;
+  if (filter_ && !is_negative && pose.stamp_s - *trusted_since_s_ > kMinTrusted_s) {
+    trusted_since_s_ = pose.stamp_s;
     contradictions_ = 0;
     noise_ = {};
     StopFilter();

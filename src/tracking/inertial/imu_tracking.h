@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <map>
 #include <optional>
 #include <vector>
@@ -31,7 +30,8 @@ struct TrackedPose {
 // 2. the gyroscope predicts the rotation, and the last velocity predicts the translation
 // 3. both sensors predict the pose with its covariance (ImuFilter)
 // If both sensors contradict the registered poses over several frames, stage 3 starts again. A
-// second contradiction within 5 s switches the sensor off. Not thread-safe.
+// contradiction within 5 s of the first start or of another contradiction switches the sensor off.
+// Not thread-safe.
 class ImuTracking {
  public:
   explicit ImuTracking(ImuRecording recording);
@@ -114,7 +114,7 @@ class ImuTracking {
   PoseNoise noise_;
   // Error of the last prediction (rad, m) in the predicted camera frame; std::nullopt: none.
   std::optional<Vector6d> last_error_;
-  double restart_s_ = -std::numeric_limits<double>::infinity();  // last new start
+  std::optional<double> trusted_since_s_;  // first start of the filter, or last contradiction
   std::optional<Eigen::Vector3d> smoothed_up_;  // up direction in the world by Smooth()
   std::map<int, Registration> registrations_;   // by frame; only frames with an information matrix
   int contradictions_ = 0;                      // consecutive frames
