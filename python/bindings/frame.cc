@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "bindings/arrays.h"
-#include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "io/sequences/raw_frames.h"
 #include "surfit/core/error.h"

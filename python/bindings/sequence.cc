@@ -2,7 +2,6 @@
 #include "surfit/io/sequence.h"
 
 #include <filesystem>
-#include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -11,7 +10,6 @@
 #include "bindings/bind.h"
 #include "bindings/frame.h"
 #include "bindings/options_class.h"
-#include "surfit/frame/frame_source.h"
 #include "surfit/run/slam_run.h"
 
 namespace surfit::python {

@@ -1,7 +1,6 @@
 #include "surfit/core/parallel.h"
 
 #include <dlfcn.h>
-#include <glog/logging.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>

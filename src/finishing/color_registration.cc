@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <vector>
@@ -10,7 +9,6 @@
 #include "registration/global/view_fit.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/frame_pyramid.h"
-#include "surfit/registration/normal_system.h"
 #include "surfit/registration/pose_solver.h"
 
 namespace surfit {

@@ -1,9 +1,7 @@
 #include "finishing/final_map.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <utility>
 
 #include "finishing/frame_poses.h"

@@ -1,8 +1,6 @@
 #include "finishing/final_refinement.h"
 
 #include <algorithm>
-#include <memory>
-#include <utility>
 #include <vector>
 
 #include "core/trace.h"

@@ -8,7 +8,6 @@
 
 #include "registration/global/feature_points.h"
 #include "surfit/core/options.h"
-#include "surfit/frame/frame_pyramid.h"
 
 namespace surfit {
 namespace {

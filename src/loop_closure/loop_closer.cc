@@ -9,7 +9,6 @@
 #include "core/trace.h"
 #include "loop_closure/edge_information.h"
 #include "surfit/core/parallel.h"
-#include "surfit/loop_closure/place_index.h"
 
 namespace surfit {
 namespace {

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "surfit/core/options.h"
 #include "surfit/geometry/inverse_depth_field.h"

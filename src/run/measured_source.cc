@@ -3,7 +3,6 @@
 #include <glog/logging.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "calibration/calibrator.h"

@@ -4,12 +4,10 @@
 #include <memory>
 #include <sstream>
 #include <utility>
-#include <vector>
 
 #include "surfit/core/error.h"
 #include "surfit/evaluation/error_statistics.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
-#include "surfit/frame/frame_pyramid.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/io/trajectory_files.h"
 #include "surfit/registration/association.h"

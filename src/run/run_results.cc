@@ -4,7 +4,6 @@
 #include <string>
 
 #include "core/trace.h"
-#include "output/pictures/pictures.h"
 #include "run/posed_views.h"
 #include "run/results/result_files.h"
 #include "surfit/io/point_cloud.h"

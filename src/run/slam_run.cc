@@ -5,7 +5,6 @@
 
 #include <chrono>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "core/repeated_warning.h"
@@ -35,7 +34,6 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/frame_source.h"
-#include "surfit/io/sequence.h"
 
 namespace surfit {
 namespace {

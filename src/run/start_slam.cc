@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdio>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "io/sequences/raw_frames.h"

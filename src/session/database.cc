@@ -7,8 +7,6 @@
 #include <new>
 #include <type_traits>
 
-#include "surfit/core/error.h"
-
 namespace surfit {
 namespace {
 

@@ -7,8 +7,6 @@
 #include <limits>
 #include <type_traits>
 
-#include "io/files/packed.h"
-
 namespace surfit {
 namespace {
 

@@ -1,7 +1,6 @@
 #include "surfit/slam/backend.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "calibration/calibrator.h"
 #include "loop_closure/correct_frames.h"

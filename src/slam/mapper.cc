@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "surfit/frame/frame_pyramid.h"
-#include "surfit/mapping/fusion.h"
 #include "surfit/mapping/move_map.h"
 
 namespace surfit {

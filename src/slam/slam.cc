@@ -8,7 +8,6 @@
 #include "slam/mapper.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/slam/backend.h"
 #include "tracking/tracker.h"
 
 namespace surfit {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "registration/global/feature_points.h"
 #include "surfit/frame/camera_motion.h"

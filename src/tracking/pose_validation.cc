@@ -1,6 +1,5 @@
 #include "tracking/pose_validation.h"
 
-#include <cmath>
 #include <optional>
 
 namespace surfit {

@@ -3,7 +3,6 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include "frame/rolling_shutter.h"

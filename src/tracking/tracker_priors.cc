@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "registration/solvers/decompositions.h"
-#include "tracking/pose_validation.h"
 #include "tracking/tracker.h"
 
 namespace surfit {

@@ -1,7 +1,5 @@
 #include "tracking/view_comparison.h"
 
-#include <cmath>
-
 #include "registration/global/view_fit.h"
 
 namespace surfit {

@@ -20,7 +20,6 @@
 #include "surfit/frame/rectify_frame.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/point_cloud.h"
-#include "surfit/io/sequence.h"
 
 namespace surfit {
 namespace {

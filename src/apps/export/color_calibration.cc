@@ -1,7 +1,6 @@
 #include "apps/export/color_calibration.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <map>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 #include <utility>
 
 #include "finishing/color_registration.h"

@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 
 #include "surfit/core/parallel.h"
 #include "surfit/mapping/surfel_block.h"

@@ -1,11 +1,9 @@
 #include "apps/export/export_images.h"
 
-#include <cmath>
 #include <cstddef>
 
 #include "apps/export/color_calibration.h"
 #include "apps/export/image_poses.h"
-#include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/trajectory.h"
 
 namespace surfit {

@@ -4,9 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <optional>
-#include <utility>
 
 #include "apps/export/colmap_files.h"
 #include "apps/export/color_lens.h"

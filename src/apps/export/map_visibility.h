@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "apps/export/color_images.h"
 #include "surfit/core/image.h"

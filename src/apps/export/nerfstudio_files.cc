@@ -1,6 +1,5 @@
 #include "apps/export/nerfstudio_files.h"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 

@@ -1,6 +1,5 @@
 #include "apps/export/sparse_points.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>

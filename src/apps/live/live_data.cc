@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstring>
 
 #include "io/images/image_files.h"
 #include "output/output_files.h"

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
-#include <utility>
 
-#include "apps/live/http_rules.h"
 #include "browser/page.h"
 
 namespace surfit {

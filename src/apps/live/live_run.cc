@@ -1,6 +1,5 @@
 #include "apps/live/live_run.h"
 
-#include <array>
 #include <cstdio>
 #include <map>
 

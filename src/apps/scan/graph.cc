@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "apps/scan/job_files.h"
+#include "apps/scan/link_file.h"
 #include "apps/scan/link_truth.h"
 #include "apps/scan/scan_graph.h"
 #include "apps/scan/tile_files.h"

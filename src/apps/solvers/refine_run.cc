@@ -22,7 +22,6 @@
 #include "surfit/geometry/sensor.h"
 #include "surfit/io/camera_files.h"
 #include "surfit/io/point_cloud.h"
-#include "surfit/io/sequence.h"
 #include "surfit/io/trajectory_files.h"
 #include "surfit/optimization/keyframes.h"
 #include "surfit/slam/slam.h"

@@ -10,7 +10,6 @@
 #include "apps/solvers/run_keyframes.h"
 #include "optimization/refinement/joint_solver.h"
 #include "registration/solvers/pair_solver.h"
-#include "surfit/core/error.h"
 
 namespace surfit {
 namespace {

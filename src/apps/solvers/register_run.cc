@@ -4,8 +4,6 @@
 #include <functional>
 #include <iomanip>
 #include <iterator>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "apps/solvers/cloud_file.h"

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "finishing/stereo/matched_image.h"
 #include "finishing/stereo/stereo_keyframe.h"
 #include "surfit/core/image.h"
-#include "surfit/geometry/rigid3.h"
 
 namespace surfit {
 

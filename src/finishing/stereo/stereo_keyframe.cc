@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "surfit/frame/frame_pyramid.h"
 

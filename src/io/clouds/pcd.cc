@@ -1,4 +1,3 @@
-#include <glog/logging.h>
 #include <lzf.h>
 
 #include <algorithm>

@@ -10,7 +10,6 @@
 
 #include "core/files.h"
 #include "io/files/text.h"
-#include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

@@ -9,7 +9,6 @@
 
 #include "io/phones/json_fields.h"
 #include "io/phones/phone_recording.h"
-#include "io/sequences/confidence.h"
 #include "io/sequences/folder.h"
 
 namespace surfit {

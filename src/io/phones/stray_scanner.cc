@@ -14,7 +14,6 @@
 #include "io/phones/csv_rows.h"
 #include "io/phones/phone_recording.h"
 #include "io/sequences/confidence.h"
-#include "io/sequences/folder.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

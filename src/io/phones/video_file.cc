@@ -2,7 +2,6 @@
 
 #include <dlfcn.h>
 
-#include <new>
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/version.hpp>
 #include <opencv2/videoio.hpp>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <utility>
 
 #include "io/images/image_files.h"
 #include "io/sequences/folder.h"

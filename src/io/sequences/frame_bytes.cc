@@ -5,7 +5,6 @@
 #include <system_error>
 
 #include "io/images/deflate.h"
-#include "surfit/core/error.h"
 
 namespace surfit {
 namespace {

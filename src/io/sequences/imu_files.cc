@@ -1,6 +1,5 @@
 #include <glog/logging.h>
 
-#include <cmath>
 #include <fstream>
 #include <limits>
 #include <utility>

@@ -1,5 +1,3 @@
-#include <glog/logging.h>
-
 #include <cmath>
 #include <cstdint>
 #include <optional>

@@ -9,7 +9,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <variant>
 
 #include "core/repeated_warning.h"

@@ -7,7 +7,6 @@
 #include <mutex>
 #include <sstream>
 
-#include "io/checks/recording_warnings.h"
 #include "io/depth/depth_encoding.h"
 #include "io/sequences/raw_frames.h"
 #include "io/sequences/sequence_camera.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "mapping/rendering/bands.h"
 #include "surfit/core/parallel.h"

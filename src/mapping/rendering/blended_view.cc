@@ -1,11 +1,8 @@
 #include "mapping/rendering/blended_view.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <limits>
-#include <memory>
 #include <utility>
-#include <vector>
 
 #include "mapping/map/view_frustum.h"
 #include "mapping/rendering/band_canvas.h"

@@ -1,15 +1,11 @@
 #include "optimization/pose_graph/optimize_pose_graph.h"
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "core/trace.h"
-#include "optimization/pose_graph/pose_graph_names.h"
 #include "optimization/pose_graph/robust_loops.h"
 #include "optimization/pose_graph/several_starts.h"
 #include "surfit/core/options.h"
-#include "surfit/optimization/pose_graph.h"
 
 namespace surfit {
 namespace {

@@ -2,8 +2,6 @@
 #include <ceres/crs_matrix.h>
 #include <ceres/solver.h>
 
-#include <cmath>
-
 #include "core/named_values.h"
 #include "cost_functions/analytic_relative_pose.h"
 #include "cost_functions/chordal_relative_pose.h"

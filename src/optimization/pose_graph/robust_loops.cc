@@ -1,7 +1,5 @@
 #include "optimization/pose_graph/robust_loops.h"
 
-#include <cmath>
-
 namespace surfit {
 namespace {
 

@@ -1,6 +1,5 @@
 #include "optimization/refinement/held_out.h"
 
-#include <Eigen/QR>
 #include <cmath>
 #include <cstddef>
 #include <vector>

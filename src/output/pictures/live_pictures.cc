@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <utility>
-#include <vector>
 
 #include "output/pictures/canvas.h"
 #include "output/pictures/pictures.h"

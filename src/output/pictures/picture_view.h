@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "output/pictures/pictures.h"
 #include "surfit/geometry/pinhole_camera.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/trajectory.h"

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 
 #include "registration/global/cloud_features.h"
 #include "registration/solvers/decompositions.h"

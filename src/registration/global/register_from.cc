@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "registration/global/view_fit.h"
 #include "registration/solvers/decompositions.h"
 
 namespace surfit {

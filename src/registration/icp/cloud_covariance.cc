@@ -9,8 +9,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <utility>
-#include <vector>
 
 #include "registration/icp/icp_level.h"
 #include "registration/icp/own_residuals.h"

@@ -6,7 +6,6 @@
 #include <iomanip>
 #include <optional>
 #include <sstream>
-#include <string>
 #include <utility>
 
 #include "core/files.h"

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "registration/solvers/decompositions.h"
-#include "surfit/registration/normal_system.h"
 
 namespace surfit {
 namespace {
