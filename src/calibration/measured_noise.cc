@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "calibration/calibrator.h"
+#include "core/median.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/registration/icp.h"
 
@@ -39,9 +40,7 @@ double RobustSigma(const std::vector<float>& residuals) {
   std::vector<float> sizes(residuals.size());
   std::transform(residuals.begin(), residuals.end(), sizes.begin(),
                  [](float residual) { return std::abs(residual); });
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  double sigma = std::max<double>(kSigmasOfMedian * *middle, kSmallest);
+  double sigma = std::max<double>(kSigmasOfMedian * MedianOf(std::move(sizes)), kSmallest);
   for (int step = 0; step < kSteps; ++step) {
     double squares = 0, count = 0;
     for (const float residual : residuals) {

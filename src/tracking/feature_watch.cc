@@ -4,7 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <utility>
-#include <vector>
+
+#include "core/median.h"
 
 namespace surfit {
 namespace {
@@ -44,12 +45,6 @@ Image<Rgb8> Reduced(const Image<Rgb8>& color, int step) {
 
 FrameLevel WithoutMovingObjects(const FrameLevel& level, const CellMask& moving) {
   return std::move(Without(FramePyramid{{level}}, moving).levels.front());
-}
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Pixel of a point relative to the principal point, px.

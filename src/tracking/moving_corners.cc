@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <random>
 #include <utility>
 
+#include "core/median.h"
 #include "registration/solvers/decompositions.h"
 #include "tracking/feature_watch.h"
 
@@ -190,18 +190,14 @@ double MedianDepth(const std::vector<TrackedCorner>& corners, const std::vector<
   std::vector<double> depths;
   depths.reserve(used.size());
   for (const int i : used) depths.push_back(corners[i].point.z());
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return MedianOf(std::move(depths));
 }
 
 double MedianShift(const std::vector<TrackedCorner>& corners) {
   std::vector<double> shifts;
   shifts.reserve(corners.size());
   for (const TrackedCorner& corner : corners) shifts.push_back((corner.seen - corner.first).norm());
-  const auto middle = shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2);
-  std::nth_element(shifts.begin(), middle, shifts.end());
-  return *middle;
+  return MedianOf(std::move(shifts));
 }
 
 bool IsAtEdge(const Image<float>& depth_m, const Eigen::Vector2d& at, double z) {

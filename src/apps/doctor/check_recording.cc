@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "apps/doctor/recording_checks.h"
 #include "calibration/calibrator.h"
 #include "core/repeated_warning.h"
 #include "finishing/posed_sequence.h"
-#include "io/checks/recording_warnings.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"

@@ -8,7 +8,7 @@
 #include "apps/doctor/check_recording.h"
 #include "apps/doctor/recording_statistics.h"
 #include "calibration/calibrator.h"
-#include "io/checks/recording_warnings.h"
+#include "io/sequences/raw_frames.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/inertial.h"
 #include "surfit/geometry/inverse_depth_field.h"

@@ -1,7 +1,6 @@
 #include "apps/doctor/recording_statistics.h"
 
 #include <algorithm>
-#include <cmath>
 #include <variant>
 
 #include "surfit/evaluation/error_statistics.h"

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/export/color_lens.h"
+#include "core/median.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -31,13 +32,6 @@ constexpr double kTracked_m = 0.002, kTracked_rad = 0.005;  // errors of tracked
 constexpr double kMaxRmsRatio = 0.95;  // RMS residual after / before; exact poses reach 0.99
 constexpr double kMaxDistance2 = 38;   // chi-square, 6 degrees of freedom, probability 1e-6
 constexpr float kOutside = std::numeric_limits<float>::quiet_NaN();
-
-double MedianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Kernel of Geman and McClure.
 double KernelWeight(double residual, double scale) {

@@ -1,7 +1,7 @@
-#include <algorithm>
 #include <cmath>
 
 #include "apps/live/live_run.h"
+#include "core/median.h"
 
 namespace surfit {
 namespace {
@@ -22,9 +22,7 @@ DepthStatistics LookAtDepth(const Image<float>& depth_m) {
     }
   }
   if (depths.empty()) return {};
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return {static_cast<double>(depths.size()) / pixels, *middle};
+  return {static_cast<double>(depths.size()) / pixels, MedianOf(depths)};
 }
 
 double ImageShift(const Rigid3d& before, const Rigid3d& now, const PinholeCamera& camera,

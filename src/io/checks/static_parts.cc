@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/median.h"
+
 namespace surfit {
 namespace {
 
@@ -55,9 +57,7 @@ CellMotion CellMotionOf(const std::vector<Image<float>>& frames, std::size_t cel
     if (frame[cell] > 0) depths.push_back(frame[cell]);
   const auto all = static_cast<double>(frames.size()), count = static_cast<double>(depths.size());
   if (depths.empty() || count < kMinMoving * all) return CellMotion::kUnknown;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  const float median = *middle;
+  const float median = MedianOf(depths);
   const auto same = static_cast<double>(std::count_if(depths.begin(), depths.end(), [&](float d) {
     return std::abs(d - median) < kSameDepth * median;
   }));

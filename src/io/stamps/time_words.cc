@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
-#include <utility>
 
+#include "core/median.h"
 #include "io/files/text.h"
 #include "surfit/core/error.h"
 
@@ -21,12 +21,6 @@ std::vector<double> Intervals(std::vector<double> numbers) {
   for (std::size_t i = 1; i < numbers.size(); ++i)
     if (numbers[i] > numbers[i - 1]) intervals.push_back(numbers[i] - numbers[i - 1]);
   return intervals;
-}
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // True for frame numbers: integers whose steps are multiples of the smallest step, or irregular

@@ -1,7 +1,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/median.h"
 #include "mesh/mesh_steps.h"
 #include "surfit/core/parallel.h"
 
@@ -107,17 +109,11 @@ class PlaneFitter {
   std::vector<SurfelCubes::Range> ranges_;
 };
 
-float Median(std::vector<float>* values) {
-  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
-
 float MedianSpacing(const std::vector<MeshSurfel>& surfels) {
   std::vector<float> spacings;
   spacings.reserve(surfels.size());
   for (const MeshSurfel& surfel : surfels) spacings.push_back(surfel.spacing_m);
-  return Median(&spacings);
+  return MedianOf(std::move(spacings));
 }
 
 }  // namespace
@@ -144,7 +140,7 @@ void FindSigmas(std::vector<MeshSurfel>* surfels) {
   std::vector<float> ratios;
   for (std::size_t i = 0; i < shown_m.size(); ++i)
     if (shown_m[i] >= 0) ratios.push_back(shown_m[i] / (*surfels)[i].sigma_m);
-  const float scale = ratios.empty() ? 1.f : Median(&ratios);
+  const float scale = ratios.empty() ? 1.f : MedianOf(std::move(ratios));
   for (std::size_t i = 0; i < shown_m.size(); ++i) {
     float& sigma_m = (*surfels)[i].sigma_m;
     sigma_m *= scale;

@@ -2,8 +2,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
+#include "core/median.h"
 #include "output/pictures/pictures.h"
 #include "surfit/core/error.h"
 
@@ -361,8 +362,7 @@ const Plane* FindFloor(const std::vector<Plane>& level, const Eigen::Vector3d& u
   std::vector<double> heights;
   for (const StampedPose& pose : cameras)
     heights.push_back(pose.world_from_camera.translation.dot(up));
-  std::nth_element(heights.begin(), heights.begin() + heights.size() / 2, heights.end());
-  const double camera_height = heights[heights.size() / 2];
+  const double camera_height = MedianOf(std::move(heights));
   double most = 0;
   for (const Plane& plane : level) {
     if (plane.normal.dot(up) > 0) most = std::max(most, plane.area_m2);

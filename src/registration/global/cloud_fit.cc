@@ -3,7 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/median.h"
 #include "geometry/kd_tree.h"
 #include "surfit/core/parallel.h"
 
@@ -11,13 +13,6 @@ namespace surfit {
 namespace {
 
 constexpr float kMinAgreeingCosine = 0.82f;  // 35 degrees
-
-double MedianOf(std::vector<double>* values) {
-  if (values->empty()) return 0;
-  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
 
 // Standard deviation of the points from the plane through them, m.
 double PlaneDeviation(const KdTree& tree, const std::vector<KdTree::Neighbor>& found) {
@@ -62,8 +57,8 @@ CloudScale MeasureScale(const std::vector<Eigen::Vector3f>& points) {
     spacings.push_back(distance * std::sqrt(M_PI / kNeighbors));
     deviations.push_back(PlaneDeviation(tree, found));
   }
-  scale.spacing_m = MedianOf(&spacings);
-  scale.noise_m = MedianOf(&deviations);
+  scale.spacing_m = MedianOf(std::move(spacings));
+  scale.noise_m = MedianOf(std::move(deviations));
   return scale;
 }
 
@@ -183,7 +178,7 @@ RangeImage::RangeImage(const std::vector<Eigen::Vector3f>& points, const Eigen::
   for (const Eigen::Vector3f& point : points) {
     ranges.push_back((point.cast<double>() - viewpoint).norm());
   }
-  const double range_m = MedianOf(&ranges);
+  const double range_m = MedianOf(std::move(ranges));
   if (!(range_m > 0) || !(spacing_m > 0)) return;
   size_ = std::clamp(static_cast<int>(2 * range_m / (kSpacingsPerPixel * spacing_m)), 8, kLargest);
   nearest_.assign(static_cast<std::size_t>(6) * size_ * size_, 0.f);

@@ -1,7 +1,6 @@
 #include "registration/global/feature_points.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,10 +10,10 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "core/median.h"
 #include "registration/global/view_fit.h"
 #include "surfit/core/lanes.h"
 #include "surfit/core/parallel.h"
-#include "surfit/frame/frame_pyramid.h"
 
 namespace surfit {
 namespace {
@@ -199,10 +198,7 @@ double DepthOfFeature(const Image<float>& depth_m, double u, double v) {
       if (depth_m(x, y) > 0) valid.push_back(depth_m(x, y));
     }
   }
-  if (valid.empty()) return 0;
-  const auto middle = valid.begin() + static_cast<std::ptrdiff_t>(valid.size() / 2);
-  std::nth_element(valid.begin(), middle, valid.end());
-  return *middle;
+  return MedianOf(std::move(valid));
 }
 
 double SigmaOfFeature(double depth_m, double place_sigma_px, const DepthSensor& sensor,

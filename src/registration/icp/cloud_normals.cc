@@ -1,7 +1,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/median.h"
 #include "geometry/kd_tree.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
@@ -34,10 +36,7 @@ double Spacing(const KdTree& tree) {
     const double distance = Offset(tree, i, found.back().rank).norm();
     if (distance > 0) spacings.push_back(distance * std::sqrt(M_PI / kNeighbors));
   }
-  if (spacings.empty()) return 0;
-  const auto middle = spacings.begin() + spacings.size() / 2;
-  std::nth_element(spacings.begin(), middle, spacings.end());
-  return *middle;
+  return MedianOf(std::move(spacings));
 }
 
 struct Plane {

@@ -4,8 +4,10 @@
 #include <iterator>
 #include <memory>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
+#include "core/median.h"
 #include "cost_functions/row_sums.h"
 #include "registration/icp/icp_level.h"
 #include "registration/icp/own_residuals.h"
@@ -226,13 +228,10 @@ void SetSquares(const OwnResidual& own, const Pairs<S>& pairs, int begin, int en
 // there are no pairs.
 template <typename S, typename Set>
 double MedianResidual(int pair_count, const Set& set) {
-  if (pair_count == 0) return 0;
   std::vector<S> squares(pair_count);
   ParallelFor(0, pair_count, 4096,
               [&](int begin, int end) { set(begin, end, squares.data() + begin); });
-  const auto middle = squares.begin() + pair_count / 2;
-  std::nth_element(squares.begin(), middle, squares.end());
-  return std::sqrt(static_cast<double>(*middle));
+  return std::sqrt(static_cast<double>(MedianOf(std::move(squares))));
 }
 
 // Ratio of the residual scale, estimated from the median, to the predicted standard deviation.

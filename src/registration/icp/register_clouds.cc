@@ -4,8 +4,8 @@
 #include <cmath>
 #include <memory>
 #include <utility>
-#include <vector>
 
+#include "core/median.h"
 #include "registration/global/cloud_fit.h"
 #include "registration/icp/cloud_covariance.h"
 #include "registration/icp/icp_level.h"
@@ -43,14 +43,6 @@ void RegisterLevel(const SearchablePoints& source, const SearchablePoints& targe
   RunLevel({association, *solver, level, start}, icp, result);
 }
 
-double MedianSigma(const PointSet& set) {
-  std::vector<float> sigmas = set.sigma_m;
-  if (sigmas.empty()) return 0;
-  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), middle, sigmas.end());
-  return *middle;
-}
-
 void UpdateStatistics(const NormalSystem& system, int source_count, IcpResult* result) {
   result->system = system;
   result->inlier_count = system.inlier_count;
@@ -76,7 +68,7 @@ void StateCovariance(const SearchablePoints& source_points, const SearchablePoin
       {options.icp.gates, NormalsNeededBy(residual), options.reciprocal, 1});
   const auto covariance_at = [&](const Rigid3d& pose) {
     return CovarianceOfClouds(association, pose, residual, kernel,
-                              {MedianSigma(source), kErrorSpacings * spacing_m});
+                              {MedianOf(source.sigma_m), kErrorSpacings * spacing_m});
   };
   CloudCovariance stated = covariance_at(result->target_from_source);
   for (int step = 0; step < kMaxSteps && stated.StepSigmas() > kLeastSigmas; ++step) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <sstream>
 
+#include "core/median.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/sensor.h"
 
@@ -25,13 +26,6 @@ std::string RowOf(int index, double stamp_s, const std::string& state) {
   std::ostringstream row;
   row << index << ',' << std::fixed << std::setprecision(6) << stamp_s << ',' << state;
   return row.str();
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -75,8 +69,8 @@ std::string LocalizationFile::TextOf(const Rigid3d& world_from_camera) const {
 
 Localization LocalizationFile::Summary() const {
   Localization summary = summary_;
-  summary.median_sigma_m = Median(sigmas_m_);
-  summary.median_sigma_rad = Median(sigmas_rad_);
+  summary.median_sigma_m = MedianOf(sigmas_m_);
+  summary.median_sigma_rad = MedianOf(sigmas_rad_);
   return summary;
 }
 

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <utility>
 
+#include "core/median.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -205,9 +207,7 @@ double MedianTurnError(const std::vector<RateResidual>& residuals) {
   std::vector<double> errors;
   errors.reserve(residuals.size());
   for (const RateResidual& r : residuals) errors.push_back(r.error.norm() * r.seconds);
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return *middle;
+  return MedianOf(std::move(errors));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/median.h"
 #include "registration/solvers/decompositions.h"
 
 namespace surfit {
@@ -176,9 +177,7 @@ std::vector<int> PriorPoses::WindowsOf(int length, int step) const {
 void PriorPoses::Fit() {
   std::vector<double> times;
   for (const Sample& sample : samples_) times.push_back(sample.to_s - sample.from_s);
-  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2),
-                   times.end());
-  frame_s_ = times[times.size() / 2];
+  frame_s_ = MedianOf(std::move(times));
   MeasureNoise();
   FitMount();
   MeasureNoise();
@@ -411,10 +410,9 @@ void PriorPoses::ScaleRegistration() {
   for (const int channel : {0, 1}) {
     std::vector<double> variances;
     for (const Sample& sample : samples_) variances.push_back(sample.variance[channel]);
-    const auto median = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
-    std::nth_element(variances.begin(), median, variances.end());
+    const double median = MedianOf(std::move(variances));
     registration_scale_.segment<3>(3 * channel)
-        .setConstant(std::sqrt(std::max(1., noise_[channel].registered_noise / *median)));
+        .setConstant(std::sqrt(std::max(1., noise_[channel].registered_noise / median)));
   }
 }
 
