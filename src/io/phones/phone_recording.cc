@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "core/files.h"
+#include "core/median.h"
 #include "io/phones/resample.h"
-#include "io/phones/video_file.h"
 #include "io/sequences/folder_recording.h"
 #include "surfit/core/error.h"
 #include "surfit/io/sequence.h"
@@ -21,9 +20,7 @@ double MedianField(const std::vector<PhoneFrame>& frames, double PinholeCamera::
   std::vector<double> values;
   values.reserve(frames.size());
   for (const PhoneFrame& frame : frames) values.push_back(frame.color_camera.*field);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return MedianOf(std::move(values));
 }
 
 PinholeCamera MedianCamera(const std::vector<PhoneFrame>& frames) {
@@ -220,18 +217,23 @@ void WarnOfCount(std::size_t count, const std::string& place, const std::string&
 
 namespace {
 
-// Recording for a camera of the options: images are not resampled.
-OpenedRecording OpenWithoutLens(PhoneFiles files) {
-  std::vector<FrameFiles> frames;
-  for (PhoneFrame& frame : files.frames) frames.push_back(std::move(frame.files));
+// Recording of the frames, without a camera.
+OpenedRecording Opened(std::unique_ptr<Recording> frames, PhoneFiles files) {
   OpenedRecording opened;
-  opened.frames = MakeFolderRecording(std::move(frames));
+  opened.frames = std::move(frames);
   opened.device_poses = files.poses.Sorted();
   opened.device_pose_warning = files.poses.warning();
   opened.has_clock = files.has_clock;
   opened.warnings = std::move(files.warnings);
   opened.unpaired_images = files.unpaired_images;
   return opened;
+}
+
+// Recording for a camera of the options: images are not resampled.
+OpenedRecording OpenWithoutLens(PhoneFiles files) {
+  std::vector<FrameFiles> frames;
+  for (PhoneFrame& frame : files.frames) frames.push_back(std::move(frame.files));
+  return Opened(MakeFolderRecording(std::move(frames)), std::move(files));
 }
 
 }  // namespace
@@ -251,14 +253,9 @@ OpenedRecording OpenPhoneFiles(PhoneFiles files) {
   camera.Validate(files.camera_from);
   SourceCamera source = {camera, files.camera_from + DescribeLens(files.frames, camera.color),
                          false, files.scale_is_given};
-  OpenedRecording opened;
-  opened.frames = std::make_unique<PhoneFrames>(
+  auto frames = std::make_unique<PhoneFrames>(
       std::move(files.frames), CommonCameras{camera.depth, camera.color}, files.video);
-  opened.device_poses = files.poses.Sorted();
-  opened.device_pose_warning = files.poses.warning();
-  opened.has_clock = files.has_clock;
-  opened.warnings = std::move(files.warnings);
-  opened.unpaired_images = files.unpaired_images;
+  OpenedRecording opened = Opened(std::move(frames), std::move(files));
   opened.read_camera = [source = std::move(source)] { return source; };
   return opened;
 }

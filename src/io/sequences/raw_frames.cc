@@ -1,6 +1,7 @@
 #include "io/sequences/raw_frames.h"
 
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "core/trace.h"
@@ -21,72 +22,32 @@ void RequireSize(const Image<T>& image, const PinholeCamera& camera, const char*
                    camera.width, " x ", camera.height, ", the size of ", whose);
 }
 
-// Frames whose depth has an encoding that the files do not name.
-class DecodedFrames : public RawFrames {
+using ImageChange = std::function<void(FrameImages*)>;
+
+// Frames with changed images.
+class ChangedFrames : public RawFrames {
  public:
-  DecodedFrames(std::unique_ptr<RawFrames> frames, const DepthEncoding& encoding)
-      : frames_(std::move(frames)), encoding_(encoding) {}
+  ChangedFrames(std::unique_ptr<RawFrames> frames, ImageChange change)
+      : frames_(std::move(frames)), change_(std::move(change)) {}
 
   std::vector<FrameImages> FirstImages() override {
     std::vector<FrameImages> images = frames_->FirstImages();
-    for (FrameImages& image : images) DecodeDepth(encoding_, &image.depth);
+    for (FrameImages& image : images) change_(&image);
     return images;
   }
   std::optional<RawFrame> Next() override { return frames_->Next(); }
   FrameImages Read() override {
     FrameImages images = frames_->Read();
-    DecodeDepth(encoding_, &images.depth);
+    change_(&images);
     return images;
   }
 
  private:
   std::unique_ptr<RawFrames> frames_;
-  DepthEncoding encoding_;
+  ImageChange change_;
 };
 
-// Frames without the depth of parts that move with the camera.
-class MaskedFrames : public RawFrames {
- public:
-  MaskedFrames(std::unique_ptr<RawFrames> frames, Image<std::uint8_t> mask)
-      : frames_(std::move(frames)), mask_(std::move(mask)) {}
-
-  std::vector<FrameImages> FirstImages() override {
-    std::vector<FrameImages> images = frames_->FirstImages();
-    for (FrameImages& image : images) RemoveStaticParts(mask_, &image.depth);
-    return images;
-  }
-  std::optional<RawFrame> Next() override { return frames_->Next(); }
-  FrameImages Read() override {
-    FrameImages images = frames_->Read();
-    RemoveStaticParts(mask_, &images.depth);
-    return images;
-  }
-
- private:
-  std::unique_ptr<RawFrames> frames_;
-  Image<std::uint8_t> mask_;
-};
-
-// Frames without their colour, which does not belong to the depth.
-class DepthFrames : public RawFrames {
- public:
-  explicit DepthFrames(std::unique_ptr<RawFrames> frames) : frames_(std::move(frames)) {}
-
-  std::vector<FrameImages> FirstImages() override {
-    std::vector<FrameImages> images = frames_->FirstImages();
-    for (FrameImages& image : images) image.color = {};
-    return images;
-  }
-  std::optional<RawFrame> Next() override { return frames_->Next(); }
-  FrameImages Read() override {
-    FrameImages images = frames_->Read();
-    images.color = {};
-    return images;
-  }
-
- private:
-  std::unique_ptr<RawFrames> frames_;
-};
+void RemoveColor(FrameImages* images) { images->color = {}; }
 
 class SequenceSource : public FrameSource {
  public:
@@ -158,29 +119,30 @@ RgbdFrame RectifyFrame(const RgbdCamera& camera, const FrameRectifier& rectifier
 RawSequence MakeRawSequence(SequenceInfo info, std::unique_ptr<RawFrames> frames,
                             const SequenceOptions& options, bool scale_is_given) {
   std::vector<FrameImages> images = frames->FirstImages();
+  const auto change_all = [&](const ImageChange& change) {
+    for (FrameImages& image : images) change(&image);
+    frames = std::make_unique<ChangedFrames>(std::move(frames), change);
+  };
   const DepthEncoding encoding = DetectDepthEncoding(images, info.camera, &info.warnings);
-  if (!encoding.IsPlain()) {
-    for (FrameImages& image : images) DecodeDepth(encoding, &image.depth);
-    frames = std::make_unique<DecodedFrames>(std::move(frames), encoding);
-  }
-  if (std::optional<StaticParts> parts = FindStaticParts(images)) {
+  if (!encoding.IsPlain())
+    change_all([encoding](FrameImages* image) { DecodeDepth(encoding, &image->depth); });
+  if (const std::optional<StaticParts> parts = FindStaticParts(images)) {
     info.warnings.push_back(Concat(
         std::lround(100 * parts->ratio),
         " % of the depth at the rim of the view does not change while the rest moves: it is part "
         "of the robot or of the camera mount, and is missing depth in all frames"));
-    for (FrameImages& image : images) RemoveStaticParts(parts->mask, &image.depth);
-    frames = std::make_unique<MaskedFrames>(std::move(frames), std::move(parts->mask));
+    change_all(
+        [mask = parts->mask](FrameImages* image) { RemoveStaticParts(mask, &image->depth); });
   }
   if (const auto fault = ColorFault(images)) {
     info.warnings.push_back(*fault + ": colour is not used");
-    for (FrameImages& image : images) image.color = {};
-    frames = std::make_unique<DepthFrames>(std::move(frames));
+    change_all(RemoveColor);
   }
   std::optional<RegistrationFit> registration;
   FrameRectifier rectifier =
       CompleteInfo(images, options.rectify, scale_is_given, &info, &registration);
   if (registration && registration->turn != ImageTurn::kNone)
-    frames = std::make_unique<DepthFrames>(std::move(frames));
+    frames = std::make_unique<ChangedFrames>(std::move(frames), RemoveColor);
   InverseDepthField field = ReadDepthField(options, info.format);
   return {std::move(info), std::move(frames), std::move(rectifier),
           field,           scale_is_given,    registration};
