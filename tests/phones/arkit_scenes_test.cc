@@ -16,13 +16,8 @@ std::string PincamText(const PinholeCamera& c) {
          Number(c.cx) + " " + Number(c.cy);
 }
 
-class ArkitScenes : public ::testing::Test {
+class ArkitScenes : public PhoneTest {
  protected:
-  static const std::vector<SimulatedFrame>& Frames() {
-    static const auto* const frames = new auto(RecordWithPhone(kFrames));
-    return *frames;
-  }
-
   // Colour has the size of depth in this data set. Poses exist for every third frame.
   void Write() const {
     std::string traj;
@@ -49,9 +44,6 @@ class ArkitScenes : public ::testing::Test {
     }
     folder_.Write("lowres_wide.traj", traj);
   }
-  std::unique_ptr<FrameSource> Open() const { return OpenSequence(Options(folder_)); }
-
-  TempFolder folder_;
 };
 
 TEST_F(ArkitScenes, IsTrackedToThePosesOfThePhone) {

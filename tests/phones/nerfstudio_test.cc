@@ -1,53 +1,43 @@
 // Folders of nerfstudio whose frames have intrinsics of their own.
+#include <nlohmann/json.hpp>
+
 #include "phones/simulated_phone.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
 
-class Nerfstudio : public ::testing::Test {
+class Nerfstudio : public PhoneTest {
  protected:
-  static const std::vector<SimulatedFrame>& Frames() {
-    static const auto* const frames = new auto(RecordWithPhone(kFrames));
-    return *frames;
-  }
   // `scale`: applied_scale of the positions.
-  static std::string Transforms(bool with_depth, double scale = 1) {
-    std::string frames;
+  static nlohmann::json Transforms(bool with_depth, double scale = 1) {
+    nlohmann::json frames;
     for (int i = 0; i < kFrames; ++i) {
       const PinholeCamera& c = Frames()[i].color_camera;
-      frames += (i == 0 ? "{" : ", {") + std::string("\"file_path\": \"./images/frame_") +
-                Format("%05d.png\"", i + 1);
-      if (with_depth)
-        frames +=
-            std::string(", \"depth_file_path\": \"./depth/frame_") + Format("%05d.png\"", i + 1);
-      frames += ", \"w\": 320, \"h\": 240, \"fl_x\": " + Number(c.fx) +
-                ", \"fl_y\": " + Number(c.fy) + ", \"cx\": " + Number(c.cx) +
-                ", \"cy\": " + Number(c.cy) + ", \"transform_matrix\": [";
       Eigen::Matrix4d matrix = OpenGlPose(Frames()[i]).Matrix();
       matrix.block<3, 1>(0, 3) *= scale;
-      for (int row = 0; row < 4; ++row) {
-        frames += row == 0 ? "[" : ", [";
-        for (int k = 0; k < 4; ++k) frames += (k == 0 ? "" : ", ") + Number(matrix(row, k));
-        frames += "]";
-      }
-      frames += "]}";
+      nlohmann::json frame = {{"file_path", Format("./images/frame_%05d.png", i + 1)},
+                              {"w", 320},
+                              {"h", 240},
+                              {"fl_x", c.fx},
+                              {"fl_y", c.fy},
+                              {"cx", c.cx},
+                              {"cy", c.cy}};
+      if (with_depth) frame["depth_file_path"] = Format("./depth/frame_%05d.png", i + 1);
+      for (int k = 0; k < 16; ++k) frame["transform_matrix"][k / 4].push_back(matrix(k / 4, k % 4));
+      frames.push_back(frame);
     }
-    return "{\"camera_model\": \"OPENCV\", \"applied_scale\": " + Number(scale) +
-           ", \"frames\": [" + frames + "]}";
+    return {{"camera_model", "OPENCV"}, {"applied_scale", scale}, {"frames", frames}};
   }
 
-  void Write(const std::string& transforms) const {
+  void Write(const nlohmann::json& transforms) const {
     for (int i = 0; i < kFrames; ++i) {
       WriteDepth(folder_ / Format("depth/frame_%05d.png", i + 1), Millimetres(Frames()[i].depth_m));
       WriteColor(folder_ / Format("images/frame_%05d.png", i + 1), Frames()[i].color);
       WriteConfidence(folder_ / Format("confidence/frame_%05d.png", i + 1), Frames()[i].confidence);
     }
-    folder_.Write("transforms.json", transforms);
+    folder_.Write("transforms.json", transforms.dump());
   }
-  std::unique_ptr<FrameSource> Open() const { return OpenSequence(Options(folder_)); }
-
-  TempFolder folder_;
 };
 
 TEST_F(Nerfstudio, UsesTheIntrinsicsOfEachFrame) {
@@ -57,9 +47,7 @@ TEST_F(Nerfstudio, UsesTheIntrinsicsOfEachFrame) {
   EXPECT_THAT(source->info().warnings, IsEmpty());
   EXPECT_THAT(source->info().camera_from, Names("transforms.json", "median"));
   EXPECT_TRUE(source->info().ground_truth.empty());
-  const double error_m = ErrorOf(TrackPhone(Options(folder_)), kFrames);
-  std::printf("ATE %.5f m\n", error_m);
-  EXPECT_LT(error_m, 0.0014);
+  EXPECT_LT(TrackingError(Options(folder_)), 0.0014);
 }
 
 TEST_F(Nerfstudio, FindsTheFramesOfDepthImagesThatAreNotListed) {
@@ -69,28 +57,26 @@ TEST_F(Nerfstudio, FindsTheFramesOfDepthImagesThatAreNotListed) {
 
 TEST_F(Nerfstudio, RejectsWrongMetadata) {
   Write(Transforms(true));
-  const auto expect = [&](const std::string& from, const std::string& to,
+  const auto expect = [&](const std::string& pointer, const nlohmann::json& value,
                           const std::string& message) {
-    std::string text = Transforms(true);
-    const std::size_t at = text.rfind(from);
-    text.replace(at, from.size(), to);
-    folder_.Write("transforms.json", text);
+    nlohmann::json transforms = Transforms(true);
+    transforms[nlohmann::json::json_pointer(pointer)] = value;
+    folder_.Write("transforms.json", transforms.dump());
     ExpectInputError([&] { Open(); },
                      ::testing::AllOf(HasSubstr("transforms.json"), HasSubstr(message)));
   };
-  expect("\"w\": 320", "\"w\": \"wide\"", "w is \"wide\", must be a number");
-  expect("\"h\": 240", "\"h\": 99999", "h is 99999, must be an integer from 1 to 16384");
-  expect("\"fl_x\": ", "\"fl_x\": -", "fx is -");
-  expect("\"applied_scale\": 1", "\"applied_scale\": 0", "applied_scale is 0, must be positive");
-  expect("\"transform_matrix\": [", "\"transform_matrix\": [[1, 0], ",
-         "has 2 numbers, must have 4");
+  expect("/frames/39/w", "wide", "w is \"wide\", must be a number");
+  expect("/frames/39/h", 99999, "h is 99999, must be an integer from 1 to 16384");
+  expect("/frames/39/fl_x", -250, "fx is -250");
+  expect("/applied_scale", 0, "applied_scale is 0, must be positive");
+  expect("/frames/39/transform_matrix/0", {1, 0}, "has 2 numbers, must have 4");
 }
 
 // A camera file takes precedence, also if the lens of the recording cannot be used.
 TEST_F(Nerfstudio, ReadsTheCameraFileInsteadOfAFisheyeLens) {
-  std::string text = Transforms(true);
-  text.replace(text.find("OPENCV"), 6, "OPENCV_FISHEYE");
-  Write(text);
+  nlohmann::json transforms = Transforms(true);
+  transforms["camera_model"] = "OPENCV_FISHEYE";
+  Write(transforms);
   ExpectInputError([&] { Open(); }, Names("transforms.json", "OPENCV_FISHEYE"));
   folder_.Write("camera.yaml",
                 "%YAML:1.0\n---\ndepth_camera: { width: 160, height: 120, fx: 125., fy: 125., cx: "

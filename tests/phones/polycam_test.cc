@@ -1,54 +1,45 @@
 // Raw recordings of Polycam: one camera file per frame.
+#include <nlohmann/json.hpp>
+
 #include "phones/simulated_phone.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
 
-class Polycam : public ::testing::Test {
+class Polycam : public PhoneTest {
  protected:
-  static const std::vector<SimulatedFrame>& Frames() {
-    static const auto* const frames = new auto(RecordWithPhone(kFrames));
-    return *frames;
-  }
   static std::string Name(int i) { return std::to_string(std::llround(1e6 * Frames()[i].stamp_s)); }
-  static std::string CameraText(const SimulatedFrame& frame, const Rigid3d& pose,
-                                const std::string& fx) {
+  static nlohmann::json CameraOf(const SimulatedFrame& frame, const Rigid3d& pose) {
     const PinholeCamera& c = frame.color_camera;
-    std::string text = "{\"fx\": " + fx + ", \"fy\": " + Number(c.fy) +
-                       ", \"cx\": " + Number(c.cx) + ", \"cy\": " + Number(c.cy) +
-                       ", \"width\": 320, \"height\": 240, \"blur_score\": 31.2";
+    nlohmann::json json = {{"fx", c.fx},   {"fy", c.fy},    {"cx", c.cx},        {"cy", c.cy},
+                           {"width", 320}, {"height", 240}, {"blur_score", 31.2}};
     for (int k = 0; k < 12; ++k)
-      text +=
-          Format(", \"t_%d", k / 4) + Format("%d\": ", k % 4) + Number(pose.Matrix()(k / 4, k % 4));
-    return text + "}\n";
+      json[Format("t_%d", k / 4) + std::to_string(k % 4)] = pose.Matrix()(k / 4, k % 4);
+    return json;
   }
 
   // The corrected poses are right. The other poses drift.
   void Write(bool corrected) const {
     for (int i = 0; i < kFrames; ++i) {
       const SimulatedFrame& frame = Frames()[i];
-      const std::string root = folder_ / "keyframes/", fx = Number(frame.color_camera.fx);
       WriteDepth(folder_ / ("keyframes/depth/" + Name(i) + ".png"), Millimetres(frame.depth_m));
       Image<std::uint8_t> confidence = frame.confidence;
       for (auto& value : confidence) value = value == 2 ? 255 : 127 * value;
       WriteConfidence(folder_ / ("keyframes/confidence/" + Name(i) + ".png"), confidence);
       Rigid3d drifted = OpenGlPose(frame);
       if (corrected) drifted.translation.x() += 0.01 * i;
-      folder_.Write("keyframes/cameras/" + Name(i) + ".json", CameraText(frame, drifted, fx));
+      folder_.Write("keyframes/cameras/" + Name(i) + ".json", CameraOf(frame, drifted).dump());
       WriteColor(folder_ / ("keyframes/images/" + Name(i) + ".jpg"), frame.color,
                  {cv::IMWRITE_JPEG_QUALITY, 95});
       if (!corrected) continue;
       folder_.Write("keyframes/corrected_cameras/" + Name(i) + ".json",
-                    CameraText(frame, OpenGlPose(frame), fx));
+                    CameraOf(frame, OpenGlPose(frame)).dump());
       WriteColor(folder_ / ("keyframes/corrected_images/" + Name(i) + ".jpg"), frame.color,
                  {cv::IMWRITE_JPEG_QUALITY, 95});
     }
     folder_.Write("mesh_info.json", "{}");
   }
-  std::unique_ptr<FrameSource> Open() const { return OpenSequence(Options(folder_)); }
-
-  TempFolder folder_;
 };
 
 TEST_F(Polycam, IsTrackedToTheCorrectedPoses) {
@@ -63,9 +54,7 @@ TEST_F(Polycam, IsTrackedToTheCorrectedPoses) {
   EXPECT_TRUE(info.ground_truth.empty());
   EXPECT_THAT(info.assumed, HasSubstr("confidence 0 to 255"));
   EXPECT_NEAR(source->Next()->stamp_s, Frames()[0].stamp_s, 1e-5);
-  const double error_m = ErrorOf(TrackPhone(Options(folder_)), kFrames);
-  std::printf("ATE %.5f m\n", error_m);
-  EXPECT_LT(error_m, 0.0014);
+  EXPECT_LT(TrackingError(Options(folder_)), 0.0014);
 }
 
 TEST_F(Polycam, UsesTheOtherPosesWithoutCorrectedOnes) {
@@ -91,18 +80,21 @@ TEST_F(Polycam, ReportsFramesWithoutAllFiles) {
 TEST_F(Polycam, RejectsWrongMetadata) {
   Write(/*corrected=*/false);
   const std::string path = "keyframes/cameras/" + Name(3) + ".json";
-  const SimulatedFrame& frame = Frames()[3];
-  const auto expect = [&](const std::string& fx, const std::string& message) {
-    folder_.Write(path, CameraText(frame, OpenGlPose(frame), fx));
+  const nlohmann::json right = CameraOf(Frames()[3], OpenGlPose(Frames()[3]));
+  const auto expect = [&](const char* key, const nlohmann::json& value,
+                          const std::string& message) {
+    nlohmann::json camera = right;
+    camera[key] = value;
+    folder_.Write(path, camera.dump());
     ExpectInputError([&] { Open(); },
                      ::testing::AllOf(HasSubstr(Name(3) + ".json"), HasSubstr(message)));
   };
-  expect("\"wide\"", "fx is \"wide\", must be a number");
-  expect("-250", "fx is -250");
-  expect("250, \"timestamp\": true", "timestamp is true, must be a number");
-  SimulatedFrame shifted = frame;
-  shifted.color_camera.cx = 12;
-  folder_.Write(path, CameraText(shifted, OpenGlPose(frame), "250"));
+  expect("fx", "wide", "fx is \"wide\", must be a number");
+  expect("fx", -250, "fx is -250");
+  expect("timestamp", true, "timestamp is true, must be a number");
+  nlohmann::json shifted = right;
+  shifted["cx"] = 12;
+  folder_.Write(path, shifted.dump());
   ExpectInputError([&] { Open(); }, Names(Name(3) + ".json", "cx", 12, 96, 224));
   folder_.Write(path, "{\"fx\": 250}");
   ExpectInputError([&] { Open(); }, Names(Name(3) + ".json", "width"));

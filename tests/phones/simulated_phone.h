@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -123,5 +122,23 @@ inline double ErrorOf(const SlamRunSummary& summary, int frames) {
   EXPECT_EQ(summary.evaluation->coverage, 1);
   return summary.evaluation->ate->translation_m.rmse;
 }
+
+// Recording of a simulated phone in a temporary folder. Tests write its files.
+class PhoneTest : public ::testing::Test {
+ protected:
+  static const std::vector<SimulatedFrame>& Frames() {
+    static const auto* const frames = new auto(RecordWithPhone(kFrames));
+    return *frames;
+  }
+  std::unique_ptr<FrameSource> Open() const { return OpenSequence(Options(folder_)); }
+  // Tracks a recording. Returns the error of the poses, m.
+  static double TrackingError(const SequenceOptions& sequence) {
+    const double error_m = ErrorOf(TrackPhone(sequence), kFrames);
+    std::printf("ATE %.5f m\n", error_m);
+    return error_m;
+  }
+
+  TempFolder folder_;
+};
 
 }  // namespace surfit::testing

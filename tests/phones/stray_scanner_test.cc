@@ -51,12 +51,8 @@ double Difference(const Image<Rgb8>& a, const Image<Rgb8>& b) {
 }
 
 // A recording as the app writes it. Tests change single files.
-class StrayScanner : public ::testing::Test {
+class StrayScanner : public PhoneTest {
  protected:
-  static const std::vector<SimulatedFrame>& Frames() {
-    static const auto* const frames = new auto(RecordWithPhone(kFrames));
-    return *frames;
-  }
   static std::string Odometry() {
     std::string text =
         std::string(kHead) + ", fx, fy, cx, cy, distortion_center_x, distortion_center_y\n";
@@ -77,9 +73,6 @@ class StrayScanner : public ::testing::Test {
     }
     WriteVideo(folder_ / "rgb.mp4", Frames());
   }
-  std::unique_ptr<FrameSource> Open() const { return OpenSequence(Options(folder_)); }
-
-  TempFolder folder_;
 };
 
 TEST_F(StrayScanner, IsTrackedToThePosesOfThePhone) {
@@ -90,9 +83,7 @@ TEST_F(StrayScanner, IsTrackedToThePosesOfThePhone) {
   EXPECT_TRUE(source->info().has_clock);
   EXPECT_TRUE(source->info().ground_truth.empty());
   EXPECT_THAT(source->info().warnings, IsEmpty());
-  const double error_m = ErrorOf(TrackPhone(Options(folder_)), kFrames);
-  std::printf("ATE %.5f m\n", error_m);
-  EXPECT_LT(error_m, 0.0014);
+  EXPECT_LT(TrackingError(Options(folder_)), 0.0014);
 }
 
 TEST_F(StrayScanner, PosesOfThePhoneAreNotUsedWithoutRequest) {
