@@ -72,21 +72,16 @@ TEST(Digest, DependsOnTheLastBitOfEveryPart) {
     number = std::nextafter(number, 100.f);
     EXPECT_NE(Digest(trajectory, map), digest);
   }
-  for (const auto array : {&Block::nx, &Block::ny, &Block::nz}) {
-    SurfelMap map = OneSurfel();
-    ++(map.block(0).*array)[0];
-    EXPECT_NE(Digest(trajectory, map), digest);
-  }
-  for (const auto array : {&Block::radius, &Block::red, &Block::green, &Block::blue}) {
-    SurfelMap map = OneSurfel();
-    ++(map.block(0).*array)[0];
-    EXPECT_NE(Digest(trajectory, map), digest);
-  }
-  for (const auto array : {&Block::first_seen, &Block::last_seen}) {
-    SurfelMap map = OneSurfel();
-    ++(map.block(0).*array)[0];
-    EXPECT_NE(Digest(trajectory, map), digest);
-  }
+  const auto expect_in_digest = [&](auto... arrays) {
+    for (const auto array : {arrays...}) {
+      SurfelMap map = OneSurfel();
+      ++(map.block(0).*array)[0];
+      EXPECT_NE(Digest(trajectory, map), digest);
+    }
+  };
+  expect_in_digest(&Block::nx, &Block::ny, &Block::nz);
+  expect_in_digest(&Block::radius, &Block::red, &Block::green, &Block::blue);
+  expect_in_digest(&Block::first_seen, &Block::last_seen);
 }
 
 const Rigid3d kPose(Eigen::Quaterniond(0.8, 0.6, 0, 0), {1, 2, 3});
