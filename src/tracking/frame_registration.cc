@@ -1,6 +1,7 @@
 #include "tracking/frame_registration.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -67,6 +68,10 @@ Matrix6d WithNoise(const Matrix6d& information, const Rigid3d& reference_from_ca
   return SymmetricInverse(covariance + In(reference_from_camera, {Rigid3d(), noise}).covariance);
 }
 
+std::ptrdiff_t CountCells(const CellMask& moving) {
+  return std::count_if(moving.begin(), moving.end(), [](auto cell) { return cell != kNotMoving; });
+}
+
 }  // namespace
 
 int CountNormals(const PreprocessedFrame& frame, const CellMask& moving) {
@@ -112,9 +117,8 @@ FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
   // The solver svd has no normal equations, so the prior is its initial pose only.
   if (!target.prior || !is_registered || target.icp.solver == "svd") return estimate;
   const Vector6d weights = target.motion.registration_scale.cwiseInverse();
-  const bool has_imu = !target.motion.registration_noise.isZero(0);
-  const Matrix6d trusted =
-      has_imu ? InformationWithoutSlides(estimate.icp) : estimate.icp.trusted_information;
+  const Matrix6d trusted = target.motion.IsInertial() ? InformationWithoutSlides(estimate.icp)
+                                                      : estimate.icp.trusted_information;
   const Matrix6d scaled = weights.asDiagonal() * trusted * weights.asDiagonal();
   const Matrix6d information =
       WithNoise(scaled, estimate.registered, target.motion.registration_noise);
@@ -187,12 +191,20 @@ Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target
     return CompareViews(frame.surface(), frame.images.color, model.levels.front(), reference.grey,
                         target.icp.error_model, model_from_frame);
   };
+  const auto moving_at = [&](const Rigid3d& model_from_frame, const ViewComparison& views) {
+    return regions_.Find(frame.surface(), views, reference.world_from_view * model_from_frame,
+                         frame.images.stamp_s);
+  };
   Tracked tracked;
   Estimate best = estimate;
   const Rigid3d& model_from_frame = estimate.icp.target_from_source;
   ViewComparison views = compare_at(model_from_frame);
-  tracked.moving = regions_.Find(
-      frame.surface(), views, reference.world_from_view * model_from_frame, frame.images.stamp_s);
+  tracked.moving = moving_at(model_from_frame, views);
+  if (!tracked.moving.empty() && target.motion.IsInertial()) {
+    // A wrong inertial prior makes static surfaces look like moving ones.
+    CellMask by_data = moving_at(estimate.registered, compare_at(estimate.registered));
+    if (CountCells(by_data) < CountCells(tracked.moving)) tracked.moving = std::move(by_data);
+  }
   FramePyramid unmoved;
   if (!tracked.moving.empty()) {
     unmoved = Without(frame.view.pyramid, tracked.moving);

@@ -64,6 +64,9 @@ struct MotionUncertainty {
   std::optional<double> max_sigmas;
   // The prediction changes the poses of weakly constrained frames only.
   bool holds_weak_frames_only = false;
+
+  // Only inertial predictions have noise of the registration.
+  bool IsInertial() const { return !registration_noise.isZero(0); }
 };
 
 // Squared difference of a predicted and a registered pose in standard deviations. It has a
