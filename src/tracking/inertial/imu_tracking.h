@@ -114,7 +114,7 @@ class ImuTracking {
   PoseNoise noise_;
   // Error of the last prediction (rad, m) in the predicted camera frame; std::nullopt: none.
   std::optional<Vector6d> last_error_;
-  std::optional<double> trusted_since_s_;  // first start of the filter, or last contradiction
+  std::optional<double> trusted_since_s_;       // first start of the filter, or last contradiction
   std::optional<Eigen::Vector3d> smoothed_up_;  // up direction in the world by Smooth()
   std::map<int, Registration> registrations_;   // by frame; only frames with an information matrix
   int contradictions_ = 0;                      // consecutive frames
