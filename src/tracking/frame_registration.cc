@@ -201,7 +201,8 @@ Tracked FrameRegistration::Validate(const PreprocessedFrame& frame, const Target
   ViewComparison views = compare_at(model_from_frame);
   tracked.moving = moving_at(model_from_frame, views);
   if (!tracked.moving.empty() && target.motion.IsInertial()) {
-    // A wrong inertial prior makes static surfaces look like moving ones.
+    // A wrong inertial prior makes static surfaces look like moving ones. Fewer cells are
+    // more likely.
     CellMask by_data = moving_at(estimate.registered, compare_at(estimate.registered));
     if (CountCells(by_data) < CountCells(tracked.moving)) tracked.moving = std::move(by_data);
   }
