@@ -30,12 +30,9 @@ void SlamOptions::Visit(OptionVisitor& v) {
         "photometric weight of weakly constrained frames and of the next frame, if "
         "photometric_weight is 0",
         ZeroIs("geometric residuals only"));
-  v.Add(motion_model, "motion_model",
-        "predicted pose of tracking; so3: last pose with the rotation that aligns small images",
-        OneOf({"constant_velocity", "constant_pose", "so3"}), AsFlag());
   v.Add(acceleration_m_per_s2, "acceleration_m_per_s2",
         "standard deviation of the acceleration in the motion prior, which constrains directions "
-        "that the data do not; requires motion_model=constant_velocity",
+        "that the data do not",
         ZeroIs("3, for weakly constrained frames only"));
   v.Add(angular_acceleration_rad_per_s2, "angular_acceleration_rad_per_s2",
         "standard deviation of the angular acceleration in the motion prior", Positive());
@@ -64,10 +61,6 @@ void SlamOptions::Visit(OptionVisitor& v) {
         "on with --offered_fps and cameras");
   v.Check([this] {
     if (hold_out == 1) throw InputError("hold_out is 1, must be 0 (none) or at least 2");
-    if (acceleration_m_per_s2 > 0 && motion_model != "constant_velocity") {
-      throw InputError(Concat("acceleration_m_per_s2 is ", acceleration_m_per_s2,
-                              ", must be 0 with motion_model ", motion_model));
-    }
   });
 }
 

@@ -40,8 +40,8 @@ class Relocalizer {
 // Situation before the searched frame. References must be valid during the search.
 struct SearchStart {
   const TrackingState& state;
-  // Last frame with a pose. `view` is set if tracking is frame-to-frame, for the motion model so3,
-  // and unless TrackingOptions::initialize is "identity".
+  // Last frame with a pose. `view` is set if tracking is frame-to-frame, and unless
+  // TrackingOptions::initialize is "identity".
   const ReferenceView& last;
   double seconds = 0;   // since the last frame with a pose
   int submap = 0;       // of the last pose

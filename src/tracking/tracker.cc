@@ -118,12 +118,8 @@ Prediction Tracker::PredictAt(const PreprocessedFrame& frame) {
     prediction.world_from_camera = imu_prediction_->world_from_camera;
   } else if (prior_motion_) {
     prediction.world_from_camera = last_.world_from_view * prior_motion_->last_from_frame;
-  } else if (const std::optional<Rigid3d> predicted = PredictedPose(SecondsTo(frame))) {
-    prediction.world_from_camera = *predicted;
   } else {
-    const ViewPair views = {frame.view.pyramid, frame.view.color, last_.view.pyramid,
-                            last_.view.color};
-    prediction.world_from_camera = last_.world_from_view * AlignRotation(views, Rigid3d());
+    prediction.world_from_camera = PredictedPose(SecondsTo(frame));
   }
   prediction.has_own_view =
       options_.IsFrameToFrame() || UpdateView(prediction.world_from_camera, frame.HasIntensities());
@@ -351,8 +347,7 @@ void Tracker::Update(PreprocessedFrame frame, Tracked tracked) {
                                 tracked.motion_covariance});
   if (prior_poses_) ComparePrior(frame, tracked);
   last_stamp_s_ = frame.images.stamp_s;
-  if (options_.IsFrameToFrame() || options_.initialize != "identity" ||
-      options_.motion_model == "so3") {
+  if (options_.IsFrameToFrame() || options_.initialize != "identity") {
     last_.view = std::move(frame.view);
   }
   last_.world_from_view = tracked.world_from_camera;
@@ -362,11 +357,10 @@ void Tracker::Update(PreprocessedFrame frame, Tracked tracked) {
 
 void Tracker::PredictAhead(bool has_color) {
   constexpr double kUnknown_s = 0;
-  const std::optional<Rigid3d> world_from_next = PredictedPose(kUnknown_s);
   // The inertial prediction needs the time of the next frame.
   const bool needs_time = imu_ && imu_->IsActive();
-  if (options_.IsFrameToFrame() || !world_from_next || needs_time) return;
-  UpdateView(*world_from_next, NeedsIntensities() && has_color);
+  if (options_.IsFrameToFrame() || needs_time) return;
+  UpdateView(PredictedPose(kUnknown_s), NeedsIntensities() && has_color);
 }
 
 // With photometric residuals, each frame needs its own view: shared views double the maximum
@@ -376,16 +370,15 @@ bool Tracker::UpdateView(const Rigid3d& world_from_predicted, bool has_intensiti
                         has_intensities);
 }
 
-// Returns std::nullopt if the prediction needs the images of the frame.
-std::optional<Rigid3d> Tracker::PredictedPose(double seconds) const {
+Rigid3d Tracker::PredictedPose(double seconds) const {
   if (state_.IsTentative()) return tentative_->view.world_from_view;
   return motion_model_.PredictPose(state_, last_.world_from_view, seconds);
 }
 
 // Returns std::nullopt without a motion prior.
 std::optional<Rigid3d> Tracker::ExpectedPose(const PreprocessedFrame& frame) const {
-  return motion_model_.HasPredictableMotion(state_) ? PredictedPose(SecondsTo(frame))
-                                                    : std::nullopt;
+  if (!motion_model_.HasPredictableMotion(state_)) return std::nullopt;
+  return PredictedPose(SecondsTo(frame));
 }
 
 void Tracker::Move(const Rigid3d& new_from_old_now,

@@ -157,7 +157,7 @@ class Tracker {
   bool AgreesWithImu(const Tracked& tracked) const;
   bool IsHeldByPrior(const Tracked& tracked) const;
   void AddToImu(const PreprocessedFrame& frame, const Tracked& tracked);
-  std::optional<Rigid3d> PredictedPose(double seconds) const;
+  Rigid3d PredictedPose(double seconds) const;
   std::optional<Rigid3d> ExpectedPose(const PreprocessedFrame& frame) const;
   bool UpdateView(const Rigid3d& world_from_predicted, bool has_intensities);
   double SecondsTo(const PreprocessedFrame& frame) const {

@@ -33,11 +33,9 @@ bool Tracker::AgreesWithPrior(const PreprocessedFrame& frame, const Tracked& tra
                               const Prediction& prediction) const {
   if (!tracked.has_pose() || tracked.verdict != Verdict::kAccepted) return false;
   if (tracked.prior_squared_difference < kMaxPriorDifference) return true;
-  const std::optional<Rigid3d> smooth =
-      motion_model_.PredictPose(state_, last_.world_from_view, SecondsTo(frame));
-  if (!smooth) return false;
-  return DistanceOf(*smooth, prediction.world_from_camera) <
-         DistanceOf(*smooth, tracked.world_from_registered);
+  const Rigid3d smooth = motion_model_.PredictPose(state_, last_.world_from_view, SecondsTo(frame));
+  return DistanceOf(smooth, prediction.world_from_camera) <
+         DistanceOf(smooth, tracked.world_from_registered);
 }
 
 std::optional<ImuTracking::Prediction> Tracker::PredictByImu(double stamp_s) const {

@@ -57,17 +57,6 @@ TEST(RegisterGlobally, FindsPoseWithinBoundOnly) {
   EXPECT_FALSE(registered(0.2).accepted());
 }
 
-TEST(RegisterGlobally, So3FindsRotation) {
-  const Rigid3d turn(QuaternionExp<double>({0.1, 0.4, -0.1}), {0.02, 0, 0.01});
-  const SimulatedColoredViews views = MakeTurnedViews(70, turn, 12);
-  EXPECT_FALSE(Registered(views, "identity").accepted());
-  const GlobalRegistrationResult result = Registered(views, "so3");
-  EXPECT_EQ(result.start.translation, Eigen::Vector3d::Zero());
-  EXPECT_LT(RotationAngle(result.start.rotation.conjugate() * turn.rotation), 3 * kRadPerDeg);
-  EXPECT_TRUE(result.accepted()) << ToString(result.reason);
-  EXPECT_THAT(result.icp.target_from_source, RigidNear(turn, kFarToleranceM, kFarToleranceRad));
-}
-
 // Rooms of other seeds have only walls and floor in common.
 TEST(RegisterGlobally, RejectsOtherPlaces) {
   for (const std::uint64_t seed : {1, 2, 3}) {

@@ -153,50 +153,6 @@ TEST(MeasureFit, MeasuresFreeSpaceAndTexture) {
   EXPECT_GT(along.Score(), near.Score());
 }
 
-// The error is below half a pixel of the coarsest level. A pixel is 1 / 33 rad, 1.7 degrees.
-constexpr double kHalfAPixel = 0.87 * kRadPerDeg;
-
-const SimulatedColoredViews& TurnedViews() {
-  static const auto* const views = new SimulatedColoredViews(MakeTurnedViews(
-      70, Rigid3d(QuaternionExp<double>({0.05, 0.16, -0.05}), Eigen::Vector3d::Zero()), 12));
-  return *views;
-}
-
-Rigid3d Align(const SimulatedColoredViews& views, const Rigid3d& start) {
-  return AlignRotation(
-      {views.source.pyramid, views.source.color, views.target.pyramid, views.target.color}, start);
-}
-
-double AngleTo(const Rigid3d& pose, const SimulatedColoredViews& views) {
-  return RotationAngle(pose.rotation.conjugate() * views.target_from_source.rotation);
-}
-
-TEST(AlignRotation, FindsRotationOfTenDegrees) {
-  EXPECT_GT(AngleTo(Rigid3d(), TurnedViews()), 10 * kRadPerDeg);
-  const Rigid3d pose = Align(TurnedViews(), Rigid3d());
-  EXPECT_LT(AngleTo(pose, TurnedViews()), kHalfAPixel);
-  EXPECT_EQ(pose.translation.norm(), 0);
-}
-
-TEST(AlignRotation, UsesGeometryWithoutColor) {
-  SimulatedColoredViews views = TurnedViews();
-  views.target.color = {};
-  EXPECT_LT(AngleTo(Align(views, Rigid3d()), views), kHalfAPixel);
-}
-
-TEST(AlignRotation, KeepsInitialPoseOfEmptyViews) {
-  const Image<Rgb8> none;
-  const Rigid3d start(QuaternionExp<double>({0.1, 0, 0}), {1, 2, 3});
-  EXPECT_EQ(AlignRotation({{}, none, {}, none}, start).Matrix(), start.Matrix());
-}
-
-TEST(AlignRotation, IsTheSameAtAnyNumberOfThreads) {
-  const ThreadLimit one(1);
-  const Rigid3d alone = Align(TurnedViews(), Rigid3d());
-  const ThreadLimit four(4);
-  EXPECT_EQ(Align(TurnedViews(), Rigid3d()).Matrix(), alone.Matrix());
-}
-
 TEST(RotationGrid, StartsWithIdentityAndReaches60Degrees) {
   const std::vector<Eigen::Quaterniond> grid = RotationGrid();
   EXPECT_EQ(RotationAngle(grid.front()), 0);

@@ -111,9 +111,10 @@ TEST(Slam, UsesIntensitiesIfGeometryIsWeaklyConstrained) {
   }
 }
 
+// The motion prior has no effect: its standard deviation is 5 m after one frame.
 SlamOptions WithoutMotionPrior() {
   SlamOptions options;
-  options.motion_model = "constant_pose";
+  options.acceleration_m_per_s2 = options.angular_acceleration_rad_per_s2 = 1e4;
   return options;
 }
 
@@ -181,14 +182,6 @@ TEST(Slam, MotionPriorHardlyChangesConstrainedPoses) {
   const SlamRun run = RunSlam(IdealRoom(), by_motion, truth[0]);
   ExpectAllTracked(run);
   EXPECT_LT(ErrorsOf(run, truth).max_m, kPixelAt2m / 2);
-}
-
-TEST(Slam, RejectsMotionPriorWithoutVelocityModel) {
-  SlamOptions options;
-  options.acceleration_m_per_s2 = 2;
-  options.motion_model = "so3";
-  ExpectInputError([&] { Validate(options); },
-                   Names("acceleration_m_per_s2", 2, "motion_model", "so3"));
 }
 
 TEST(Slam, UsesGeometryOnlyIfPoseIsConstrained) {
@@ -335,12 +328,10 @@ TEST(Slam, FusesAtGivenPosesWithoutTracking) {
               RigidNear(room.world_from_camera[5], kPixelAt2m / 2, kPixelRad / 2));
 }
 
-TEST(Slam, TracksWithoutColorAndWithConstantPoseModel) {
+TEST(Slam, TracksWithoutColor) {
   SimulatedSequence room = IdealRoom();
   for (RgbdFrame& frame : room.frames) frame.color = {};
-  SlamOptions options;
-  options.motion_model = "constant_pose";
-  const SlamRun run = RunSlam(room, options, room.world_from_camera[0]);
+  const SlamRun run = RunSlam(room, SlamOptions(), room.world_from_camera[0]);
   ExpectAllTracked(run);
   EXPECT_LT(ErrorsOf(run, room.world_from_camera).max_m, kPixelAt2m / 2);
 }
@@ -368,29 +359,6 @@ double StoppingDistance(const SlamRun& run) {
         std::max(largest, report.icp.rmse_m * std::sqrt(2 * share / report.icp.eigenvalues[0]));
   }
   return largest;
-}
-
-// The camera rotates by 16 degrees within one frame, without translation.
-TEST(Slam, So3FollowsAbruptRotation) {
-  const SimulatedSequence& room = IdealRoom();
-  const Scene scene = MakeScene("room", 1);
-  const Rigid3d jerk(QuaternionExp<double>({0.05, 0.27, 0}), Eigen::Vector3d::Zero());
-  const Rigid3d turned = room.world_from_camera[0] * jerk;
-  std::vector<double> errors_rad;
-  for (const char* motion_model : {"so3", "constant_velocity"}) {
-    SlamOptions options;
-    options.motion_model = motion_model;
-    options.initialize = "identity";
-    // Relocalisation finds the camera with both models.
-    options.loops.enabled = options.loops.relocalization = false;
-    Slam slam({room.camera, {}}, options, room.world_from_camera[0]);
-    slam.Process(room.frames[0]);
-    const FrameReport report = slam.Process(RenderFrame(scene, room.camera, turned, 1));
-    const Rigid3d error = turned.Inverse() * report.world_from_camera;
-    errors_rad.push_back(RotationAngle(error.rotation));
-  }
-  EXPECT_LT(errors_rad[0], kPixelRad / 2);
-  EXPECT_GT(errors_rad[1], 2 * kPixelRad);
 }
 
 // With another world origin, rounding can change a correspondence, a rendered surfel or the number
@@ -439,7 +407,6 @@ TEST(SlamOptions, RejectInvalidValues) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   Validate(SlamOptions());
   expect_refused([](auto& o) { o.tracking = "gps"; }, "tracking", "gps");
-  expect_refused([](auto& o) { o.motion_model = "still"; }, "motion_model", "still");
   expect_refused([](auto& o) { o.min_turn_eigenvalue = -1; }, "min_turn_eigenvalue", "-1");
   expect_refused([](auto& o) { o.map_period = 0; }, "map_period", "0");
   expect_refused([](auto& o) { o.max_view_shift = -1; }, "max_view_shift", "-1");

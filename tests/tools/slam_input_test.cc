@@ -348,7 +348,6 @@ TEST_F(SlamTool, RejectsBadInputInOneLine) {
       {{"--residual=magic"}, {"point_to_plane"}},
       {{"--association=magic"}, {"projective"}},
       {{"--tracking=magic"}, {"frame_to_model", "frame_to_frame"}},
-      {{"--motion_model=magic"}, {"constant_velocity", "constant_pose"}},
       {{"--poses=magic"}, {"track", "groundtruth"}},
       {{"--initial_pose=1,2"}, {"initial_pose", "1,2"}},
       {{"--downsample=17"}, {"downsample", "17"}},

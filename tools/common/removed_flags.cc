@@ -171,6 +171,7 @@ constexpr std::array kRemovedFlags = {
     RemovedFlag{"", "min_relative_rmse_change", "IcpOptions::min_relative_rmse_change"},
     RemovedFlag{"", "min_source_rows", "IcpOptions::min_source_rows"},
     RemovedFlag{"", "min_turn_eigenvalue", "SlamOptions::min_turn_eigenvalue"},
+    RemovedFlag{"", "motion_model", "the default"},
     RemovedFlag{"", "normal_radius", "PreprocessOptions::normal_radius_px"},
     RemovedFlag{"", "openni2_library", "LD_LIBRARY_PATH"},
     RemovedFlag{"", "pyramid_levels", "PreprocessOptions::pyramid_levels"},

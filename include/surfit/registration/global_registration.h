@@ -151,20 +151,4 @@ GlobalRegistrationResult RegisterGlobally(const ColoredView& source, const Color
                                           const IcpOptions& icp_options,
                                           const MotionBound& bound = {});
 
-// Two views of one camera: pyramids with the same number of levels, and the colours of the finest
-// level. Empty images: no colour. Does not own the references.
-struct ViewPair {
-  const FramePyramid& source;
-  const Image<Rgb8>& source_color;
-  const FramePyramid& target;
-  const Image<Rgb8>& target_color;
-};
-
-// Rotates the initial pose about the target camera to align brightness and depth of the coarsest
-// level (Gauss-Newton). This is the SO(3) pre-alignment of Whelan et al., ElasticFusion, RSS 2015.
-// A fast initial pose for fast rotations, with a convergence range of some ten degrees. If a view
-// has no colour, it uses depth only. Without a common level, it returns the initial pose. Requires
-// colours of the size of the finest level, which is not checked.
-Rigid3d AlignRotation(const ViewPair& views, const Rigid3d& target_from_source_initial);
-
 }  // namespace surfit

@@ -43,13 +43,9 @@ struct TrackingOptions {
   // Photometric residuals move these frames only along directions with an eigenvalue below
   // 2.5 min_turn_eigenvalue. Ignored if icp.error_model has a photometric weight.
   double weakly_constrained_photometric_weight = 0.3;
-  // Initial pose of the registration: "constant_velocity", "constant_pose" or "so3". "so3" is
-  // the last pose, rotated by AlignRotation().
-  std::string motion_model = "constant_velocity";
   // Standard deviation of each acceleration component, for the motion prior. 1 to 4 m/s^2 for
-  // hand-held cameras. Requires "constant_velocity". 0: 3 m/s^2, and the prior changes the poses of
-  // weakly constrained frames only. It is not used with an inertial sensor, or if icp.error_model
-  // has a photometric weight.
+  // hand-held cameras. 0: 3 m/s^2, and the prior changes the poses of weakly constrained frames
+  // only. It is not used with an inertial sensor, or if icp.error_model has a photometric weight.
   double acceleration_m_per_s2 = 0;
   double angular_acceleration_rad_per_s2 = 4;
   // Standard deviation of the drift of prior poses (Slam::UsePriorPoses()) after 1 s. 0: estimated.

@@ -49,12 +49,9 @@ MotionModel::MotionModel(const TrackingOptions& options)
                                                : kAcceleration_m_per_s2,
              options.angular_acceleration_rad_per_s2) {}
 
-std::optional<Rigid3d> MotionModel::PredictPose(const TrackingState& state,
-                                                const Rigid3d& world_from_last,
-                                                double seconds) const {
+Rigid3d MotionModel::PredictPose(const TrackingState& state, const Rigid3d& world_from_last,
+                                 double seconds) const {
   if (!state.is_localised) return world_from_last;
-  if (options_.motion_model == "so3") return std::nullopt;
-  if (options_.motion_model == "constant_pose") return world_from_last;
   if (state.lost_frames > 0 && !HasPredictableMotion(state)) return world_from_last;
   const bool is_timed = seconds > 0 && interval_s_ > 0;
   const double ratio = is_timed ? IntervalsIn(seconds, interval_s_) : state.lost_frames + 1;
@@ -79,9 +76,7 @@ CameraMotion MotionModel::PredictMotion(const TrackingState& state) const {
 
 std::optional<Matrix6d> MotionModel::PriorCovariance(const TrackingState& state,
                                                      double seconds) const {
-  const bool is_predictable =
-      options_.motion_model == "constant_velocity" && state.HasPredictableMotion();
-  if (!is_predictable || !(seconds > 0)) return std::nullopt;
+  if (!state.HasPredictableMotion() || !(seconds > 0)) return std::nullopt;
   return prior_.Covariance(seconds);
 }
 

@@ -19,8 +19,8 @@ struct MeasuredMotion {
   std::optional<Matrix6d> covariance;  // rad, m; in the camera frame; std::nullopt: unknown
 };
 
-// Predicts the camera motion (TrackingOptions::motion_model) and its uncertainty. Call Update() or
-// Lose() once per frame, except duplicates. Not thread-safe.
+// Predicts the camera motion at constant velocity, and its uncertainty. Call Update() or Lose()
+// once per frame, except duplicates. Not thread-safe.
 class MotionModel {
  public:
   // Keeps a reference to the options.
@@ -28,11 +28,10 @@ class MotionModel {
 
   // Pose of the next frame (camera to world), at constant velocity. `seconds`: time since the last
   // frame with a pose; 0: unknown, so that frames are equally far apart. The motion continues for
-  // at most three intervals. Returns `world_from_last`, the pose of the last frame with a pose, for
-  // the model constant_pose and if the motion is not predictable. Also in a given map without a
-  // pose. Otherwise returns std::nullopt for the model so3, which needs the images of the frame.
-  std::optional<Rigid3d> PredictPose(const TrackingState& state, const Rigid3d& world_from_last,
-                                     double seconds) const;
+  // at most three intervals. Returns `world_from_last`, the pose of the last frame with a pose, if
+  // the motion is not predictable, and in a given map without a pose.
+  Rigid3d PredictPose(const TrackingState& state, const Rigid3d& world_from_last,
+                      double seconds) const;
   // Returns whether the motion from the last frame is a step that no hand makes. The bounds on the
   // change of the motion are 40 m/s^2 and 200 rad/s^2, plus 2 cm and 0.05 rad for errors of the
   // poses. Returns false if no last motion is known.
@@ -62,7 +61,7 @@ class MotionModel {
   const TrackingOptions& options_;
   CameraMotion motion_;
   MotionPrior prior_;
-  Rigid3d last_from_next_;  // predicted motion of constant_velocity
+  Rigid3d last_from_next_;  // predicted motion
   double interval_s_ = 0;   // time of this motion; 0: unknown
 };
 
