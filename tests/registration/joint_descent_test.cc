@@ -124,15 +124,6 @@ TEST(Descend, ToleratesOtherExposure) {
               RigidNear(AlongTheWall(), kWallToleranceM, kWallToleranceRad));
 }
 
-TEST(Descend, RotationOnlyKeepsTranslation) {
-  const WallViews views(Rigid3d(QuaternionExp<double>({0.02, -0.03, 0.01}), {0, 0, 0}));
-  DescentOptions options = Precise();
-  options.rotation_only = true;
-  const Rigid3d pose = Descend(views.Source(), views.Target(), Rigid3d(), options);
-  EXPECT_EQ(pose.translation, Eigen::Vector3d::Zero());
-  EXPECT_THAT(pose, RigidNear(views.target_from_source, 0., kWallToleranceRad));
-}
-
 // The view fits at the true pose. After a shift towards the camera, the points violate free space.
 // After a shift along the wall, the texture does not fit.
 TEST(MeasureFit, MeasuresFreeSpaceAndTexture) {

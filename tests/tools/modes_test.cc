@@ -40,7 +40,7 @@ TEST(Modes, ShowHelpOfTheSelectedModeAndOfAll) {
 
 TEST(RemovedFlags, NameTheirReplacement) {
   ExpectRefused(RunProgram("surfit_record", {"--frames=3"}), "--frames", "--last");
-  ExpectRefused(RunProgram("surfit_align", {"--initialize=so3"}), "--initialize", "--start");
+  ExpectRefused(RunProgram("surfit_align", {"--initialize=features"}), "--initialize", "--start");
   ExpectRefused(RunProgram("surfit_evaluate", {"--what=revisits", "--min_gap=3"}), "--min_gap",
                 "--revisit_gap");
   EXPECT_THAT(Succeeded(RunProgram("surfit_record", {"--help=all"})).out, Not(Names("--frames=")));

@@ -91,16 +91,8 @@ std::string ViolatedCriterion(const GlobalRegistrationResult& verdict, const Fit
 struct InitializeOptions {
   // Source of the initial pose:
   // - identity: no motion; the result is not verified.
-  // - so3: rotation about the camera centre that aligns the coarsest images.
   // - features: best pose from feature matches and from a grid of rotations on the coarsest level.
   std::string method = "identity";
-  // Factor of IcpOptions::max_iterations, and divisor of min_relative_rmse_change, for initial
-  // poses of `so3` and `features`. Different initial poses must converge to the same pose. The
-  // increased max_iterations must be at most 1000.
-  int iteration_growth = 10;
-  // Factor of IcpOptions::max_free_space_violation_ratio for these initial poses. Calibration
-  // errors cause more violations between distant views.
-  double free_space_growth = 2;
   FitCriteria fit = FrameCriteria();
 
   // Criteria for two frames that are far apart. ICP then checks free space at full resolution, so
@@ -115,7 +107,7 @@ struct InitializeOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// "identity", "so3", "features".
+// "identity", "features".
 std::vector<std::string> InitializeMethods();
 
 // ICP options for two frames with a larger motion than between a frame and the map. Only the

@@ -46,9 +46,7 @@ GlobalRegistrationResult RegisterFromIdentity(const ColoredView& source, const C
   return verdict;
 }
 
-std::vector<Rigid3d> InitialPoses(const std::string& method, const InitialPoseSearch& search,
-                                  const MotionBound& bound) {
-  if (method == "so3") return {search.FindRotation()};
+std::vector<Rigid3d> InitialPoses(const InitialPoseSearch& search, const MotionBound& bound) {
   std::vector<Rigid3d> starts;
   for (const CandidatePose& start : search.FindPoses(bound)) {
     if (starts.size() < kRegistered) starts.push_back(start.target_from_source);
@@ -107,7 +105,7 @@ std::string ViolatedCriterion(const GlobalRegistrationResult& verdict, const Fit
   }
 }
 
-std::vector<std::string> InitializeMethods() { return {"identity", "so3", "features"}; }
+std::vector<std::string> InitializeMethods() { return {"identity", "features"}; }
 
 FitCriteria InitializeOptions::FrameCriteria() {
   FitCriteria fit;
@@ -155,8 +153,7 @@ GlobalRegistrationResult RegisterGlobally(const ColoredView& source, const Color
                            !source.color.empty()};
   const GlobalView to = {target.pyramid, target.pyramid, search.TargetLevel(),
                          !target.color.empty()};
-  return RegisterFrom(InitialPoses(options.method, search, bound), from, to,
-                      {icp, icp, options.fit});
+  return RegisterFrom(InitialPoses(search, bound), from, to, {icp, icp, options.fit});
 }
 
 }  // namespace surfit

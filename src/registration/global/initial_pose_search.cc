@@ -235,20 +235,4 @@ std::vector<CandidatePose> InitialPoseSearch::FindPoses(const MotionBound& bound
   return BestDistinct(Within(bound, ForAll(best, refine)), kFineNearness, kFinePoses);
 }
 
-Rigid3d InitialPoseSearch::FindRotation() const {
-  std::vector<CandidatePose> poses;
-  for (const Eigen::Quaterniond& rotation : RotationGrid()) {
-    poses.push_back({Rigid3d(rotation, Eigen::Vector3d::Zero()), 0});
-  }
-  DescentOptions descent;
-  descent.max_distance_m = descent.max_distance_end_m = 1.5;
-  descent.rotation_only = true;
-  const auto turn = [&](const CandidatePose& start) {
-    const Rigid3d pose =
-        Descend(Source(kCoarse), Target(kCoarse), start.target_from_source, descent);
-    return CandidatePose{pose, Score(kCoarse, pose)};
-  };
-  return BestDistinct(ForAll(poses, turn), kCoarseNearness, 1).front().target_from_source;
-}
-
 }  // namespace surfit

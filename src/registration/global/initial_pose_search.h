@@ -15,7 +15,6 @@ struct DescentOptions {
   double max_distance_m = 0.4;      // initial distance gate; times 0.85 per step
   double max_distance_end_m = 0.2;  // final distance gate
   bool use_brightness = true;
-  bool rotation_only = false;
   int stride = 1;         // subsampling of source rows and columns
   double damping = 3e-3;  // relative to the information of a well constrained direction
 };
@@ -77,9 +76,6 @@ class InitialPoseSearch {
   // thread-safe.
   InitialPoseSearch(const ColoredView& source, const ColoredView& target,
                     const ErrorModel& error_model);
-
-  // Rotation about the camera centre with the highest score on the coarsest level.
-  Rigid3d FindRotation() const;
 
   // Up to 8 distinct poses within `bound`, in descending order of their scores. Not empty without a
   // bound.

@@ -139,8 +139,8 @@ void InitializeOptions::Visit(OptionVisitor& v) {
   v.Group("registration");
   v.Add(
       method, "method",
-      "initial pose of registration; so3: rotation that aligns small images; features: poses from "
-      "image features, geometry and brightness; results are verified, except identity",
+      "initial pose of registration; features: poses from image features, geometry and brightness, "
+      "with verification of the result",
       OneOf(InitializeMethods()), AsFlag("start"), Everyday());
   v.Add(iteration_growth, "iteration_growth", "factor of max_iterations for global registration",
         AtLeast(1));

@@ -14,10 +14,6 @@ Vector6d SolveLdlt(const Matrix6d& matrix, const Vector6d& right_side) {
   return matrix.ldlt().solve(right_side);
 }
 
-Eigen::Vector3d SolveLdlt3(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right_side) {
-  return matrix.ldlt().solve(right_side);
-}
-
 Vector6d SolveLu(const Matrix6d& matrix, const Vector6d& right_side) {
   return matrix.partialPivLu().solve(right_side);
 }

@@ -11,7 +11,6 @@ namespace surfit {
 
 // Solves matrix * x = right_side for a symmetric matrix by LDLT.
 Vector6d SolveLdlt(const Matrix6d& matrix, const Vector6d& right_side);
-Eigen::Vector3d SolveLdlt3(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right_side);
 Vector6d SolveLu(const Matrix6d& matrix, const Vector6d& right_side);
 
 // Require a symmetric matrix. The result of SymmetricInverse() is exactly symmetric.

@@ -174,13 +174,7 @@ Vector6d DampedStep(const JointSystem& system, const DescentOptions& options) {
   const double along = options.damping * system.weight;
   damped.diagonal().head<3>().array() += along * std::pow(system.RmsDistance(), 2);
   damped.diagonal().tail<3>().array() += along;
-  Vector6d step = Vector6d::Zero();
-  if (options.rotation_only) {
-    step.head<3>() = SolveLdlt3(damped.topLeftCorner<3, 3>(), system.right_side.head<3>());
-  } else {
-    step = SolveLdlt(damped, system.right_side);
-  }
-  return step;
+  return SolveLdlt(damped, system.right_side);
 }
 
 }  // namespace
