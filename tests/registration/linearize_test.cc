@@ -129,28 +129,6 @@ TEST(Linearize, CountsPairsWithinThreeSigmasAsInliers) {
   EXPECT_EQ(Linearize(pairs, ResidualType::kPointToPoint, {}).inlier_count, 0);
 }
 
-TEST(KernelFor, EstimatesScaleOfResiduals) {
-  std::mt19937_64 rng(4);
-  std::normal_distribution<double> normal;
-  constexpr double kSigma = 0.02;
-  Correspondences pairs;
-  for (int i = 0; i < 20000; ++i) {
-    const Eigen::Vector3d p = RandomVector(1, &rng);
-    const double x = kSigma * normal(rng), y = kSigma * normal(rng), z = kSigma * normal(rng);
-    pairs.Add(p, p + Eigen::Vector3d(x, y, z), {0, 0, 1}, {0, 0, 1}, 1e4);
-  }
-  ErrorModel model;
-  model.kernel = {RobustKernelType::kHuber, 1.5};
-  EXPECT_EQ(KernelFor(pairs, ResidualType::kPointToPlane, model).width, 1.5);
-  model.estimate_scale = true;
-  // The relative standard deviation of the median of 20000 absolute values is 1.1 % (1.2533 /
-  // sqrt(N) / density at the median).
-  for (const ResidualType type : {ResidualType::kPointToPlane, ResidualType::kPointToPoint}) {
-    EXPECT_NEAR(KernelFor(pairs, type, model).width, 1.5 * kSigma * 100, 0.04 * 3.0);
-  }
-  EXPECT_GT(KernelFor(Correspondences(), ResidualType::kPointToPlane, model).width, 0);
-}
-
 class LinearizeAssociation : public ::testing::Test {
  protected:
   const SimulatedViews views_ = MakeViews(0, 5);

@@ -57,10 +57,6 @@ void ExpectSameSystem(const Pairs<S>& pairs, ResidualType own, ResidualType ours
   EXPECT_NEAR(a.weight_sum, b.weight_sum, tolerance * b.weight_sum);
   EXPECT_EQ(a.row_count, b.row_count);
   EXPECT_EQ(a.normal_ratio, b.normal_ratio);
-  ErrorModel model;
-  model.estimate_scale = true;
-  EXPECT_NEAR(KernelFor(pairs, own, model).width, KernelFor(pairs, ours, model).width,
-              10 * tolerance);
 }
 
 TEST_P(OwnResidualOf, AgreesWithBuiltInResidual) {

@@ -26,8 +26,8 @@ SlamOptions OtherOptions() {
   icp.gates = {0.3, 0.6};
   icp.gate_growth = 1.7;
   icp.kernel_growth = 1.1;
-  icp.error_model = {0.003, {RobustKernelType::kTukey, 4.7}, true, 0.3,
-                     0.03,  {RobustKernelType::kTukey, 2.9}};
+  icp.error_model = {
+      0.003, {RobustKernelType::kTukey, 4.7}, 0.3, 0.03, {RobustKernelType::kTukey, 2.9}};
   icp.min_source_rows = 20;
   icp.min_coarse_step_px = 0.1;
   icp.min_relative_rmse_change = 1.0 / 3000;
@@ -116,7 +116,6 @@ TEST_F(TrackingDumps, KeepEveryOption) {
   EXPECT_EQ(read.association, icp.association);
   EXPECT_EQ(read.error_model.kernel.type, icp.error_model.kernel.type);
   EXPECT_EQ(read.error_model.kernel.width, icp.error_model.kernel.width);
-  EXPECT_EQ(read.error_model.estimate_scale, true);
   EXPECT_EQ(read.error_model.photometric_weight, 0.3);
   EXPECT_EQ(read.error_model.intensity_sigma, 0.03);
   EXPECT_EQ(read.error_model.intensity_kernel.width, 2.9);

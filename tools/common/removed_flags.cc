@@ -146,7 +146,7 @@ constexpr std::array kRemovedFlags = {
     RemovedFlag{"", "device_width", "--device"},
     RemovedFlag{"", "distortion", "depth_camera in camera.yaml"},
     RemovedFlag{"", "duplicate_ratio", "FusionOptions::duplicate_ratio"},
-    RemovedFlag{"", "estimate_scale", "ErrorModel::estimate_scale"},
+    RemovedFlag{"", "estimate_scale", "the default"},
     RemovedFlag{"", "floor_sigma_m", "ErrorModel::floor_sigma_m"},
     RemovedFlag{"", "fps", "frames_per_second in camera.yaml"},
     RemovedFlag{"", "free_space_margin_m", "FusionOptions::free_space_margin_m"},

@@ -51,11 +51,6 @@ struct ErrorModel {
 
   double floor_sigma_m = 0.004;
   RobustKernel kernel = {RobustKernelType::kGemanMcClure, 3};
-  // If true, the kernel width is in units of an estimated scale instead of the sigma of the model.
-  // The scale is the median of |r| / sigma before each solve, divided by its value for normal
-  // errors. That value is 0.6745, 1.1774 or 1.5382 for one, two or three components. Minimum scale:
-  // 1e-3. Does not apply to `intensity_kernel`.
-  bool estimate_scale = false;
 
   // W; 0: geometric residuals only. Errors of neighbouring pixels are correlated, mainly through
   // the map colours, so W must be far below 1. With 0.01, tracking succeeds along textured walls,

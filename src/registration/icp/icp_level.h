@@ -36,11 +36,6 @@ NormalSystem Linearize(const Association& association, const Rigid3d& target_fro
 PhotometricSystem Linearize(const IntensityPairs& pairs, const PhotometricTerm& term);
 PhotometricSystem Linearize(const PhotometricTerm& term, const Rigid3d& target_from_source);
 
-// With estimate_scale, the width is multiplied by the estimated standard deviation of these pairs,
-// at least 1e-3.
-template <typename S>
-RobustKernel KernelFor(const Pairs<S>& pairs, ResidualType residual, const ErrorModel& error_model);
-
 // Input of the registration on one pyramid level. Keeps references.
 struct IcpLevel {
   const Association& association;

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/median.h"
 #include "cost_functions/row_sums.h"
 #include "registration/icp/icp_level.h"
 #include "registration/icp/own_residuals.h"
@@ -196,66 +195,6 @@ PairSummer<S> PairSummerOf(ResidualType residual) {
                     [](auto rows) -> PairSummer<S> { return SumPairs<kSums, decltype(rows), S>; });
 }
 
-// Sets the squared residual of each pair in [begin, end), divided by its variance.
-template <typename Rows, typename S>
-void SetSquares(const Pairs<S>& pairs, int begin, int end, S* squares) {
-  using V = Lanes<S>;
-  for (int i = begin; i < end; i += V::kCount) {
-    const int count = std::min(end - i, V::kCount);
-    PairValues<V> pair;
-    LoadPairs(pairs, i, count, &pair);
-    V rows[Rows::kRows][kRowColumns];
-    Rows::Evaluate(pair, rows);
-    V s(0.);
-    for (int k = 0; k < Rows::kRows; ++k) s += rows[k][6] * rows[k][6];
-    (s * pair.information).StoreUpTo(squares + i - begin, count);
-  }
-}
-
-template <typename S>
-void SetSquares(const OwnResidual& own, const Pairs<S>& pairs, int begin, int end, S* squares) {
-  const RawVector<S> rows = RowsOf(own, pairs, begin, end);
-  std::fill(squares, squares + (end - begin), S(0));
-  for (int k = 0; k < own.row_count(); ++k) {
-    const S* const residuals =
-        rows.data() + static_cast<std::size_t>(kRowColumns * k + kRowColumns - 1) * (end - begin);
-    for (int i = 0; i < end - begin; ++i)
-      squares[i] += residuals[i] * residuals[i] * pairs.information[begin + i];
-  }
-}
-
-// Median of the normalised residuals. set(begin, end, squares) computes their squares. Returns 0 if
-// there are no pairs.
-template <typename S, typename Set>
-double MedianResidual(int pair_count, const Set& set) {
-  std::vector<S> squares(pair_count);
-  ParallelFor(0, pair_count, 4096,
-              [&](int begin, int end) { set(begin, end, squares.data() + begin); });
-  return std::sqrt(static_cast<double>(MedianOf(std::move(squares))));
-}
-
-// Ratio of the residual scale, estimated from the median, to the predicted standard deviation.
-// kOfNormalErrors: median length of a vector with 1, 2 or 3 standard normal components.
-template <typename S>
-double ScaleOf(const Pairs<S>& pairs, ResidualType residual) {
-  constexpr double kOfNormalErrors[] = {0.6745, 1.1774, 1.5382};
-  if (const OwnResidual* const own = OwnResidualOf(residual)) {
-    return MedianResidual<S>(pairs.size,
-                             [&](int begin, int end, S* squares) {
-                               SetSquares(*own, pairs, begin, end, squares);
-                             }) /
-           kOfNormalErrors[own->row_count() - 1];
-  }
-  return WithRowsOf(residual, [&](auto rows) {
-    using Rows = decltype(rows);
-    return MedianResidual<S>(pairs.size,
-                             [&](int begin, int end, S* squares) {
-                               SetSquares<Rows>(pairs, begin, end, squares);
-                             }) /
-           kOfNormalErrors[Rows::kRows - 1];
-  });
-}
-
 template <Sums kSums, typename S>
 NormalSystem SumAll(const Pairs<S>& pairs, ResidualType residual, const RobustKernel& kernel) {
   constexpr int kPairsPerBlock = 4096;
@@ -318,23 +257,11 @@ PhotometricSystem Linearize(const PhotometricTerm& term, const Rigid3d& target_f
   });
 }
 
-template <typename S>
-RobustKernel KernelFor(const Pairs<S>& pairs, ResidualType residual,
-                       const ErrorModel& error_model) {
-  RobustKernel kernel = error_model.kernel;
-  if (!error_model.estimate_scale || kernel.type == RobustKernelType::kNone) return kernel;
-  constexpr double kSmallest = 1e-3;  // avoids a zero width for zero residuals
-  kernel.width *= std::max(ScaleOf(pairs, residual), kSmallest);
-  return kernel;
-}
-
 template NormalSystem Linearize(const Pairs<float>&, ResidualType, const RobustKernel&);
 template NormalSystem Linearize(const Pairs<double>&, ResidualType, const RobustKernel&);
 template NormalSystem LinearizeWithoutProducts(const Pairs<float>&, ResidualType,
                                                const RobustKernel&);
 template NormalSystem LinearizeWithoutProducts(const Pairs<double>&, ResidualType,
                                                const RobustKernel&);
-template RobustKernel KernelFor(const Pairs<float>&, ResidualType, const ErrorModel&);
-template RobustKernel KernelFor(const Pairs<double>&, ResidualType, const ErrorModel&);
 
 }  // namespace surfit

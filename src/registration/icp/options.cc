@@ -36,10 +36,6 @@ void ErrorModel::Visit(OptionVisitor& v) {
       "standard deviation of the errors of map, normals and calibration, added to the depth noise",
       Positive());
   v.AddPart(kernel, "kernel", "robust kernel of the residuals");
-  v.Add(
-      estimate_scale, "estimate_scale",
-      "scale the width of the robust kernel by the residuals' standard deviation (MAD) instead of "
-      "the noise model's");
   v.Add(photometric_weight, "photometric_weight", "weight of photometric residuals",
         ZeroIs("geometric residuals only"), AsFlag());
   v.Add(intensity_sigma, "intensity_sigma",

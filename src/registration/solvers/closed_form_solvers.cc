@@ -36,8 +36,7 @@ class NormalSystemSolver final : public PoseSolver {
   StepResult StepOver(const Pairs<S>& pairs) const {
     const Stopwatch linearizing;
     StepResult result;
-    result.system = Linearize(pairs, options().residual,
-                              KernelFor(pairs, options().residual, options().error_model));
+    result.system = Linearize(pairs, options().residual, options().error_model.kernel);
     result.observability = Observe(result.system, options().observability);
     return Solved(linearizing.Milliseconds(), &result);
   }

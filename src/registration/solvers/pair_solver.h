@@ -59,7 +59,7 @@ class PairSolver : public PoseSolver {
   template <typename S>
   StepResult StepOver(Pairs<S> pairs, const IntensityPairs& intensities,
                       const Rigid3d* pose) const {
-    const RobustKernel kernel = KernelFor(pairs, options().residual, options().error_model);
+    const RobustKernel& kernel = options().error_model.kernel;
     StepResult result;
     const Stopwatch linearizing;
     result.system = Linearize(pairs, options().residual, kernel);

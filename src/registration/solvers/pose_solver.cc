@@ -100,16 +100,9 @@ PriorRows PriorTerm::RowsAt(const Rigid3d& pose) const {
 
 StepResult PoseSolver::Describe(const Association& association,
                                 const Rigid3d& target_from_source) const {
-  const ErrorModel& error_model = options_.error_model;
   StepResult result;
-  if (error_model.estimate_scale) {
-    const PairBuffer pairs = association.Collect(target_from_source);
-    result.system =
-        Linearize(pairs, options_.residual, KernelFor(pairs, options_.residual, error_model));
-  } else {
-    result.system =
-        Linearize(association, target_from_source, options_.residual, error_model.kernel);
-  }
+  result.system =
+      Linearize(association, target_from_source, options_.residual, options_.error_model.kernel);
   if (photometric_ != nullptr) result.system.Add(Linearize(*photometric_, target_from_source));
   if (prior_ != nullptr) {
     result.prior_cost = 0.5 * prior_->RowsAt(target_from_source).col(6).squaredNorm();

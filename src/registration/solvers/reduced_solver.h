@@ -67,7 +67,7 @@ class ReducedSolver : public PairSolver<Derived> {
   StepResult StepOver(Pairs<S> pairs, const IntensityPairs& intensities,
                       const Rigid3d* pose) const {
     const PoseSolverOptions& options = this->options();
-    const RobustKernel kernel = KernelFor(pairs, options.residual, options.error_model);
+    const RobustKernel& kernel = options.error_model.kernel;
     StepResult result;
     const Stopwatch besides;
     result.system = LinearizeWithoutProducts(pairs, options.residual, kernel);
