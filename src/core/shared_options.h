@@ -27,7 +27,7 @@ std::string OldName(const std::string& name);
 OptionRule InField(const std::string& field);  // field name, if it differs from the flag
 
 // Values of all options, to save them with results: by their flags, and by the paths of their
-// fields without a flag, for example slam.fusion.max_radius_ratio.
+// fields without a flag, for example slam.fusion.duplicate_ratio.
 std::map<std::string, std::string> RecordedValues(const OptionTable& table);
 
 }  // namespace surfit

@@ -9,8 +9,6 @@ namespace surfit {
 
 void FusionOptions::Visit(OptionVisitor& v) {
   v.Group("map");
-  v.Add(weighting, "weighting", "weight of a point; confidence: lower far from the image centre",
-        OneOf({"confidence", "uniform"}));
   v.Add(merge_distance_m, "merge_distance_m",
         "maximum distance along the normal between a surfel and a point that merge", Positive());
   v.Add(merge_angle_rad, "merge_angle_rad",
@@ -24,9 +22,6 @@ void FusionOptions::Visit(OptionVisitor& v) {
         ZeroIs("none"));
   v.Add(max_slant_scale, "max_slant_scale",
         "maximum growth factor of the radius on slanted surfaces", AtLeast(1));
-  v.Add(max_radius_ratio, "max_radius_ratio",
-        "points whose radius is larger than a surfel's by this factor do not change its shape",
-        Positive());
   v.Add(min_inactive_confidence, "min_inactive_confidence",
         "surfels with less confidence are removed after max_inactive_frames without observation",
         AtLeast(0));
@@ -35,8 +30,6 @@ void FusionOptions::Visit(OptionVisitor& v) {
         "min_inactive_confidence "
         "are removed",
         AtLeast(0));
-  v.Add(max_confidence, "max_confidence",
-        "upper limit of the confidence, so that the map can still change", Positive());
   v.Add(active_frames, "active_frames",
         "number of fused frames after which an unobserved surfel is neither tracked nor fused; "
         "loop_closure replaces 0 by its own default",

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "mapping/fusion/measured_points.h"
 #include "mapping/plane_frame.h"
 #include "mapping/rendering/frame_colors.h"
 #include "surfit/mapping/fusion.h"
@@ -13,9 +14,8 @@
 namespace surfit::testing {
 
 // Reference implementation of the fusion of one frame: double precision, all pairs of points and
-// surfels, no projection tables, uniform weights, no dormancy. `margin` is the distance of the
-// closest decision to its limit. Above the rounding of single precision, both implementations
-// decide alike.
+// surfels, no projection tables, no dormancy. `margin` is the distance of the closest decision to
+// its limit. Above the rounding of single precision, both implementations decide alike.
 class BruteForceFusion {
  public:
   BruteForceFusion(const FrameWithSurface& f, const Rigid3d& world_from_camera,
@@ -25,6 +25,7 @@ class BruteForceFusion {
         height_(f.surface.camera.height),
         world_from_camera_(world_from_camera),
         options_(options),
+        weights_(PointWeights(f.surface.camera)),
         normal_(f.surface.normal) {
     for (int pixel = 0; pixel < width_ * height_; ++pixel) {
       if (AtEdge(pixel)) SetNormal(pixel, NormalOfNeighbour(pixel));
@@ -233,7 +234,7 @@ class BruteForceFusion {
             (world_from_camera_.rotation * Normal(pixel)).cast<float>(),
             ToRgb8(seen.color),
             static_cast<float>(Radius(pixel)),
-            1,
+            weights_[pixel],
             f_.frame.index,
             f_.frame.index,
             AtEdge(pixel),
@@ -244,23 +245,24 @@ class BruteForceFusion {
     const float surfel_radius_m = surfel.radius_m;
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), normal = position;
     SurfelObservation seen;
-    seen.weight = static_cast<float>(pixels.size());
     const Rigid3d camera_from_world = world_from_camera_.Inverse();
     const SeenColor color =
         ColorAt(camera_from_world * surfel.position_in_world.cast<double>(),
                 camera_from_world.rotation * surfel.normal_in_world.cast<double>());
     seen.color = color.color;
     seen.color_weight = color.weight;
-    seen.shape_weight = 0;
-    seen.radius_m = surfel_radius_m * options_.max_radius_ratio;
+    seen.weight = seen.shape_weight = 0;
+    seen.radius_m = surfel_radius_m * FusionOptions::kMaxRadiusRatio;
     seen.at_edge = true;
     for (const int pixel : pixels) {
       seen.at_edge &= AtEdge(pixel);
-      const bool fine = Positive(options_.max_radius_ratio * surfel_radius_m - Radius(pixel));
+      const double weight = weights_[pixel];
+      seen.weight += weights_[pixel];
+      const bool fine = Positive(FusionOptions::kMaxRadiusRatio * surfel_radius_m - Radius(pixel));
       if (!fine || AtEdge(pixel)) continue;
-      ++seen.shape_weight;
-      position += world_from_camera_ * Vertex(pixel);
-      normal += world_from_camera_.rotation * Normal(pixel);
+      seen.shape_weight += weights_[pixel];
+      position += weight * (world_from_camera_ * Vertex(pixel));
+      normal += weight * (world_from_camera_.rotation * Normal(pixel));
       seen.radius_m = std::min(seen.radius_m, static_cast<float>(Radius(pixel)));
     }
     seen.position_in_world = (position / seen.shape_weight).cast<float>();
@@ -281,7 +283,7 @@ class BruteForceFusion {
     for (const int i : map->Ids()) {
       if (pixels_of[i].empty()) continue;
       ++report.merged;
-      map->Merge(i, Average(pixels_of[i], (*map)[i]), options_.max_confidence);
+      map->Merge(i, Average(pixels_of[i], (*map)[i]), FusionOptions::kMaxConfidence);
       map->block(i / SurfelBlock::kCapacity).last_seen[i % SurfelBlock::kCapacity] = f_.frame.index;
     }
     for (const int i : map->Ids()) {
@@ -300,6 +302,7 @@ class BruteForceFusion {
   const int width_, height_;
   const Rigid3d world_from_camera_;
   const FusionOptions options_;
+  const Image<float> weights_;
   VectorImage normal_;  // normals of the frame, and normals from neighbours
   double margin_ = std::numeric_limits<double>::infinity();
 };

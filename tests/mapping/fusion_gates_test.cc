@@ -198,7 +198,6 @@ TEST(FusionDoubles, KeepsDistantAndRotatedSurfels) {
 // surfel of the first pixel.
 TEST(FusionGates, MergeWithSurfelOfNeighbourPixel) {
   OnePair pair;
-  pair.options.weighting = "uniform";
   pair.options.max_spacing_m = 0.0125f;
   SetPixel(3, 2, 1, {0, 0, -1}, &pair.f);
   SurfelMap map;
@@ -208,8 +207,9 @@ TEST(FusionGates, MergeWithSurfelOfNeighbourPixel) {
   EXPECT_EQ(report.merged_points, 2);
   EXPECT_EQ(report.merged, 1);
   EXPECT_EQ(report.added, 0);
-  EXPECT_EQ(map[0].confidence, 6);
-  EXPECT_NEAR(map[0].position_in_world.x(), 0.01 / 6, 1e-7);
+  const double weight = std::exp(-1. / 8 / 0.72);  // of the second point
+  EXPECT_FLOAT_EQ(map[0].confidence, static_cast<float>(5 + weight));
+  EXPECT_NEAR(map[0].position_in_world.x(), 0.01 * weight / (5 + weight), 1e-7);
 
   pair.options.max_spacing_m = 0.0075f;
   Fusion tighter(pair.options);

@@ -63,7 +63,6 @@ void ExpectNear(const Surfel& a, const Surfel& b) {
 
 FusionOptions OptionsOfTrial(int trial) {
   FusionOptions options;
-  options.weighting = "uniform";
   options.max_spacing_m = trial % 2 == 0 ? 0.01f : 0.03f;
   options.merge_angle_rad = trial % 3 == 0 ? 0.6f : 0.9f;
   options.merge_distance_m = trial % 5 == 0 ? 0.02f : 0.05f;

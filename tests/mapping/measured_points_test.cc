@@ -148,7 +148,7 @@ TEST(FreeDepths, AreNeverNegative) {
 
 TEST(PointWeights, DecreaseFromPrincipalPointToFarthestCorner) {
   const PinholeCamera camera{9, 7, 100, 100, 3, 4, {}};  // the farthest corner is (8, 0)
-  const Image<float> weights = PointWeights(camera, {});
+  const Image<float> weights = PointWeights(camera);
   EXPECT_EQ(weights(3, 4), 1);
   EXPECT_NEAR(weights(8, 0), std::exp(-1 / 0.72), kRounding);
   // The distance of (0, 0) is 5, and the distance of the farthest corner is sqrt(25 + 16).
@@ -157,12 +157,6 @@ TEST(PointWeights, DecreaseFromPrincipalPointToFarthestCorner) {
     EXPECT_GE(weight, weights(8, 0));
     EXPECT_LE(weight, 1);
   }
-}
-
-TEST(PointWeights, AreOneIfUniform) {
-  FusionOptions options;
-  options.weighting = "uniform";
-  EXPECT_THAT(PointWeights(SevenByFive(), options), Each(1.f));
 }
 
 }  // namespace

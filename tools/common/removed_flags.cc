@@ -182,7 +182,7 @@ constexpr std::array kRemovedFlags = {
     RemovedFlag{"", "serve_surfels", "the default"},
     RemovedFlag{"", "weakly_constrained_photometric_weight",
                 "SlamOptions::weakly_constrained_photometric_weight"},
-    RemovedFlag{"", "weighting", "FusionOptions::weighting"},
+    RemovedFlag{"", "weighting", "the default"},
 };
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
-#include <string>
 
 #include "surfit/frame/camera_motion.h"
 #include "surfit/frame/frame_pyramid.h"
@@ -17,9 +16,9 @@ class OptionVisitor;
 
 // Options of Fusion, MergeDuplicates() and the active window.
 struct FusionOptions {
-  // Weight of a point. "uniform": 1. "confidence": exp(-g^2 / 0.72), with the distance g of its
-  // pixel from the principal point, relative to the farthest corner.
-  std::string weighting = "confidence";
+  static constexpr float kMaxRadiusRatio = 1.5f;  // coarser points do not change a surfel's shape
+  static constexpr float kMaxConfidence = 200;    // upper limit, which keeps the map adaptable
+
   float merge_distance_m = 0.05f;  // maximum distance of point and surfel along the surfel normal
   float merge_angle_rad = 0.6f;    // maximum angle of the normals of point and surfel
   // Maximum distance of point and surfel across the surface. The radius of the point is a second
@@ -29,10 +28,8 @@ struct FusionOptions {
   // the minimum of max_spacing_m and both radii. 0: off.
   float duplicate_ratio = 0.7f;
   float max_slant_scale = 2;          // radius = sqrt(2) z / f * min(1 / |n_z|, max_slant_scale)
-  float max_radius_ratio = 1.5f;      // point to surfel; coarser points do not move the surfel
   float min_inactive_confidence = 1;  // less confident surfels are noise
   int max_inactive_frames = 20;       // fused frames until unobserved noise is removed
-  float max_confidence = 200;         // upper limit, which keeps the map adaptable
   // Surfels that were not observed in the last active_frames fused frames are inactive: points do
   // not merge with them. After drift, a revisited surface is mapped again. 0: no limit.
   int active_frames = 0;

@@ -64,7 +64,7 @@ FrameObservations::Counts FrameObservations::Gather(
         if (choosing[soon] != 0) __builtin_prefetch(choice.OfPixel(v * width + soon));
         if (choosing[u] == 0) continue;  // no point is assigned to the surfel of this pixel
         Candidate* const candidate = choice.OfPixel(v * width + u);
-        PointAverage sum(max_radius_ratio_ * candidate->radius_m);
+        PointAverage sum(FusionOptions::kMaxRadiusRatio * candidate->radius_m);
         ForEachBit(choosing[u], [&](int k) {
           const int pixel = v * width + u + beside[k];
           sum.Add(points[pixel], weights[pixel]);

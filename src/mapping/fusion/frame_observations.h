@@ -78,9 +78,6 @@ class FrameObservations {
     }
   };
 
-  // Points coarser than `max_radius_ratio` times the surfel radius do not affect the shape.
-  explicit FrameObservations(float max_radius_ratio) : max_radius_ratio_(max_radius_ratio) {}
-
   // Averages the points of each chosen candidate, and sets Candidate::seen, which is valid until
   // the next call. `points` and `weights` are per pixel. `choice`: after AssignAll(). Without
   // colour, all colour weights are 0.
@@ -89,7 +86,6 @@ class FrameObservations {
                 const PosedCamera& camera, const SurfelAssignment& choice);
 
  private:
-  const float max_radius_ratio_;
   std::vector<std::vector<SurfelObservation>> in_band_;
 };
 

@@ -62,7 +62,6 @@ struct Fusion::Workspace {
       : options(fusion_options),
         gate(fusion_options),
         choice(gate),
-        sightings(fusion_options.max_radius_ratio),
         awake(fusion_options.max_inactive_frames),
         active(fusion_options.active_frames) {}
 
@@ -145,7 +144,7 @@ void Fusion::Workspace::Begin(const RgbdFrame& new_frame, const FrameLevel& surf
   const PinholeCamera& camera = surface.camera;
   if (weights.width() != width || weights.height() != height || weights_cx != camera.cx ||
       weights_cy != camera.cy) {
-    weights = PointWeights(camera, options);
+    weights = PointWeights(camera);
     weights_cx = camera.cx;
     weights_cy = camera.cy;
   }
@@ -295,7 +294,7 @@ void Fusion::Workspace::MergePoints(const std::vector<Candidate>& of_cell, Surfe
     }
     if (k + 1 < count && block_of(k + 1) == block_of(k)) continue;
     if (!of_block.empty()) {
-      of_block.MergeInto(&block, options.max_confidence);
+      of_block.MergeInto(&block, FusionOptions::kMaxConfidence);
       of_block.Clear();
     }
     BoundPositions(&block);

@@ -153,9 +153,8 @@ Image<float> FreeDepths(const Image<float>& depth_m, const DepthNoise& noise,
   return result;
 }
 
-Image<float> PointWeights(const PinholeCamera& camera, const FusionOptions& options) {
-  Image<float> weights(camera.width, camera.height, 1.f);
-  if (options.weighting == "uniform") return weights;
+Image<float> PointWeights(const PinholeCamera& camera) {
+  Image<float> weights(camera.width, camera.height);
   const double corner_u = std::max(camera.cx, camera.width - 1 - camera.cx);
   const double corner_v = std::max(camera.cy, camera.height - 1 - camera.cy);
   for (int v = 0; v < camera.height; ++v) {

@@ -33,8 +33,8 @@ void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const Fusi
 Image<float> FreeDepths(const Image<float>& depth_m, const DepthNoise& noise,
                         const FusionOptions& options);
 
-// Weights of the points: exp(-g^2 / (2 * 0.6^2)) (Keller et al.), 1 for uniform weighting. g is the
-// distance from the principal point, relative to the farthest corner.
-Image<float> PointWeights(const PinholeCamera& camera, const FusionOptions& options);
+// Weights of the points: exp(-g^2 / (2 * 0.6^2)) (Keller et al.). g is the distance from the
+// principal point, relative to the farthest corner.
+Image<float> PointWeights(const PinholeCamera& camera);
 
 }  // namespace surfit

@@ -367,8 +367,8 @@ void MergeInto(std::int32_t older, std::int32_t newer, const FusionOptions& opti
   SurfelBlock& block = map->block(older / SurfelBlock::kCapacity);
   const int k = older % SurfelBlock::kCapacity;
   const Surfel seen = (*map)[newer];
-  map->Merge(older, AsObservation(seen, options.max_radius_ratio * block.Radius_m(k)),
-             options.max_confidence);
+  map->Merge(older, AsObservation(seen, FusionOptions::kMaxRadiusRatio * block.Radius_m(k)),
+             FusionOptions::kMaxConfidence);
   block.last_seen[k] = std::max(block.last_seen[k], seen.last_seen);
   map->Mark(newer);
 }
