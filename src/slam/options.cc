@@ -36,10 +36,6 @@ void SlamOptions::Visit(OptionVisitor& v) {
         ZeroIs("3, for weakly constrained frames only"));
   v.Add(angular_acceleration_rad_per_s2, "angular_acceleration_rad_per_s2",
         "standard deviation of the angular acceleration in the motion prior", Positive());
-  v.Add(prior_sigma_m, "prior_sigma_m", "standard deviation of the drift of prior poses after 1 s",
-        ZeroIs("estimated"));
-  v.Add(prior_sigma_rad, "prior_sigma_rad",
-        "standard deviation of the rotation drift of prior poses after 1 s", ZeroIs("estimated"));
   v.Add(min_inlier_ratio, "min_inlier_ratio",
         "minimum inlier ratio of a tracked frame; frames below are lost", Share());
   v.Add(confident_inlier_ratio, "confident_inlier_ratio",

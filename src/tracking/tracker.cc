@@ -33,8 +33,7 @@ void Tracker::UseRelocalizer(Relocalizer* relocalizer) {
 }
 
 void Tracker::UsePriorPoses(Trajectory world_from_body) {
-  prior_poses_.emplace(std::move(world_from_body), options_.prior_sigma_m,
-                       options_.prior_sigma_rad);
+  prior_poses_.emplace(std::move(world_from_body));
 }
 
 void Tracker::StartInGivenMap(double last_stamp_s) {

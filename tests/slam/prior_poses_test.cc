@@ -41,7 +41,7 @@ Vector6d PoseNoise(double sigma_rad, double sigma_m, std::mt19937_64* rng) {
 PriorPoses Compared(const Trajectory& prior, std::uint64_t seed) {
   // Another sequence than that of DriftingPrior(): the errors of both sources are independent.
   std::mt19937_64 rng(seed + 1000);
-  PriorPoses poses(prior, 0, 0);
+  PriorPoses poses(prior);
   Rigid3d last;
   for (int i = 0; i < kPriorFrames; ++i) {
     const Rigid3d registered =

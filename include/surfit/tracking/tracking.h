@@ -48,9 +48,6 @@ struct TrackingOptions {
   // only. It is not used with an inertial sensor, or if icp.error_model has a photometric weight.
   double acceleration_m_per_s2 = 0;
   double angular_acceleration_rad_per_s2 = 4;
-  // Standard deviation of the drift of prior poses (Slam::UsePriorPoses()) after 1 s. 0: estimated.
-  double prior_sigma_m = 0;
-  double prior_sigma_rad = 0;
   // Bounds of an accepted registration: IcpResult::inlier_ratio and IcpResult::rmse_m.
   double min_inlier_ratio = 0.3;
   double max_rmse_m = 0.03;
@@ -76,7 +73,7 @@ struct PriorPoseSummary {
   // Times of the first and the last frame of each stretch that contradicts the registered motion.
   std::vector<std::pair<double, double>> rejected;
   Rigid3d body_from_camera;  // estimated offset
-  // Standard deviation of the drift of the prior after 1 s, per component: stated or estimated.
+  // Estimated standard deviation of the drift of the prior after 1 s, per component.
   double sigma_m = 0, sigma_rad = 0;
 };
 

@@ -112,10 +112,8 @@ SourceNoise EstimateNoise(const NoiseStatistics& statistics) {
   const auto [drift, white] = FitOfSpread(statistics.spread, statistics.windows);
   noise.prior_noise = PriorNoise(statistics);
   noise.registered_noise = std::max(statistics.smallest, white - noise.prior_noise);
-  noise.prior_drift = statistics.stated_drift > 0
-                          ? statistics.stated_drift
-                          : PriorDrift(statistics, drift, noise.prior_noise);
-  noise.prior_drift = std::max(statistics.smallest, noise.prior_drift);
+  noise.prior_drift =
+      std::max(statistics.smallest, PriorDrift(statistics, drift, noise.prior_noise));
   const int last = static_cast<int>(statistics.spread.size()) - 1;
   noise.registered_bounded =
       std::max(noise.registered_noise, RegisteredSpread(statistics, noise, last) / 2);

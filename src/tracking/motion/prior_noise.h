@@ -19,7 +19,6 @@ struct NoiseStatistics {
   std::vector<double> spread, windows;
   double prior_third = 0;  // variance of the third differences of the prior, with the true motion
   PriorPart part, part_of_two;  // of motions over one and over two frames
-  double stated_drift = 0;      // variance of the prior's drift per frame; 0: not stated
   double model_age_frames = 0;  // mean age of the surfels that frames are registered to; 0: unknown
   double smallest = 0;          // smallest variance
 };

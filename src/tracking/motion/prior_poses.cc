@@ -62,9 +62,7 @@ Matrix6d FromVariances(double rad2, double m2) {
 
 }  // namespace
 
-PriorPoses::PriorPoses(Trajectory world_from_body, double sigma_m, double sigma_rad)
-    : world_from_body_(std::move(world_from_body)),
-      stated_{sigma_rad * sigma_rad, sigma_m * sigma_m} {}
+PriorPoses::PriorPoses(Trajectory world_from_body) : world_from_body_(std::move(world_from_body)) {}
 
 std::optional<Rigid3d> PriorPoses::BodyMotion(double from_s, double to_s) const {
   const std::optional<Rigid3d> from = InterpolatePose(world_from_body_, from_s);
@@ -302,7 +300,6 @@ void PriorPoses::MeasureNoise() {
   for (const int channel : {0, 1}) {
     NoiseStatistics statistics;
     statistics.smallest = kSmallest[channel] * kSmallest[channel];
-    statistics.stated_drift = stated_[channel] * frame_s_;
     statistics.model_age_frames = age_s / frame_s_;
     for (int scale = 0; scale < kScales; ++scale) {
       const int length = 1 << scale;

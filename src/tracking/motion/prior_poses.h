@@ -37,8 +37,7 @@ struct PriorMotion {
 // deviations from the registered motion are rejected. Not thread-safe.
 class PriorPoses {
  public:
-  // `sigma_m`, `sigma_rad`: standard deviation of the drift after 1 s; 0: estimated.
-  PriorPoses(Trajectory world_from_body, double sigma_m, double sigma_rad);
+  explicit PriorPoses(Trajectory world_from_body);
 
   // Adds the motion to a frame. Without prior poses at both times, or if the motion does not begin
   // at the last frame, the comparison starts again.
@@ -101,7 +100,6 @@ class PriorPoses {
   const std::vector<Interval>& Rejected() const;
 
   Trajectory world_from_body_;
-  std::array<double, 2> stated_;  // variance of the drift per second; 0: estimated
   std::vector<Sample> samples_;
   Rigid3d body_from_camera_;
   std::array<SourceNoise, 2> noise_;  // rotation, translation
