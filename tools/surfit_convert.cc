@@ -28,7 +28,6 @@ constexpr const char* kCameraYaml = "camera_yaml";
 struct Options {
   ExportOptions run_export;  // with the sequence and the output of all conversions
   std::string to, map, estimate;
-  KlgOptions klg;
 
   void Visit(OptionVisitor& v) {
     v.AddPart(run_export, "run_export", "export of a run", WithoutFlags({"to"}));
@@ -43,7 +42,6 @@ struct Options {
     v.Group("input");
     v.Add(map, SharedOption("map", Everyday()));
     v.Add(estimate, SharedOption("estimate", Everyday()));
-    v.AddPart(klg, "klg", ".klg file");
   }
 };
 
@@ -63,7 +61,7 @@ void ConvertSequence(const Options& options) {
   constexpr int kFramesAhead = 4;
   RequireEnding(OutputOf(options), EndsWith(OutputOf(options), ".klg"), ".klg");
   const auto source = ReadAhead(OpenSequence(SequenceOf(options)), kFramesAhead);
-  const KlgSummary summary = WriteKlg(source.get(), OutputOf(options), options.klg);
+  const KlgSummary summary = WriteKlg(source.get(), OutputOf(options));
   std::printf("%s: %d frames, %d skipped, %lld depths above 65.534 m removed\n",
               OutputOf(options).c_str(), summary.frames_written, summary.frames_skipped,
               static_cast<long long>(summary.depths_out_of_range));

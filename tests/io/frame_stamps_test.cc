@@ -106,7 +106,7 @@ TEST(FrameStamps, OfConvertedKlgFilesSubtractTheLatencyOnce) {
   WriteTumSequence(folder, 3);
   SequenceOptions options = Options(folder);
   options.latency_s = 0.02;
-  WriteKlg(OpenSequence(options).get(), folder / "a.klg", {});
+  WriteKlg(OpenSequence(options).get(), folder / "a.klg");
   SequenceOptions converted = OptionsOf(folder / "a.klg");
   EXPECT_DOUBLE_EQ(SecondFrame(converted).stamp_s, 5.083);
   EXPECT_DOUBLE_EQ(SecondFrame(converted).color_stamp_s, 5.083);

@@ -22,7 +22,7 @@ ComparedRun RunOf(double error_m, double total_ms, bool succeeded = true) {
   outcome.points = 1000;
   outcome.iterations = 4;
   outcome.final_cost = 100 * error_m;
-  return Compare(outcome, Rigid3d(), CompareOptions());
+  return Compare(outcome, Rigid3d());
 }
 
 TEST(ComparisonRows, AreMediansOverTheRunsThatConverged) {
@@ -59,7 +59,7 @@ TEST(ComparisonRows, HaveNoErrorsWithoutGroundTruth) {
   outcome.succeeded = true;
   outcome.final_cost = 7;
   ComparedRuns runs;
-  runs.runs = {Compare(outcome, std::nullopt, CompareOptions())};
+  runs.runs = {Compare(outcome, std::nullopt)};
   const ComparisonRow row = RowOf(runs);
   EXPECT_EQ(row.converged_ratio, std::nullopt);
   EXPECT_EQ(row.translation_error_m, std::nullopt);

@@ -61,12 +61,12 @@ using AllOptions = ::testing::Types<
     RegisterCloudsOptions, FusionOptions, RenderOptions, KeyframeOptions, PlaceViewOptions,
     PlaceIndexOptions, VerifyLoopOptions, FindLoopsOptions, RelocalizeOptions, EdgeNoise,
     PoseGraphOptions, LoopOptions, SlamOptions, CalibrationPrior, RefinementOptions, MatchOptions,
-    RelativePoseErrorOptions, TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions,
-    RecordOptions, KinectOptions, StereoOptions, RangeNoise, TofOptions, LidarOptions, ColorOptions,
-    PathOptions, ReportOptions, SlamRunOptions, AlignRunOptions, RecordingCheckOptions,
-    RegisterRunOptions, RefineRunOptions, RevisitOptions, ViewEvaluationOptions, MeshOptions,
-    CompareOptions, ScanPlanOptions, CandidatesOptions, LinkOptions, GraphOptions, TileOptions,
-    ScanReportOptions, BatchOptions>;
+    RelativePoseErrorOptions, TrajectoryEvaluationOptions, MapErrorOptions, RecordOptions,
+    KinectOptions, StereoOptions, RangeNoise, TofOptions, LidarOptions, ColorOptions, PathOptions,
+    ReportOptions, SlamRunOptions, AlignRunOptions, RecordingCheckOptions, RegisterRunOptions,
+    RefineRunOptions, RevisitOptions, ViewEvaluationOptions, MeshOptions, CompareOptions,
+    ScanPlanOptions, CandidatesOptions, LinkOptions, GraphOptions, TileOptions, ScanReportOptions,
+    BatchOptions>;
 TYPED_TEST_SUITE(OptionTables, AllOptions);
 
 // FieldCount() counts a base as one field.

@@ -13,10 +13,10 @@ Jobs of a recording of F frames:
   camera      one job of constant time: it reads only the first frames
   fragment    number proportional to F, constant time per job
   candidates  one job of a + b F^p: each keyframe is compared with all others. Constant above
-              --index_frames, where the index is full (--max_index_bytes of surfit_scan
+              --index_frames, where the index is full (kMaxIndexBytes of surfit_scan
               --step=candidates)
   link        number proportional to F, as in the longest scan, constant time per job: each keyframe
-              has at most --max_similar candidates. Short scans have fewer jobs, because few fragments
+              has at most three candidates. Short scans have fewer jobs, because few fragments
               are far enough apart
   graph       one job of a + b F: reads the frames and solves a sparse system. This is a lower bound:
               more links per frame take more time

@@ -27,7 +27,7 @@ rule run:
     input: "flags/{name}.flags"
     output: "jobs/run_{name}.json"
     threads: batch["threads"]
-    resources: mem_mb=batch["memory_mb"], minutes=batch["minutes"]
+    resources: mem_mb=4000, minutes=600
     shell:
         f"python3 {literal(Path(workflow.basedir) / 'job.py')} {{output:q}} "
         f"runs/{{wildcards.name:q}}/summary.json -- {literal(Path(config['tools']) / 'surfit_slam')} "

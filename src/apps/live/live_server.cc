@@ -23,6 +23,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kSlotsAtOnce = 8192;
+constexpr std::size_t kMaxSurfels = 131072;  // maximum number of surfels on the page
 constexpr std::array kViews = {Shown::kFrame, Shown::kModel, Shown::kNormals};
 
 // Subsampled path with its last pose, and the last kMaxLoops loop closures.
@@ -58,7 +59,7 @@ class ListenText final : public OptionText {
                       : Concat(HostOf(options_->address), ":", options_->port);
   }
   void Set(const std::string& text) override {
-    *options_ = {-1, ServeOptions().address, options_->max_surfels};
+    *options_ = {-1, ServeOptions().address};
     if (text.empty()) return;
     const std::size_t colon = text.rfind(':');
     const std::string port = colon == std::string::npos ? text : text.substr(colon + 1);
@@ -90,8 +91,6 @@ void ServeOptions::Visit(OptionVisitor& v) {
                    "0: any free port; address 127.0.0.1: this machine only (default), 0.0.0.0: all "
                    "network interfaces; empty: no web page",
                    AsFlag("serve"), Everyday()));
-  v.Add(max_surfels, "max_surfels", "maximum number of surfels on the web page",
-        Between(1000, 1000000));
   v.Check([this] {
     ThrowIf(port < -1 || port > 65535, "port is ", port, ", must be from -1 to 65535");
     ThrowIf(address.empty(), "address is missing, must be set");
@@ -101,7 +100,7 @@ void ServeOptions::Visit(OptionVisitor& v) {
 struct LiveServer::Parts {
   Parts(const ServeOptions& options, LiveRun* of_run)
       : run(*of_run),
-        shown(options.max_surfels),
+        shown(kMaxSurfels),
         token(RandomToken()),
         pages(token, of_run, &shown),
         server(

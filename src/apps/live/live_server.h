@@ -14,7 +14,6 @@ struct ServeOptions {
   int port = -1;  // -1: no web page; 0: any free port
   // IP address to listen on; 0.0.0.0: all network interfaces.
   std::string address = "127.0.0.1";
-  std::size_t max_surfels = 131072;  // maximum number of surfels on the page
 
   void Visit(OptionVisitor& visitor);
 };

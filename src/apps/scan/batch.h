@@ -21,8 +21,6 @@ struct BatchOptions {
   std::string sequences;  // folder of the sequences
   std::string output;     // folder of the batch, created if missing
   SlamRunOptions run;     // options of each run; sequence path and output are set per run
-  int memory_mb = 4000;   // job limit of clusters: memory of a run, MB
-  int minutes = 600;      // job limit of clusters: time of a run
 
   void Visit(OptionVisitor& visitor);
 };

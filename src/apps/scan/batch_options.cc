@@ -12,8 +12,6 @@ void BatchOptions::Visit(OptionVisitor& v) {
         "folder of the sequences: its folders, and its .klg, .sens, .bag, .db3 and .mcap files",
         Required(), AsFlag(), Everyday());
   v.Add(output, SharedOption("output", Required(), Everyday()));
-  v.Add(memory_mb, "memory_mb", "maximum memory of a run, for clusters", AtLeast(1), InUnit("MB"));
-  v.Add(minutes, "minutes", "maximum time of a run, for clusters", AtLeast(1), InUnit("min"));
   v.AddPart(run, "run", "options of each run", OptionalPart(),
             WithoutFlags({"sequence", "output", "trace", "dump_failures", "session", "continue",
                           "localize"}));

@@ -71,9 +71,7 @@ std::vector<BatchRun> PlanBatch(const BatchOptions& options) {
   }
   const Json json = {{"sequences", AbsolutePath(options.sequences)},
                      {"runs", names},
-                     {"threads", options.run.threads},
-                     {"memory_mb", options.memory_mb},
-                     {"minutes", options.minutes}};
+                     {"threads", options.run.threads}};
   WriteIfChanged(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
                  options.output + "/batch.json");
   return runs;

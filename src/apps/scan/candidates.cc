@@ -1,3 +1,4 @@
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -13,6 +14,11 @@
 
 namespace surfit {
 namespace {
+
+constexpr int kMinGap = 100;    // minimum frame index difference within a recording
+constexpr int kMaxSimilar = 3;  // maximum number of candidates per keyframe
+// Memory limit of the place index. If all keyframes exceed it, every n-th keyframe is used.
+constexpr std::size_t kMaxIndexBytes = std::size_t{500} << 20;
 
 struct Place {
   int fragment = 0;  // index in the plan
@@ -39,7 +45,7 @@ class CandidateSearch {
   }
 
  private:
-  // Returns the smallest n for which the index of every n-th keyframe fits into max_index_bytes.
+  // Returns the smallest n for which the index of every n-th keyframe fits into kMaxIndexBytes.
   int StepWithinMemory() {
     std::size_t bytes = 0;
     for (const ScanFragment& fragment : plan_.fragments) {
@@ -50,7 +56,7 @@ class CandidateSearch {
       result_.keyframes += static_cast<int>(places->keyframes.size());
       for (const Keyframe& keyframe : places->keyframes) bytes += BytesOf(keyframe.view);
     }
-    return static_cast<int>(bytes / options_.max_index_bytes) + 1;
+    return static_cast<int>(bytes / kMaxIndexBytes) + 1;
   }
 
   std::size_t BytesOf(const PlaceView& view) const {
@@ -73,10 +79,10 @@ class CandidateSearch {
   // Adds candidate pairs of keyframe `source` with similar earlier keyframes.
   void Propose(int source) {
     const Place& from = places_[source];
-    const auto found = index_.Query(from.view, options_.max_similar, [&](int p) {
+    const auto found = index_.Query(from.view, kMaxSimilar, [&](int p) {
       const Place& to = places_[p];
       return to.fragment < from.fragment &&
-             (to.recording < from.recording || from.frame - to.frame >= options_.min_gap);
+             (to.recording < from.recording || from.frame - to.frame >= kMinGap);
     });
     for (const PlaceCandidate& candidate : found) {
       const Place& to = places_[candidate.keyframe];

@@ -57,12 +57,6 @@ void CandidatesOptions::Visit(OptionVisitor& v) {
   v.Group("run");
   v.Add(scan, Scan());
   v.Add(output, SharedOption("output", Required(), Everyday()));
-  v.Group("places");
-  v.Add(min_gap, "min_gap", "minimum number of frames between two keyframes of a recording",
-        AtLeast(1));
-  v.Add(max_similar, "max_similar", "maximum number of candidates per keyframe", AtLeast(1));
-  v.Add(max_index_bytes, "max_index_bytes",
-        "memory limit of the keyframe index; above, only every n-th keyframe is used", AtLeast(1));
 }
 
 void LinkOptions::Visit(OptionVisitor& v) {
@@ -84,7 +78,6 @@ void TileOptions::Visit(OptionVisitor& v) {
   v.Add(scan, Scan());
   v.Add(tile, Part("tile"));
   v.Add(output, SharedOption("output", Required(), Everyday()));
-  v.Add(margin_m, "margin_m", "margin around the tile that is fused as well", Positive());
   v.Add(threads, SharedOption("threads", Everyday()));
 }
 

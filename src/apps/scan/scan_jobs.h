@@ -32,10 +32,6 @@ struct CandidatesOptions {
   // Output folder for A_B.json, created if missing. Other .json files in this folder are
   // deleted. Unchanged files keep their modification time.
   std::string output;
-  int min_gap = 100;    // minimum frame index difference within a recording
-  int max_similar = 3;  // maximum number of candidates per keyframe
-  // Memory limit of the place index. If all keyframes exceed it, every n-th keyframe is used.
-  std::size_t max_index_bytes = std::size_t{500} << 20;
 
   void Visit(OptionVisitor& visitor);
 };
@@ -102,10 +98,9 @@ struct GraphResult {
 GraphResult BuildScanGraph(const GraphOptions& options);
 
 struct TileOptions {
-  std::string scan;       // folder of the plan
-  std::string tile;       // tile name in graph/tiles.json
-  std::string output;     // output file, .ply
-  double margin_m = 0.2;  // fused margin around the tile, for complete borders
+  std::string scan;    // folder of the plan
+  std::string tile;    // tile name in graph/tiles.json
+  std::string output;  // output file, .ply
   int threads = 1;
 
   void Visit(OptionVisitor& visitor);

@@ -157,7 +157,8 @@ std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interr
                                  [&](const ScanTile& each) { return each.name == options.tile; });
   ThrowIf(tile == tiles.end(), tiles_json, ": has no tile '", options.tile, "'");
   const PosedRecordings recordings(plan, options.scan);
-  const MapPart part = {tile->box, static_cast<float>(options.margin_m), recordings.Of(*tile)};
+  constexpr float kMargin_m = 0.2f;  // fused as well, for complete borders
+  const MapPart part = {tile->box, kMargin_m, recordings.Of(*tile)};
   ThrowIf(part.sources.empty(), tiles_json, ": tile ", tile->name,
           " is not observed by any recording");
   const auto map = FusePart(part, interrupted, [&](int frames, std::size_t) { progress(frames); });

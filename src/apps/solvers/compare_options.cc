@@ -102,10 +102,6 @@ void CompareOptions::Visit(OptionVisitor& v) {
         "translations of the initial poses relative to the truth, combined with each rotation",
         AsFlag());
   v.Add(seed, SharedOption("seed"));
-  v.Add(max_rotation_error_deg, "max_rotation_error_deg",
-        "maximum rotation error of a converged run", Positive());
-  v.Add(max_translation_error_m, "max_translation_error_m",
-        "maximum translation error of a converged run", Positive());
   v.AddPart(preprocess, "preprocess", "depth preprocessing");
   v.AddPart(icp, "icp", "registration, except the compared options",
             WithoutFlags({"solver", "residual", "association"}));

@@ -79,7 +79,7 @@ class ComparisonRunner {
     const Rigid3d start =
         Perturbed(problem.center, options_.rotations_deg[cell.rotation] * M_PI / 180,
                   options_.translations_m[cell.translation], seed);
-    ComparedRun run = Compare(problem.solve(runs->combination, start), problem.truth, options_);
+    ComparedRun run = Compare(problem.solve(runs->combination, start), problem.truth);
     run.problem = i;
     run.cell = cell;
     runs->runs.push_back(std::move(run));

@@ -54,8 +54,6 @@ struct CompareOptions {
   std::vector<double> rotations_deg = {1, 5, 10, 20, 45};
   std::vector<double> translations_m = {0.01, 0.05, 0.1, 0.3, 1};
   std::uint64_t seed = 1;
-  double max_rotation_error_deg = 1;
-  double max_translation_error_m = 0.02;
 
   PreprocessOptions preprocess;
   IcpOptions icp;  // except solver, residual and association

@@ -25,10 +25,12 @@ struct ComparedRuns {
   std::vector<ComparedRun> runs;
 };
 
-// Computes errors and convergence (success, and errors below the limits of the options). `problem`
-// and `cell` are not set.
-ComparedRun Compare(SolveOutcome outcome, const std::optional<Rigid3d>& truth,
-                    const CompareOptions& options);
+// Limits of the errors of a converged run.
+constexpr double kMaxRotationError_deg = 1, kMaxTranslationError_m = 0.02;
+
+// Computes errors and convergence (success, and errors below the limits). `problem` and `cell` are
+// not set.
+ComparedRun Compare(SolveOutcome outcome, const std::optional<Rigid3d>& truth);
 
 // Medians of the runs, see ComparisonRow. Requires at least one run.
 ComparisonRow RowOf(const ComparedRuns& runs);

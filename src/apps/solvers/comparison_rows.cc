@@ -49,15 +49,14 @@ std::vector<ComparedRun> GoodRuns(const std::vector<ComparedRun>& runs) {
 
 }  // namespace
 
-ComparedRun Compare(SolveOutcome outcome, const std::optional<Rigid3d>& truth,
-                    const CompareOptions& options) {
+ComparedRun Compare(SolveOutcome outcome, const std::optional<Rigid3d>& truth) {
   ComparedRun run;
   if (truth) {
     const PoseError error = ErrorOf(outcome.target_from_source, *truth);
     run.rotation_error_deg = error.rotation_deg;
     run.translation_error_m = error.translation_m;
-    run.converged = outcome.succeeded && *run.rotation_error_deg < options.max_rotation_error_deg &&
-                    *run.translation_error_m < options.max_translation_error_m;
+    run.converged = outcome.succeeded && *run.rotation_error_deg < kMaxRotationError_deg &&
+                    *run.translation_error_m < kMaxTranslationError_m;
   }
   run.outcome = std::move(outcome);
   return run;

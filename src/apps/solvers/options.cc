@@ -16,8 +16,6 @@ void RefineRunOptions::Visit(OptionVisitor& v) {
   v.Group("keyframes");
   v.Add(keyframe_translation_m, "keyframe_translation_m", "minimum translation between keyframes",
         Positive(), AsFlag());
-  v.Add(keyframe_rotation_rad, "keyframe_rotation_rad",
-        "minimum rotation between keyframes; one of both limits is sufficient", Positive());
   v.Add(max_keyframes, SharedOption("max_keyframes"));
   v.AddPart(preprocess, "preprocess", "depth preprocessing", NoFlags());
   v.AddPart(refinement, "refinement", "joint refinement");

@@ -17,9 +17,8 @@ struct RefineRunOptions {
   SequenceOptions sequence;  // sequence of the run, with the same options
   std::string trajectory;    // trajectory of the run: TUM format, pose convention of the sequence
   std::string output;        // output folder, created if missing
-  // Minimum translation or rotation since the last keyframe. Either one is sufficient.
+  // Minimum translation since the last keyframe. A rotation of 0.15 rad is also sufficient.
   double keyframe_translation_m = 0.1;
-  double keyframe_rotation_rad = 0.15;
   // Maximum number of keyframes; see ChooseKeyframes(). 0: no limit. A keyframe uses about 32
   // bytes per pixel.
   int max_keyframes = 600;

@@ -11,13 +11,13 @@
 namespace surfit {
 
 RunKeyframes ReadRunKeyframes(const RefineRunOptions& options) {
+  constexpr double kKeyframeRotation_rad = 0.15;
   const auto source = ReopenSequence(options.sequence);
   RunKeyframes run;
   run.info = source->info();
   run.trajectory = ReadEstimate(options.trajectory, run.info);
-  const std::vector<std::size_t> chosen =
-      ChooseKeyframes(run.trajectory, options.keyframe_translation_m, options.keyframe_rotation_rad,
-                      options.max_keyframes);
+  const std::vector<std::size_t> chosen = ChooseKeyframes(
+      run.trajectory, options.keyframe_translation_m, kKeyframeRotation_rad, options.max_keyframes);
   RepeatedWarning skipped("frames skipped");
   while (const std::optional<ReadResult> read = source->Next()) {
     run.stamps_s.push_back(read->stamp_s);

@@ -14,7 +14,6 @@
 #include "io/stamps/time_words.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
-#include "surfit/core/options.h"
 #include "surfit/io/camera_files.h"
 
 namespace surfit {
@@ -135,32 +134,25 @@ std::string RawBytes(const Image<T>& image) {
   return {reinterpret_cast<const char*>(image.data()), image.size() * sizeof(T)};
 }
 
-// Returns compressed bytes, or "" if they are not smaller than `raw`. Readers recognise
-// uncompressed images by their size.
-std::string Deflated(const std::string& raw) {
+// Readers recognise uncompressed images by their size.
+std::string DepthBytes(const Image<std::uint16_t>& depth) {
   constexpr int kLevel = 6;
-  std::string bytes = Deflate(raw.data(), raw.size(), kLevel);
-  return bytes.size() < raw.size() ? bytes : "";
+  std::string raw = RawBytes(depth);
+  std::string deflated = Deflate(raw.data(), raw.size(), kLevel);
+  return deflated.size() < raw.size() ? deflated : raw;
 }
 
-std::string DepthBytes(const Image<std::uint16_t>& depth, bool compress) {
-  const std::string raw = RawBytes(depth);
-  const std::string deflated = compress ? Deflated(raw) : "";
-  return deflated.empty() ? raw : deflated;
-}
-
-std::string ColorBytes(const Image<Rgb8>& color, int jpeg_quality) {
+std::string ColorBytes(const Image<Rgb8>& color) {
+  constexpr int kQuality = 95;
   std::string raw = RawBytes(color);
-  if (color.empty() || jpeg_quality == 0) return raw;
-  const std::string jpeg = EncodeJpeg(color, jpeg_quality);
-  return jpeg.size() == raw.size() ? raw : jpeg;  // readers recognise uncompressed images by size
+  if (color.empty()) return raw;
+  std::string jpeg = EncodeJpeg(color, kQuality);
+  return jpeg.size() == raw.size() ? raw : jpeg;
 }
 
-void WriteFrame(const RgbdFrame& frame, const KlgOptions& options, std::ostream& out,
-                KlgSummary* summary) {
-  const std::string depth =
-      DepthBytes(Millimetres(frame.depth_m, &summary->depths_out_of_range), options.compress_depth);
-  const std::string color = ColorBytes(frame.color, options.jpeg_quality);
+void WriteFrame(const RgbdFrame& frame, std::ostream& out, KlgSummary* summary) {
+  const std::string depth = DepthBytes(Millimetres(frame.depth_m, &summary->depths_out_of_range));
+  const std::string color = ColorBytes(frame.color);
   Put(static_cast<std::int64_t>(std::llround(1e6 * frame.stamp_s)), out);
   Put(static_cast<std::int32_t>(depth.size()), out);
   Put(static_cast<std::int32_t>(color.size()), out);
@@ -199,15 +191,14 @@ OpenedRecording OpenKlg(const std::string& path, ImageSize size) {
   return opened;
 }
 
-KlgSummary WriteKlg(FrameSource* source, const std::string& path, const KlgOptions& options) {
-  Validate(options);
+KlgSummary WriteKlg(FrameSource* source, const std::string& path) {
   KlgSummary summary;
   RepeatedWarning skipped("frames skipped");
   WriteFileAtomically(path, [&](std::ostream& out) {
     Put(std::int32_t{0}, out);  // number of frames, written at the end
     while (const auto result = source->Next()) {
       if (result->frame) {
-        WriteFrame(*result->frame, options, out, &summary);
+        WriteFrame(*result->frame, out, &summary);
         ++summary.frames_written;
       } else {
         skipped.Tell(Concat("frame ", result->index, " skipped: ", result->error));

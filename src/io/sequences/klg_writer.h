@@ -7,15 +7,6 @@
 
 namespace surfit {
 
-class OptionVisitor;
-
-struct KlgOptions {
-  bool compress_depth = true;  // true: zlib, false: raw
-  int jpeg_quality = 95;       // colour, 1 to 100; 0: raw
-
-  void Visit(OptionVisitor& visitor);
-};
-
 struct KlgSummary {
   int frames_written = 0;
   int frames_skipped = 0;                // unreadable frames
@@ -24,11 +15,11 @@ struct KlgSummary {
 
 // Writes the remaining frames of `source` atomically as a .klg file (format of ElasticFusion, see
 // OpenKlg()). Timestamps are rounded to microseconds and depth to millimetres; 0: missing depth.
-// The format stores no camera and no poses. The camera is written to F.klg.yaml (fy < 0 for a
-// mirrored source), which OpenSequence() reads. Throws InputError for invalid options, if writing
-// fails, or if no frame is readable. A frame has one timestamp, the capture time of depth:
-// latencies are subtracted. Images are written as `source` returns them: undistorted and
-// downsampled. `path` must be a regular file or a new name.
-KlgSummary WriteKlg(FrameSource* source, const std::string& path, const KlgOptions& options);
+// Depth is compressed by zlib, and colour by JPEG with quality 95. The format stores no camera and
+// no poses. The camera is written to F.klg.yaml (fy < 0 for a mirrored source), which
+// OpenSequence() reads. Throws InputError if writing fails, or if no frame is readable. A frame has
+// one timestamp, the capture time of depth: latencies are subtracted. Images are written as
+// `source` returns them: undistorted and downsampled. `path` must be a regular file or a new name.
+KlgSummary WriteKlg(FrameSource* source, const std::string& path);
 
 }  // namespace surfit

@@ -5,7 +5,6 @@
 
 #include "core/shared_options.h"
 #include "io/sequences/folder.h"
-#include "io/sequences/klg_writer.h"
 #include "surfit/core/error.h"
 #include "surfit/io/sequence.h"
 
@@ -163,12 +162,6 @@ void SequenceOptions::Visit(OptionVisitor& v) {
     if (last == -1 || last >= first) return;
     throw InputError("last is ", last, ", must be -1 or at least first (", first, ")");
   });
-}
-
-void KlgOptions::Visit(OptionVisitor& v) {
-  v.Add(compress_depth, "compress_depth", "compress depth in .klg files");
-  v.Add(jpeg_quality, "jpeg_quality", "JPEG quality of colour in .klg files", Between(0, 100),
-        ZeroIs("raw"));
 }
 
 }  // namespace surfit

@@ -156,8 +156,6 @@ void RecordOptions::Visit(OptionVisitor& v) {
   v.Add(max_frames, "max_frames", "maximum number of frames", AtLeast(0), ZeroIs("no limit"));
   v.Add(max_seconds, "max_seconds", "maximum duration by the timestamps", InUnit("s"), AtLeast(0),
         ZeroIs("no limit"), AsFlag("seconds"), Everyday());
-  v.Add(queue_capacity, "queue_capacity",
-        "maximum number of frames of a live camera that wait for writing", AtLeast(1));
   v.Check([this] {
     const RectifyOptions as_they_come;
     if (sequence.rectify.downsample == as_they_come.downsample &&
@@ -170,9 +168,11 @@ void RecordOptions::Visit(OptionVisitor& v) {
 
 RecordSummary RecordSequence(const RecordOptions& options, const std::atomic<bool>& stop,
                              const std::function<void(const RecordSummary&)>& progress) {
+  // Frames of a live camera that wait for writing. Above it, the oldest is dropped.
+  constexpr int kQueueCapacity = 60;
   Validate(options);
   const RawSequence sequence = IsLive(options.sequence)
-                                   ? OpenRawLive(options.sequence, options.queue_capacity, stop)
+                                   ? OpenRawLive(options.sequence, kQueueCapacity, stop)
                                    : OpenRawSequence(options.sequence);
   RecordedFolder folder(options, sequence);
   RecordSummary summary;

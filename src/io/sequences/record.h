@@ -16,8 +16,6 @@ struct RecordOptions {
   std::string output;        // folder, created if missing; must not contain depth.txt
   int max_frames = 0;        // maximum number of frames; 0: no limit
   double max_seconds = 0;    // maximum duration by the timestamps, s; 0: no limit
-  // Live camera: maximum number of frames that wait for writing. Above it, the oldest is dropped.
-  int queue_capacity = 60;
 
   void Visit(OptionVisitor& visitor);
 };

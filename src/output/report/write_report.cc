@@ -60,14 +60,12 @@ void Compare(const std::vector<ReportedRun>& runs, std::size_t max_points,
 void ReportOptions::Visit(OptionVisitor& v) {
   v.Add(runs, SharedOption("run", InField("runs"), Required(), Repeatable()));
   v.Add(output, SharedOption("output", Required()));
-  v.Add(max_points, "max_points",
-        "maximum number of surfels of all runs together; larger maps are sampled evenly",
-        AtLeast(1000));
 }
 
 std::vector<ReportedMap> WriteReport(const ReportOptions& options) {
+  constexpr std::size_t kMaxPoints = 500000;  // of all runs; larger maps are sampled evenly
   Validate(options);
-  const std::size_t count = options.runs.size(), max_points = options.max_points / count;
+  const std::size_t count = options.runs.size(), max_points = kMaxPoints / count;
   const std::vector<std::string> names = ShortNames(options.runs);
   std::vector<ReportedMap> maps;
   std::vector<ReportedRun> runs;

@@ -12,8 +12,6 @@ struct ReportOptions {
   // output folders of RunSlam() or RunRefinement(), at least one, shown side by side
   std::vector<std::string> runs;
   std::string output;  // path of the HTML file
-  // Maximum number of surfels of all runs together. Larger maps are sampled evenly.
-  int max_points = 500000;
 
   void Visit(OptionVisitor& visitor);
 };

@@ -309,7 +309,7 @@ surfit.showMapLabels = (runs) => {
     const label = surfit.element('div', surfit.byId('map-labels'));
     surfit.element('h3', label, { textContent: run.label });
     surfit.say(label, points === shown ? `all ${points} surfels`
-      : `${shown} of ${points} surfels, sampled evenly (--max_points)`);
+      : `${shown} of ${points} surfels, sampled evenly`);
     if (runs.length > 1) surfit.say(label, surfit.comparisonText(run));
   }
 };
