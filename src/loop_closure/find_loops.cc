@@ -13,20 +13,19 @@ constexpr int kMaxRanked = 5;
 
 struct Neighbour {
   int keyframe;
-  double relative_distance;  // distance / max_near_m or angle / max_near_rad, the larger value
+  double relative_distance;  // distance / kMaxNear_m or angle / kMaxNear_rad, the larger value
   Rigid3d target_from_source;
 };
 
-std::vector<Neighbour> Neighbours(int source, const std::vector<Keyframe>& keyframes,
-                                  const FindLoopsOptions& options) {
+std::vector<Neighbour> Neighbours(int source, const std::vector<Keyframe>& keyframes) {
   std::vector<Neighbour> neighbours;
   for (int target = 0; target < source; ++target) {
     if (keyframes[target].piece != keyframes[source].piece) continue;
     const Rigid3d motion =
         keyframes[target].world_from_camera.Inverse() * keyframes[source].world_from_camera;
     const double relative_distance =
-        std::max(motion.translation.norm() / options.max_near_m,
-                 RotationAngle(motion.rotation) / options.max_near_rad);
+        std::max(motion.translation.norm() / FindLoopsOptions::kMaxNear_m,
+                 RotationAngle(motion.rotation) / FindLoopsOptions::kMaxNear_rad);
     if (relative_distance <= 1) neighbours.push_back({target, relative_distance, motion});
   }
   std::stable_sort(neighbours.begin(), neighbours.end(), [](const auto& a, const auto& b) {
@@ -52,7 +51,7 @@ std::vector<LoopCandidate> ProposeLoopCandidates(int source, const std::vector<K
     proposals.push_back({source, candidate.keyframe, candidate.similarity, std::nullopt});
   }
   int near_count = 0;
-  for (const Neighbour& neighbour : Neighbours(source, keyframes, options)) {
+  for (const Neighbour& neighbour : Neighbours(source, keyframes)) {
     const auto known =
         std::find_if(proposals.begin(), proposals.end(),
                      [&](const LoopCandidate& p) { return p.target == neighbour.keyframe; });

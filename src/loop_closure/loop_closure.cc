@@ -46,8 +46,6 @@ void LoopOptions::Visit(OptionVisitor& v) {
         "minimum number of frames between the observations of duplicate surfels that a loop "
         "closure merges",
         AtLeast(1));
-  v.Add(min_correction_m, "min_correction_m",
-        "minimum displacement of a keyframe for a correction of the map", AtLeast(0));
   v.Add(max_view_bytes, "max_view_bytes", "memory of keyframe views");
   v.Add(new_map_after, "new_map_after",
         "number of consecutive lost frames with depth until a new submap starts; a loop closure "

@@ -23,18 +23,12 @@ void PlaceViewOptions::Visit(OptionVisitor& v) {
 }
 
 void PlaceIndexOptions::Visit(OptionVisitor& v) {
-  v.Add(tables, "tables", "number of hash tables", Between(1, 64));
-  v.Add(bits, "bits", "bits of a hash", Between(1, 20));
-  v.Add(max_hamming, "max_hamming", "maximum Hamming distance of matching descriptors, bits",
-        Between(0, 256));
   v.Add(min_similarity, "min_similarity", "minimum similarity of a loop candidate", Share());
 }
 
 void VerifyLoopOptions::Visit(OptionVisitor& v) {
   v.AddPart(preprocess, "preprocess", "normals and pyramids of the views");
   v.AddPart(icp, "icp", "dense registration of the views");
-  v.Add(min_agreeing_features, "min_agreeing_features",
-        "minimum number of inlier features of an initial pose", AtLeast(4));
   v.AddPart(fit, "fit", "acceptance criteria");
 }
 
@@ -57,8 +51,6 @@ void FindLoopsOptions::Visit(OptionVisitor& v) {
         AtLeast(0));
   v.Add(max_near, "max_near", "maximum number of additional loop candidates with near poses",
         AtLeast(0));
-  v.Add(max_near_m, "max_near_m", "maximum distance of a near pose", AtLeast(0));
-  v.Add(max_near_rad, "max_near_rad", "maximum rotation of a near pose", AtLeast(0));
   v.AddPart(verify, "verify", "verification of loop candidates", NoFlags());
 }
 

@@ -16,6 +16,8 @@ namespace surfit {
 namespace {
 
 constexpr int kDescriptorBits = 256;
+constexpr int kHashBits = 14;
+constexpr int kMaxHamming = 48;  // of matching descriptors
 
 std::vector<int> ChooseBits(int count, std::mt19937_64* generator) {
   std::vector<int> bits(kDescriptorBits);
@@ -32,10 +34,10 @@ std::vector<int> ChooseBits(int count, std::mt19937_64* generator) {
 PlaceIndex::PlaceIndex(const PlaceIndexOptions& options) : options_(options) {
   Validate(options);
   std::mt19937_64 generator(1);
-  for (int table = 0; table < options.tables; ++table) {
-    chosen_bits_.push_back(ChooseBits(options.bits, &generator));
+  for (int table = 0; table < kTables; ++table) {
+    chosen_bits_.push_back(ChooseBits(kHashBits, &generator));
   }
-  buckets_.resize(static_cast<std::size_t>(options.tables) << options.bits);
+  buckets_.resize(std::size_t{kTables} << kHashBits);
 }
 
 std::uint32_t PlaceIndex::HashOf(const BinaryDescriptor& descriptor, int table) const {
@@ -48,7 +50,7 @@ std::uint32_t PlaceIndex::HashOf(const BinaryDescriptor& descriptor, int table) 
 
 void PlaceIndex::Insert(const Entry& entry) {
   const auto index = static_cast<std::uint32_t>(entries_.size());
-  for (int table = 0; table < options_.tables; ++table) {
+  for (int table = 0; table < kTables; ++table) {
     buckets_[HashOf(entry.descriptor, table)].push_back(index);
   }
   entries_.push_back(entry);
@@ -67,7 +69,7 @@ void PlaceIndex::Remove(int keyframe) {
   const EntryRange range = removed->second;
   keyframes_.erase(removed);
   for (std::size_t i = range.begin; i < range.end; ++i) {
-    for (int table = 0; table < options_.tables; ++table) {
+    for (int table = 0; table < kTables; ++table) {
       std::vector<std::uint32_t>& bucket = buckets_[HashOf(entries_[i].descriptor, table)];
       bucket.erase(std::lower_bound(bucket.begin(), bucket.end(), i));
     }
@@ -100,10 +102,10 @@ std::vector<PlaceCandidate> PlaceIndex::Query(
   std::vector<int> found;
   for (const PlaceFeature& feature : view.features) {
     found.clear();
-    for (int table = 0; table < options_.tables; ++table) {
+    for (int table = 0; table < kTables; ++table) {
       for (const std::uint32_t index : buckets_[HashOf(feature.descriptor, table)]) {
         const Entry& entry = entries_[index];
-        if (Hamming(entry.descriptor, feature.descriptor) <= options_.max_hamming) {
+        if (Hamming(entry.descriptor, feature.descriptor) <= kMaxHamming) {
           found.push_back(entry.keyframe);
         }
       }
@@ -128,7 +130,7 @@ std::vector<PlaceCandidate> PlaceIndex::Query(
 }
 
 std::size_t PlaceIndex::Bytes() const {
-  return (entries_.size() - unused_) * (sizeof(Entry) + options_.tables * sizeof(std::uint32_t));
+  return (entries_.size() - unused_) * (sizeof(Entry) + kTables * sizeof(std::uint32_t));
 }
 
 namespace {

@@ -58,6 +58,7 @@ std::vector<Rigid3d> StartsFromFeatures(const PlaceView& source, const PlaceView
                                         const VerifyLoopOptions& options,
                                         GlobalRegistrationResult* verdict) {
   constexpr int kMaxPoses = 3, kConsensusTries = 500;
+  constexpr int kMinAgreeing = 12;  // inlier features of an initial pose
   const FeaturePoints from = PointsOf(source, options.icp.error_model);
   const FeaturePoints to = PointsOf(target, options.icp.error_model);
   const std::vector<FeatureMatch> matches = MatchFeatures(from, to);
@@ -66,7 +67,7 @@ std::vector<Rigid3d> StartsFromFeatures(const PlaceView& source, const PlaceView
   for (const Consensus& consensus : FindConsensus(from, to, matches, kMaxPoses, kConsensusTries)) {
     const int agreeing = static_cast<int>(consensus.inliers.size());
     verdict->agreeing_features = std::max(verdict->agreeing_features, agreeing);
-    if (agreeing >= options.min_agreeing_features) starts.push_back(consensus.target_from_source);
+    if (agreeing >= kMinAgreeing) starts.push_back(consensus.target_from_source);
   }
   return starts;
 }

@@ -322,7 +322,8 @@ void Backend::TakeLoops(std::vector<WorldCorrection>* corrections) {
     most = std::max(most, Displacement(of_keyframes[k], frame.world_from_camera.translation));
   }
   WorldCorrection correction;
-  if (most > options_.min_correction_m) correction = Move(of_keyframes);
+  constexpr double kMinCorrection_m = 0.002;  // smaller corrections do not move the map
+  if (most > kMinCorrection_m) correction = Move(of_keyframes);
   for (std::size_t i = loops_before; i < poses_.loops().size(); ++i) {
     if (poses_.loops()[i].in_graph) correction.joined.push_back(poses_.loops()[i].target_frame);
   }

@@ -71,11 +71,11 @@ TEST(ProposeLoopCandidates, ProposesNearestKeyframeWithoutFeatures) {
     const Rigid3d motion = back.keyframes[i].world_from_camera.Inverse() *
                            back.keyframes[back.source].world_from_camera;
     const Rigid3d& nearest = *proposals[0].target_from_source_prior;
-    EXPECT_GE(std::max(motion.translation.norm() / options.max_near_m,
-                       RotationAngle(motion.rotation) / options.max_near_rad) +
+    EXPECT_GE(std::max(motion.translation.norm() / FindLoopsOptions::kMaxNear_m,
+                       RotationAngle(motion.rotation) / FindLoopsOptions::kMaxNear_rad) +
                   1e-9,
-              std::max(nearest.translation.norm() / options.max_near_m,
-                       RotationAngle(nearest.rotation) / options.max_near_rad));
+              std::max(nearest.translation.norm() / FindLoopsOptions::kMaxNear_m,
+                       RotationAngle(nearest.rotation) / FindLoopsOptions::kMaxNear_rad));
   }
 }
 
@@ -184,7 +184,6 @@ TEST(Relocalize, FindsNothingInAnotherRoom) {
 TEST(FindLoopsOptions, RejectInvalidValues) {
   const auto expect_refused = ExpectOptionsRefused<FindLoopsOptions>;
   expect_refused([](auto& o) { o.min_gap = 0; }, "min_gap", "0");
-  expect_refused([](auto& o) { o.max_near_m = -1; }, "max_near_m", "-1");
   ExpectOptionsRefused<RelocalizeOptions>([](auto& o) { o.max_candidates = 0; }, "max_candidates",
                                           "0");
 }

@@ -185,9 +185,6 @@ TEST(PlaceIndex, FindsPlacesOfARoom) {
 TEST(PlaceIndexOptions, RejectInvalidValues) {
   const auto expect_refused = ExpectOptionsRefused<PlaceIndexOptions>;
   Validate(PlaceIndexOptions());
-  expect_refused([](auto& o) { o.tables = 0; }, "tables", "0");
-  expect_refused([](auto& o) { o.bits = 21; }, "bits", "21");
-  expect_refused([](auto& o) { o.max_hamming = 257; }, "max_hamming", "257");
   expect_refused([](auto& o) { o.min_similarity = -1; }, "min_similarity", "-1");
 }
 

@@ -160,7 +160,6 @@ TEST(VerifyLoop, IsTheSameAtAnyNumberOfThreads) {
 TEST(VerifyLoopOptions, RejectInvalidValues) {
   const auto expect_refused = ExpectOptionsRefused<VerifyLoopOptions>;
   Validate(VerifyLoopOptions());
-  expect_refused([](auto& o) { o.min_agreeing_features = 3; }, "min_agreeing_features", "3");
   expect_refused([](auto& o) { o.fit.min_inlier_ratio = 2; }, "fit.min_inlier_ratio", "2");
   expect_refused([](auto& o) { o.fit.max_rmse_m = 0; }, "fit.max_rmse_m", "0");
   expect_refused([](auto& o) { o.fit.min_overlap_ratio = -1; }, "fit.min_overlap_ratio", "-1");

@@ -403,8 +403,8 @@ TEST(RefineThreads, IsBitwiseIdentical) {
 
 TEST(Refine, RejectsInvalidOptions) {
   RefinementOptions options;
-  options.min_observations = 1;
-  ExpectInputError([&] { Validate(options); }, Names("min_observations", 1, 2));
+  options.cells_across = 0;
+  ExpectInputError([&] { Validate(options); }, Names("cells_across", 0, 1));
 }
 
 }  // namespace

@@ -129,8 +129,6 @@ TEST(InitializeOptions, RejectInvalidValues) {
   expect_refused([](auto& o) { o.fit.min_detail_correlation = 2; }, "fit.min_detail_correlation",
                  "2");
   expect_refused([](auto& o) { o.fit.min_score_margin = -1; }, "fit.min_score_margin", "-1");
-  expect_refused([](auto& o) { o.free_space_growth = 0.5; }, "free_space_growth", "0.5");
-  expect_refused([](auto& o) { o.iteration_growth = 0; }, "iteration_growth", "0");
 }
 
 }  // namespace

@@ -20,7 +20,6 @@ class OptionVisitor;
 struct VerifyLoopOptions {
   PreprocessOptions preprocess;  // normals and pyramids of the views
   IcpOptions icp = DefaultIcp();
-  int min_agreeing_features = 12;  // minimum number of inlier features of an initial pose
   FitCriteria fit;
 
   // Symmetric point-to-plane and photometric residuals, with a gate of 5 cm and 0.5 rad.
@@ -30,21 +29,23 @@ struct VerifyLoopOptions {
 };
 
 // Registers `source` to `target` and verifies the result. Initial poses come from feature
-// correspondences and from the optional prior. All are refined on a coarse level, and the best pose
-// on the finest level. The result states success, or the reason for rejection. It is bitwise
-// identical for any number of threads. An empty view gives kNoView. Without enough inlier features
-// and without a prior, the reason is kNoStart. Throws InputError for invalid options.
+// correspondences with at least 12 inliers, and from the optional prior. All are refined on a
+// coarse level, and the best pose on the finest level. The result states success, or the reason for
+// rejection. It is bitwise identical for any number of threads. An empty view gives kNoView.
+// Without enough inlier features and without a prior, the reason is kNoStart. Throws InputError for
+// invalid options.
 GlobalRegistrationResult VerifyLoop(
     const PlaceView& source, const PlaceView& target, const VerifyLoopOptions& options,
     const std::optional<Rigid3d>& target_from_source_prior = std::nullopt);
 
 // Options of FindLoops(). Distances are those of the current pose estimates.
 struct FindLoopsOptions {
-  int min_gap = 100;           // minimum difference of the frame indices within a piece
-  int max_similar = 3;         // maximum number of candidates from place recognition
-  int max_near = 2;            // maximum number of additional candidates by pose; 0: none
-  double max_near_m = 0.5;     // maximum distance of additional candidates; 0: none
-  double max_near_rad = 0.52;  // maximum rotation of additional candidates: 30 degrees; 0: none
+  // Maximum distance and rotation (30 degrees) of additional candidates.
+  static constexpr double kMaxNear_m = 0.5, kMaxNear_rad = 0.52;
+
+  int min_gap = 100;    // minimum difference of the frame indices within a piece
+  int max_similar = 3;  // maximum number of candidates from place recognition
+  int max_near = 2;     // maximum number of additional candidates by pose; 0: none
   VerifyLoopOptions verify;
 
   void Visit(OptionVisitor& visitor);
@@ -53,7 +54,7 @@ struct FindLoopsOptions {
 // Returns loop candidates of keyframe `source` among the earlier keyframes. `source` and the
 // numbers in `index` are positions in `keyframes`, which is not checked. Candidates of place
 // recognition come first, by descending similarity. Candidates by pose follow, by ascending
-// distance: the larger ratio to max_near_m or max_near_rad. A candidate of place recognition within
+// distance: the larger ratio to kMaxNear_m or kMaxNear_rad. A candidate of place recognition within
 // these limits also gets the prior. Keyframes with an empty view are not candidates. Empty without
 // candidates.
 std::vector<LoopCandidate> ProposeLoopCandidates(int source, const std::vector<Keyframe>& keyframes,

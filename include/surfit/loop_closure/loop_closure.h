@@ -65,9 +65,6 @@ struct LoopOptions {
   // Duplicate surfels are merged after a loop closure if more than this number of frames is between
   // their observations. FusionOptions::active_frames is used instead if it is larger.
   int frames_apart = 100;
-  // Loop closures do not move the map if each keyframe moves at most this far: translation plus 2 m
-  // times the rotation in rad.
-  double min_correction_m = 0.002;
   // Maximum memory of keyframe views, bytes. LimitKeyframes() removes further views.
   std::size_t max_view_bytes = std::size_t{512} << 20;
   // A new submap starts with this lost frame in a row. Frames with too little depth do not count. A

@@ -14,9 +14,6 @@ class OptionVisitor;
 
 // Options of PlaceIndex.
 struct PlaceIndexOptions {
-  int tables = 8;        // 1 to 64 hash tables of descriptors, each with its own random bits
-  int bits = 14;         // bits of a hash, 1 to 20
-  int max_hamming = 48;  // maximum Hamming distance of matching descriptors of 256 bits
   double min_similarity = 0.02;  // minimum PlaceCandidate::similarity
 
   void Visit(OptionVisitor& visitor);
@@ -32,10 +29,12 @@ struct PlaceCandidate {
 
 // Place recognition without training. Hash tables find descriptors by random bits (Gionis et al.
 // 1999; ferns: Ozuysal et al. 2010). Each query feature votes once for each keyframe with a
-// descriptor within `max_hamming` in a common bucket. Results are deterministic. Concurrent queries
+// descriptor within 48 bits in a common bucket. Results are deterministic. Concurrent queries
 // are safe, changes are not.
 class PlaceIndex {
  public:
+  static constexpr int kTables = 8;  // hash tables, each with its own random bits
+
   // Throws InputError for invalid options.
   explicit PlaceIndex(const PlaceIndexOptions& options = {});
 

@@ -53,9 +53,6 @@ struct RefinementOptions {
 
   // Number of columns of square cells in a keyframe image. Each cell has at most one surfel.
   int cells_across = 120;
-  int min_observations = 3;  // minimum number of keyframes that observe a surfel; at least 2
-  // Maximum distance of a measured point from the surfel plane.
-  double observation_distance_m = 0.05;
   double observation_angle_rad = 0.6;  // maximum angle between the normals
   double max_slant_rad = 1.2;  // maximum angle between the surface normal and the viewing ray
   // Error model of the residuals. A positive photometric weight adds texture residuals: see

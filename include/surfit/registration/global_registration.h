@@ -119,8 +119,11 @@ std::vector<std::string> InitializeMethods();
 // 2 cm or more. In the office of ICL-NUIM correct poses have 0.02 %.
 IcpOptions GlobalIcpOptions();
 
-// ICP options for an initial pose of the method: applies iteration_growth and free_space_growth,
-// and does not stop at an increase of the RMSE. Unchanged for `identity`.
+// ICP options for an initial pose of the method. Unchanged for `identity`. Other methods do not
+// stop at an increase of the RMSE. They have ten times max_iterations and a tenth of
+// min_relative_rmse_change, because different initial poses must converge to the same pose. The
+// increased max_iterations must be at most 1000. max_free_space_violation_ratio is doubled, because
+// calibration errors cause more violations between distant views.
 IcpOptions IcpOptionsFromStart(const InitializeOptions& options, const IcpOptions& icp_options);
 
 // Largest motion between two views. The default has no limits.

@@ -60,8 +60,8 @@ class CandidateSearch {
   }
 
   std::size_t BytesOf(const PlaceView& view) const {
-    const std::size_t entry = sizeof(BinaryDescriptor) + sizeof(int) +
-                              plan_.run.slam.loops.places.tables * sizeof(std::uint32_t);
+    constexpr std::size_t entry =
+        sizeof(BinaryDescriptor) + sizeof(int) + PlaceIndex::kTables * sizeof(std::uint32_t);
     return view.features.size() * (sizeof(PlaceFeature) + entry);
   }
 

@@ -65,12 +65,12 @@ class FragmentLinker {
       if (std::abs(from.frame_index - link.source_frame) > kReachFrames) continue;
       const Rigid3d pose = target_from_source_world * from.world_from_camera;
       const Keyframe* nearest = nullptr;
-      double least = options_.max_near_m;
+      double least = FindLoopsOptions::kMaxNear_m;
       for (const Keyframe& to : target_.keyframes) {
         const Rigid3d motion = to.world_from_camera.Inverse() * pose;
         const bool is_close_by =
             of_one_recording_ && from.frame_index - to.frame_index < options_.min_gap;
-        if (is_close_by || RotationAngle(motion.rotation) > options_.max_near_rad ||
+        if (is_close_by || RotationAngle(motion.rotation) > FindLoopsOptions::kMaxNear_rad ||
             motion.translation.norm() > least) {
           continue;
         }

@@ -49,10 +49,6 @@ void RefinementOptions::Visit(OptionVisitor& v) {
   v.Add(cells_across, "cells_across",
         "number of columns of square cells of a keyframe image, with at most one surfel per cell",
         AtLeast(1));
-  v.Add(min_observations, "min_observations", "minimum number of keyframes that observe a surfel",
-        AtLeast(2));
-  v.Add(observation_distance_m, "observation_distance_m",
-        "maximum distance of an observation from the surfel plane", Positive());
   v.Add(observation_angle_rad, "observation_angle_rad",
         "maximum angle between the normals of observation and surfel", Positive(), Below(M_PI / 2));
   v.Add(max_slant_rad, "max_slant_rad", "maximum angle between surface normal and viewing ray",

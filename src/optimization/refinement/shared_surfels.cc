@@ -10,6 +10,9 @@
 namespace surfit {
 namespace {
 
+// Maximum distance of a measured point from the surfel plane.
+constexpr double kMaxPlaneDistance_m = 0.05;
+
 struct Plane {
   Eigen::Vector3d point, normal;
   double texture_radius_m = 0;
@@ -67,7 +70,7 @@ class PosedKeyframe {
     if (!plane) return std::nullopt;
     const Eigen::Vector3d normal = camera_from_world_.rotation * in_world.normal;
     if (!(normal.dot(plane->normal) > least_cosine_of_normals_)) return std::nullopt;
-    if (!(std::abs(normal.dot(plane->point - point)) < options_.observation_distance_m)) {
+    if (!(std::abs(normal.dot(plane->point - point)) < kMaxPlaneDistance_m)) {
       return std::nullopt;
     }
     PlaneObservation observation;
@@ -190,8 +193,9 @@ SharedSurfels MakeSharedSurfels(const std::vector<RefinementKeyframe>& keyframes
     views.emplace_back(keyframe, calibration, options);
   }
   std::vector<SeenPlane> planes = MakePlanes(keyframes, views, calibration, options);
-  const auto is_seen_by_few = [&](const SeenPlane& seen) {
-    return static_cast<int>(seen.observations.size()) < options.min_observations;
+  constexpr std::size_t kMinObservations = 3;
+  const auto is_seen_by_few = [](const SeenPlane& seen) {
+    return seen.observations.size() < kMinObservations;
   };
   planes.erase(std::remove_if(planes.begin(), planes.end(), is_seen_by_few), planes.end());
   std::vector<Eigen::Vector3d> normals(planes.size());

@@ -51,7 +51,7 @@ int CellSize(const DepthCalibration& calibration, const RefinementOptions& optio
 
 // Creates surfels from keyframes. The centre pixel of a cell becomes a surfel if the cell has no
 // surfel of an earlier keyframe. The normal of a surfel is the mean over all observing keyframes.
-// Surfels with fewer than `min_observations` observations are removed. The result is the same for
+// Surfels with fewer than three observations are removed. The result is the same for
 // any number of threads. With a photometric weight, calls ObserveTextures(). All keyframes have the
 // image size of `calibration`.
 SharedSurfels MakeSharedSurfels(const std::vector<RefinementKeyframe>& keyframes,

@@ -132,13 +132,15 @@ IcpOptions GlobalIcpOptions() {
 }
 
 IcpOptions IcpOptionsFromStart(const InitializeOptions& options, const IcpOptions& icp_options) {
+  constexpr int kIterationGrowth = 10;
+  constexpr double kFreeSpaceGrowth = 2;
   IcpOptions changed = icp_options;
   if (options.method == "identity") return changed;
-  changed.max_iterations *= options.iteration_growth;
-  changed.min_relative_rmse_change /= options.iteration_growth;
+  changed.max_iterations *= kIterationGrowth;
+  changed.min_relative_rmse_change /= kIterationGrowth;
   changed.stop_at_rmse_increase = false;
   changed.max_free_space_violation_ratio =
-      std::min(1., options.free_space_growth * icp_options.max_free_space_violation_ratio);
+      std::min(1., kFreeSpaceGrowth * icp_options.max_free_space_violation_ratio);
   return changed;
 }
 

@@ -138,10 +138,6 @@ void InitializeOptions::Visit(OptionVisitor& v) {
       "initial pose of registration; features: poses from image features, geometry and brightness, "
       "with verification of the result",
       OneOf(InitializeMethods()), AsFlag("start"), Everyday());
-  v.Add(iteration_growth, "iteration_growth", "factor of max_iterations for global registration",
-        AtLeast(1));
-  v.Add(free_space_growth, "free_space_growth",
-        "factor of max_free_space_violation_ratio for global registration", AtLeast(1));
   v.AddPart(fit, "fit", "acceptance criteria of global registration", NoFlags());
 }
 
