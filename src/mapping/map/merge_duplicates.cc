@@ -362,8 +362,7 @@ SurfelObservation AsObservation(const Surfel& seen, float max_radius_m) {
   return observation;
 }
 
-void MergeInto(std::int32_t older, std::int32_t newer, const FusionOptions& options,
-               SurfelMap* map) {
+void MergeInto(std::int32_t older, std::int32_t newer, SurfelMap* map) {
   SurfelBlock& block = map->block(older / SurfelBlock::kCapacity);
   const int k = older % SurfelBlock::kCapacity;
   const Surfel seen = (*map)[newer];
@@ -384,7 +383,7 @@ std::size_t MergeDuplicates(const FusionOptions& options, const DuplicateOptions
     if (older[id] == kNobody) continue;
     std::int32_t oldest = older[id];
     while (older[oldest] != kNobody) oldest = older[oldest];
-    MergeInto(oldest, id, options, map);
+    MergeInto(oldest, id, map);
   }
   return map->RemoveMarked();
 }
