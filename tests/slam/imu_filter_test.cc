@@ -90,6 +90,35 @@ TEST(ImuFilter, StateHasStatedCovariance) {
   EXPECT_NEAR(sum, 9, 4 * std::sqrt(18. / kSeeds));
 }
 
+// Mean normalised squared error of the prediction of the next frame in a map that drifts.
+double ErrorInDriftingMap(bool filter_knows) {
+  double sum = 0;
+  constexpr int kSeeds = 60;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    Followed followed(seed);
+    std::mt19937_64 rng(seed);
+    DriftingMap map(followed.path, &rng);
+    map.At(2);
+    for (int i = 61; i <= 105; ++i) {
+      if (filter_knows) followed.filter->AddMapDrift(kFilterFrame_s);
+      const double stamp_s = i * kFilterFrame_s;
+      followed.filter->Correct(NoisyPose(map.At(stamp_s), stamp_s, kSigma_rad, kSigma_m, &rng));
+    }
+    if (filter_knows) followed.filter->AddMapDrift(kFilterFrame_s);
+    const auto predicted = followed.filter->Predict(106 * kFilterFrame_s);
+    const Vector6d error = ErrorOf(*predicted, map.At(106 * kFilterFrame_s));
+    sum += error.dot(predicted->covariance.ldlt().solve(error)) / kSeeds;
+  }
+  return sum;
+}
+
+TEST(ImuFilter, CovarianceContainsTheDriftOfTheMap) {
+  const double known = ErrorInDriftingMap(true);
+  EXPECT_GT(known, 4.8);
+  EXPECT_LT(known, 7.4);
+  EXPECT_GT(ErrorInDriftingMap(false), 12);
+}
+
 TEST(ImuFilter, BridgesHalfASecondWithinTwoCentimetres) {
   double squares = 0;
   constexpr int kSeeds = 20;

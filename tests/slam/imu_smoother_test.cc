@@ -74,6 +74,33 @@ TEST(SmoothByImu, HasNoStepsBetweenChunks) {
   EXPECT_LT(step.norm(), 0.002);
 }
 
+// RMS error of the rotations over one second, rad.
+double TurnError(const NoisyRegistrations& noisy, const std::vector<Rigid3d>& poses) {
+  double sum = 0;
+  const int count = static_cast<int>(poses.size()) - 30;
+  for (int i = 0; i < count; ++i) {
+    const Rigid3d exact = noisy.path.At(i / 30.).Inverse() * noisy.path.At(i / 30. + 1);
+    const Rigid3d turn = exact.Inverse() * poses[i].Inverse() * poses[i + 30];
+    sum += std::pow(RotationAngle(turn.rotation), 2) / count;
+  }
+  return std::sqrt(sum);
+}
+
+TEST(SmoothByImu, ReducesTheTurnOfADriftingMapByAThird) {
+  for (const int seed : {1, 2, 3}) {
+    NoisyRegistrations noisy(300, seed);
+    std::mt19937_64 rng(seed);
+    DriftingMap map(noisy.path, &rng);
+    for (PoseToSmooth& pose : noisy.poses) {
+      pose.world_from_camera =
+          NoisyPose(map.At(pose.stamp_s), pose.stamp_s, 0.0005, 0.001, &rng).world_from_camera;
+      pose.registered = pose.world_from_camera;
+      pose.covariance = NoisyPose(Rigid3d(), 0, 0.0005, 0.001, &rng).covariance;
+    }
+    EXPECT_LT(TurnError(noisy, noisy.Smoothed()), TurnError(noisy, noisy.Given()) * 2 / 3) << seed;
+  }
+}
+
 TEST(SmoothByImu, OutlierOfRegistrationMovesItsFrameLittle) {
   NoisyRegistrations noisy(120);
   noisy.poses[60].registered->translation.x() += 0.2;

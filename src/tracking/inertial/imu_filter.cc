@@ -28,6 +28,7 @@ constexpr double kMinStart_s = 0.4;
 constexpr double kMaxSpeedSigma = 0.15, kMaxGravitySigma = 3 * kRadPerDeg;
 constexpr double kGravityLengthSigma = 0.03;
 constexpr double kMaxDistance2 = 50;
+constexpr double kMapDrift_rad = 0.00175, kMapDrift_m = 0.005;  // in one second
 
 // Unknowns of the start: rotation, position and velocity at the last pose, accelerometer bias,
 // gravity, lever arm.
@@ -101,6 +102,13 @@ double DirectionSigma(const Matrix3d& covariance, const Vector3d& gravity) {
 }
 
 }  // namespace
+
+Matrix6d MapDrift(double seconds) {
+  Vector6d variances;
+  variances << Vector3d::Constant(kMapDrift_rad * kMapDrift_rad),
+      Vector3d::Constant(kMapDrift_m * kMapDrift_m);
+  return (seconds * variances).asDiagonal();
+}
 
 std::optional<ImuFilter> ImuFilter::Start(const std::vector<ImuSample>* samples,
                                           const std::vector<RegisteredPose>& poses,
@@ -276,6 +284,16 @@ std::optional<double> ImuFilter::Correct(const RegisteredPose& pose) {
   gravity_ += step.segment<3>(kOfGravity);
   lever_arm_ += step.segment<3>(kOfArm);
   return distance2;
+}
+
+// The drift w [rad], v [m] is a left perturbation of the world about the sensor.
+void ImuFilter::AddMapDrift(double seconds) {
+  Eigen::MatrixXd drift = Eigen::MatrixXd::Zero(kSize, 6);
+  drift.block<3, 3>(kOfTurn, 0) = state_.world_from_imu.rotation.conjugate().toRotationMatrix();
+  drift.block<3, 3>(kOfPlace, 3).setIdentity();
+  drift.block<3, 3>(kOfSpeed, 0) = -CrossMatrix<double>(state_.velocity_m_per_s);
+  drift.block<3, 3>(kOfGravity, 0) = -CrossMatrix<double>(gravity_);
+  covariance_ += drift * MapDrift(seconds) * drift.transpose();
 }
 
 void ImuFilter::Recalibrate(const ImuCalibration& calibration) {

@@ -24,6 +24,11 @@ struct RegisteredPose {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
+// Covariance (rad, m) of the drift of a map in some seconds, in the camera frame: 0.1 degrees and
+// 5 mm per axis in one second, and a random walk over longer times. Registration holds the camera
+// in the map, but the errors of new surfaces add up.
+Matrix6d MapDrift(double seconds);
+
 // Error-state Kalman filter of pose, velocity, biases, gravity and lever arm of an inertial sensor.
 // The order of the errors, true minus estimated, is
 //   rotation (right perturbation, sensor frame), position, velocity (world), gyroscope bias,
@@ -54,6 +59,8 @@ class ImuFilter {
   // 50 increases the covariance of the pose, so that it does not exceed 50. Returns std::nullopt
   // without samples; the state is then unchanged.
   std::optional<double> Correct(const RegisteredPose& pose);
+  // Adds the drift of the map in some seconds. Pose, velocity and gravity turn against the map.
+  void AddMapDrift(double seconds);
   // Replaces rotation and time offset of the calibration. The camera pose stays.
   void Recalibrate(const ImuCalibration& calibration);
   // Applies a correction of the world frame.

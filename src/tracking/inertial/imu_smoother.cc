@@ -6,11 +6,13 @@
 #include <array>
 #include <cmath>
 
+#include "cost_functions/analytic_relative_pose.h"
 #include "cost_functions/inertial_motion.h"
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/sensor_prior.h"
 #include "registration/solvers/decompositions.h"
 #include "surfit/core/parallel.h"
+#include "tracking/inertial/imu_filter.h"
 
 namespace surfit {
 namespace {
@@ -21,6 +23,8 @@ constexpr std::size_t kMinPoses = 5;
 constexpr double kMinChain_s = 0.4;
 // Frames of a chunk, and frames at each end that only help its middle.
 constexpr std::size_t kChunk = 450, kOverlap = 150;
+// Time between two poses of the map, and the time after which its drift does not grow.
+constexpr double kMapStep_s = 0.25, kMapTime_s = 10;
 // Squared error of a registered pose from which it counts less: 99.9 % of chi-square with 6 degrees
 // of freedom.
 constexpr double kMaxSquaredError = 22.457744;
@@ -50,6 +54,7 @@ class Chunk {
         const std::vector<PoseToSmooth>& poses, std::size_t begin, std::size_t end)
       : calibration_(calibration), poses_(end - begin), motions_(end - begin) {
     for (std::size_t i = 0; i < poses_.size(); ++i) AddPose(poses[begin + i], i);
+    AddRegistrations(poses, begin);
     Vector3d force = Vector3d::Zero();
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       const PoseToSmooth& pose = poses[begin + i];
@@ -66,6 +71,12 @@ class Chunk {
     problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<BiasPrior, 6, kMotionSize>(
                                   new BiasPrior(calibration.noise)),
                               nullptr, motions_[0].data());
+  }
+
+  // Keeps a pose of the chunk before.
+  void Fix(std::size_t i, const Rigid3d& world_from_camera) {
+    PoseToBlock(world_from_camera, poses_[i].data());
+    problem_.SetParameterBlockConstant(poses_[i].data());
   }
 
   // Returns false if there is no solution.
@@ -89,11 +100,48 @@ class Chunk {
     PoseToBlock(pose.world_from_camera, block);
     problem_.AddParameterBlock(block, kPoseSize, new ProductPoseManifold);
     problem_.AddParameterBlock(motions_[i].data(), kMotionSize);
-    if (!pose.registered) return;
+  }
+
+  // Registered poses are poses in the map. Their residuals are those of an edge from the map.
+  void AddRegistrations(const std::vector<PoseToSmooth>& poses, std::size_t begin) {
+    maps_.reserve(poses_.size());  // Ceres keeps pointers to the blocks
+    double since_s = 0;
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      const PoseToSmooth& pose = poses[begin + i];
+      if (!pose.registered) continue;
+      const double seconds = maps_.empty() ? kMapStep_s : pose.stamp_s - since_s;
+      if (seconds >= kMapStep_s) {
+        AddMap(seconds, *pose.registered);
+        since_s = pose.stamp_s;
+      }
+      problem_.AddResidualBlock(
+          new AnalyticRelativePose(*pose.registered, InMap(pose.covariance, *pose.registered)),
+          new ceres::HuberLoss(std::sqrt(kMaxSquaredError)), maps_.back().data(), poses_[i].data());
+    }
+  }
+
+  // Adds the pose of the map from a time on. The drift since the last map is a random walk. The
+  // drift from the identity has the variance of a random walk with the time constant: the terms are
+  // those of an Ornstein-Uhlenbeck process.
+  void AddMap(double seconds, const Rigid3d& map_from_camera) {
+    double* const map = maps_.emplace_back().data();
+    PoseToBlock(Rigid3d(), map);
+    problem_.AddParameterBlock(map, kPoseSize, new ProductPoseManifold);
+    const Matrix6d in_all = MapDrift(kMapTime_s * kMapTime_s / seconds);
     problem_.AddResidualBlock(
         new ceres::AutoDiffCostFunction<SensorPrior, 6, kPoseSize>(
-            new SensorPrior(Rigid3d(), *pose.registered, SymmetricInverse(pose.covariance))),
-        new ceres::HuberLoss(std::sqrt(kMaxSquaredError)), block);
+            new SensorPrior(Rigid3d(), Rigid3d(), InMap(in_all, map_from_camera))),
+        nullptr, map);
+    if (maps_.size() == 1) return;
+    problem_.AddResidualBlock(
+        new AnalyticRelativePose(Rigid3d(), InMap(MapDrift(seconds), map_from_camera)), nullptr,
+        maps_[maps_.size() - 2].data(), map);
+  }
+
+  // Information in the map of a covariance in the camera frame.
+  static PoseInformation InMap(const Matrix6d& covariance, const Rigid3d& map_from_camera) {
+    const Matrix6d transform = IncrementTransform(map_from_camera);
+    return SymmetricInverse(transform * covariance * transform.transpose());
   }
 
   // The start of each velocity is that of the camera.
@@ -115,6 +163,7 @@ class Chunk {
   ImuCalibration calibration_;
   std::vector<std::array<double, kPoseSize>> poses_;
   std::vector<std::array<double, kMotionSize>> motions_;
+  std::vector<std::array<double, kPoseSize>> maps_;  // world_from_map, in the order of time
   std::array<double, 3> gravity_ = {0, 0, 0};
   ceres::Problem problem_;
 };
@@ -136,6 +185,7 @@ Vector3d SmoothChain(const std::vector<ImuSample>& samples, const ImuCalibration
                      const std::vector<PoseToSmooth>& poses, std::size_t begin, std::size_t end,
                      std::vector<Rigid3d>* smoothed) {
   Vector3d up = Vector3d::Zero();
+  std::size_t solved = 0;  // end of the last chunk with a solution
   for (std::size_t from = begin; from < end; from += kChunk) {
     const std::size_t to = std::min(end, from + kChunk);
     const std::size_t first = from - std::min(from - begin, kOverlap);
@@ -143,7 +193,10 @@ Vector3d SmoothChain(const std::vector<ImuSample>& samples, const ImuCalibration
     if (last - first < kMinPoses || poses[last - 1].stamp_s - poses[first].stamp_s < kMinChain_s)
       continue;
     Chunk chunk(samples, calibration, poses, first, last);
+    for (std::size_t i = first; solved == from && i < from; ++i)
+      chunk.Fix(i - first, (*smoothed)[i]);
     if (!chunk.Solve()) continue;
+    solved = to;
     for (std::size_t i = from; i < to; ++i) (*smoothed)[i] = chunk.Pose(i - first);
     up += static_cast<double>(to - from) * chunk.Up();
   }

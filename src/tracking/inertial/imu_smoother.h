@@ -31,13 +31,15 @@ struct SmoothedPoses {
 
 // Returns the poses of all frames that fit both the registered poses and the
 // inertial measurements between them best. Ceres minimises the sum of
-// - SensorPrior, with a Huber kernel, for each registered pose
+// - AnalyticRelativePose, with a Huber kernel, from the map to each registered pose
+// - AnalyticRelativePose between consecutive poses of the map, see MapDrift(), and SensorPrior that
+//   keeps the map in its place over more than 10 s
 // - AnalyticInertialMotion for consecutive poses, with velocity and biases at each pose
 // - priors of the biases
-// The direction of gravity is free, its length is fixed. Registered poses have no inertial drift:
-// they hold the place in the map. The map can tilt slowly, so poses are solved in overlapping
-// chunks of 450 frames. A chunk without a solution keeps its poses. A chain of less than 5 poses or
-// 0.4 s keeps its poses, too. Runs on one thread: the result is bitwise reproducible.
+// The map is one rigid body that drifts slowly. The direction of gravity is free, its length is
+// fixed. Poses are solved in overlapping chunks of 450 frames; each continues the one before. A
+// chunk without a solution keeps its poses. A chain of less than 5 poses or 0.4 s keeps its poses,
+// too. Runs on one thread: the result is bitwise reproducible.
 SmoothedPoses SmoothByImu(const std::vector<ImuSample>& samples, const ImuCalibration& calibration,
                           const std::vector<PoseToSmooth>& poses);
 

@@ -174,6 +174,7 @@ void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& 
     const std::optional<double> distance2 =
         seconds <= kMaxImuBridge_s ? filter_->Correct(Registered(pose)) : std::nullopt;
     if (distance2) {
+      filter_->AddMapDrift(std::min(seconds, kBridge_s));
       if (predicted && predicted->covariance) {
         AddError(predicted->world_from_camera.Inverse() * pose.registered);
       }
