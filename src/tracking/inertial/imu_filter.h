@@ -24,9 +24,9 @@ struct RegisteredPose {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
-// Covariance (rad, m) of the drift of a map in some seconds, in the camera frame: 0.1 degrees and
-// 5 mm per axis in one second, and a random walk over longer times. Registration holds the camera
-// in the map, but the errors of new surfaces add up.
+// Covariance (rad, m) of the drift of a map in some seconds, in the camera frame. Registration
+// holds the camera in the map, but the errors of new surfaces add up. The drift is a random walk
+// with standard deviations of 0.1 degrees and 5 mm per axis in one second.
 Matrix6d MapDrift(double seconds);
 
 // Error-state Kalman filter of pose, velocity, biases, gravity and lever arm of an inertial sensor.

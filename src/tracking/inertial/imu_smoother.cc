@@ -21,9 +21,9 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kMinPoses = 5;
 constexpr double kMinChain_s = 0.4;
-// Frames of a chunk, and frames at each end that only help its middle.
+// Frames of a chunk, and frames of its neighbours on both sides.
 constexpr std::size_t kChunk = 450, kOverlap = 150;
-// Time between two poses of the map, and the time after which its drift does not grow.
+// Time between two poses of the map, and the time constant of its drift.
 constexpr double kMapStep_s = 0.25, kMapTime_s = 10;
 // Squared error of a registered pose from which it counts less: 99.9 % of chi-square with 6 degrees
 // of freedom.
@@ -120,9 +120,9 @@ class Chunk {
     }
   }
 
-  // Adds the pose of the map from a time on. The drift since the last map is a random walk. The
-  // drift from the identity has the variance of a random walk with the time constant: the terms are
-  // those of an Ornstein-Uhlenbeck process.
+  // Adds the next pose of the map. Its drift since the last pose is a random walk. Its drift from
+  // the identity has the variance of a random walk over the time constant. Both are the terms of an
+  // Ornstein-Uhlenbeck process.
   void AddMap(double seconds, const Rigid3d& map_from_camera) {
     double* const map = maps_.emplace_back().data();
     PoseToBlock(Rigid3d(), map);
