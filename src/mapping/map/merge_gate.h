@@ -41,12 +41,25 @@ class MergeGate {
   template <typename Number>
   Number SquaredDistanceOnRay(const PatchOf<Number>& point, const Number& point_radius_m,
                               const PatchOf<Number>& surfel) const {
+    return SquaredDistanceOnRayWithin(SquaredReach(point_radius_m), point, surfel);
+  }
+
+  // Squared upper limit of |a| for a point of this radius.
+  template <typename Number>
+  Number SquaredReach(const Number& point_radius_m) const {
     const Number reach = Least(point_radius_m, Number(max_spacing_m_));
+    return reach * reach;
+  }
+
+  // As SquaredDistanceOnRay(), with the SquaredReach() of the point instead of its radius.
+  template <typename Number>
+  Number SquaredDistanceOnRayWithin(const Number& reach2, const PatchOf<Number>& point,
+                                    const PatchOf<Number>& surfel) const {
     const Number dx = point.x - surfel.x, dy = point.y - surfel.y, dz = point.z - surfel.z;
     const Number along = surfel.nx * dx + surfel.ny * dy + surfel.nz * dz;
     const Number share = along / (surfel.nx * point.x + surfel.ny * point.y + surfel.nz * point.z);
     const Number ax = dx - share * point.x, ay = dy - share * point.y, az = dz - share * point.z;
-    return IfMatching(reach, along * along, ax * ax + ay * ay + az * az, point, surfel);
+    return IfMatching(reach2, along * along, ax * ax + ay * ay + az * az, point, surfel);
   }
 
   // Half size of the box around a surfel with this normal that has all matches of
@@ -60,8 +73,7 @@ class MergeGate {
   template <typename Number>
   Number SquaredDistance(const PatchOf<Number>& point, const Number& point_radius_m,
                          const PatchOf<Number>& surfel) const {
-    const Number reach = Least(point_radius_m, Number(max_spacing_m_));
-    return SquaredDistanceWithin(reach, point, surfel);
+    return SquaredDistanceWithin(SquaredReach(point_radius_m), point, surfel);
   }
 
   // Squared distance of two duplicate surfels along and across the normal of `b`; kNever for other
@@ -71,7 +83,8 @@ class MergeGate {
   Number SquaredDistanceOfDuplicates(const PatchOf<Number>& a, const Number& radius_a_m,
                                      const PatchOf<Number>& b, const Number& radius_b_m) const {
     const Number least = Least(Least(radius_a_m, radius_b_m), Number(max_spacing_m_));
-    return SquaredDistanceWithin(Number(duplicate_ratio_) * least, a, b);
+    const Number reach = Number(duplicate_ratio_) * least;
+    return SquaredDistanceWithin(reach * reach, a, b);
   }
 
  private:
@@ -81,20 +94,20 @@ class MergeGate {
   }
 
   template <typename Number>
-  Number SquaredDistanceWithin(const Number& reach, const PatchOf<Number>& point,
+  Number SquaredDistanceWithin(const Number& reach2, const PatchOf<Number>& point,
                                const PatchOf<Number>& surfel) const {
     const Number dx = point.x - surfel.x, dy = point.y - surfel.y, dz = point.z - surfel.z;
     const Number along = surfel.nx * dx + surfel.ny * dy + surfel.nz * dz;
     const Number along2 = along * along;
-    return IfMatching(reach, along2, dx * dx + dy * dy + dz * dz - along2, point, surfel);
+    return IfMatching(reach2, along2, dx * dx + dy * dy + dz * dz - along2, point, surfel);
   }
 
   template <typename Number>
-  Number IfMatching(const Number& reach, const Number& along2, const Number& across2,
+  Number IfMatching(const Number& reach2, const Number& along2, const Number& across2,
                     const PatchOf<Number>& point, const PatchOf<Number>& surfel) const {
     const Number cosine = surfel.nx * point.nx + surfel.ny * point.ny + surfel.nz * point.nz;
     const auto near = along2 <= Number(max_distance_m_ * max_distance_m_);
-    const auto above = (reach > Number(0.f)) & (across2 <= reach * reach);
+    const auto above = (reach2 > Number(0.f)) & (across2 <= reach2);
     return Select(near & above & (cosine >= Number(min_cosine_)), along2 + across2, Number(kNever));
   }
 

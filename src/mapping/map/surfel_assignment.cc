@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 
 #include "mapping/map/eight_records.h"
 #include "surfit/core/lanes.h"
@@ -9,130 +10,112 @@
 
 namespace surfit {
 
-// Patches of an image row as a structure of arrays. Zero padding: one patch on the left, eight
-// patches on the right.
-class PatchRow {
+// Points of an image row as a structure of arrays, with their assignments. Zero padding: one point
+// on the left, eight points on the right.
+class PointRow {
  public:
-  explicit PatchRow(int width) : stride_(width + 9), numbers_(kNumbers * stride_, 0.f) {}
+  enum Plane { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kReach2, kLeast, kState, kPlanes };
 
-  // Sets the patches of columns u to u + 7. A record has the patch (6 floats), radius and
-  // confidence. The first `count` floats are stored. Records after the end of the row must be zero.
+  explicit PointRow(int width) : stride_(width + 9), numbers_(kPlanes * stride_, 0.f) {}
+
+  // Sets the points. None is assigned.
   template <typename Instructions>
-  void SetEight(int u, const float* const (&records)[8], int count) {
-    Lanes<float, Instructions> columns[kNumbers];
-    EightRecords<Instructions>::Load(records, columns);
-    for (int i = 0; i < count; ++i) columns[i].Store(&numbers_[i * stride_ + u + 1]);
-  }
+  void Set(const MergeGate& gate, const MeasuredPoint* points, int width);
 
-  template <typename Numbers>
-  PatchOf<Numbers> Patches(int u) const {
-    return {Load<Numbers>(0, u), Load<Numbers>(1, u), Load<Numbers>(2, u),
-            Load<Numbers>(3, u), Load<Numbers>(4, u), Load<Numbers>(5, u)};
-  }
-  template <typename Numbers>
-  Numbers Radii(int u) const {
-    return Load<Numbers>(6, u);
-  }
-  template <typename Numbers>
-  Numbers Confidences(int u) const {
-    return Load<Numbers>(7, u);
-  }
+  // Address of the value of column u. kReach2: MergeGate::SquaredReach(), 0 without a point.
+  // kLeast: squared distance to the surfel. kState: SurfelAssignment::State.
+  float* At(Plane plane, int u) { return &numbers_[plane * stride_ + u + 1]; }
 
  private:
-  template <typename Numbers>
-  Numbers Load(int i, int u) const {
-    return Numbers::Load(&numbers_[i * stride_ + u + 1]);
-  }
-
-  static constexpr int kNumbers = 8;
-
   const int stride_;
   std::vector<float> numbers_;
 };
 
-// Results of Meet() for an image row. Padding allows vector stores after the last pixel.
-struct RowOutcome {
-  explicit RowOutcome(int width) : state(width + 7), superfluous(width + 7) {}
-
-  std::vector<std::int32_t> state;  // values of SurfelAssignment::State
-  std::vector<std::int32_t> superfluous;
-};
-
 namespace {
 
-constexpr int kPixelsAhead = 16;
+constexpr int kSurfelsAhead = 8;
 
-constexpr float kNoRecord[8] = {};
+template <typename V>
+using HalfOf = typename V::Half;
 
-void LoadPoints(const MeasuredPoint* points, int width, PatchRow* row) {
-  static_assert(offsetof(MeasuredPoint, patch) == 0 &&
-                offsetof(MeasuredPoint, radius_m) == 6 * sizeof(float));
-  WithInstructions([&](auto instructions) {
-    for (int u = 0; u < width; u += 8) {
-      const float* records[8];
-      for (int k = 0; k < 8; ++k) {
-        records[k] = u + k < width ? reinterpret_cast<const float*>(&points[u + k]) : kNoRecord;
-      }
-      row->SetEight<decltype(instructions)>(u, records, 7);
-    }
-  });
+// Values of the eight pixels around column u, in the order of kStateAround. Each argument is the
+// address of column u in its row.
+template <typename V>
+V LoadAround(const float* above, const float* own, const float* below) {
+  HalfOf<V> low, high;
+  std::memcpy(&low, above - 1, sizeof(low));
+  std::memcpy(&high, below - 1, sizeof(high));
+  low[3] = own[-1];
+  high[3] = own[1];
+  return V(__builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7));
 }
 
-void LoadSurfels(Candidate* const* own, int width, PatchRow* row) {
-  static_assert(offsetof(Candidate, patch) == 0 &&
-                offsetof(Candidate, radius_m) == 6 * sizeof(float) &&
-                offsetof(Candidate, confidence) == 7 * sizeof(float));
-  WithInstructions([&](auto instructions) {
-    for (int u = 0; u < width; u += 8) {
-      const float* records[8];
-      for (int k = 0; k < 8; ++k) {
-        if (u + k + kPixelsAhead < width) __builtin_prefetch(own[u + k + kPixelsAhead]);
-        const Candidate* const candidate = u + k < width ? own[u + k] : nullptr;
-        records[k] = candidate ? reinterpret_cast<const float*>(candidate) : kNoRecord;
-      }
-      row->SetEight<decltype(instructions)>(u, records, 8);
-    }
-  });
+template <typename V>
+void StoreAround(const V& value, float* above, float* own, float* below) {
+  const HalfOf<V> low = __builtin_shufflevector(value.v, value.v, 0, 1, 2, 3);
+  const HalfOf<V> high = __builtin_shufflevector(value.v, value.v, 4, 5, 6, 7);
+  std::memcpy(above - 1, &low, 3 * sizeof(float));
+  std::memcpy(below - 1, &high, 3 * sizeof(float));
+  own[-1] = low[3];
+  own[1] = high[3];
 }
 
-// Assigns each point of a pixel row to the nearest surfel of the 3 x 3 neighbourhood. If distances
-// are equal, the first surfel in row order wins. Also marks surfels of the middle row that
-// duplicate a neighbour of higher confidence.
+// SurfelAssignment::State of the points above, on the left, below and on the right, if they are
+// assigned to the surfel between them.
+constexpr float kStateAround[8] = {8, 7, 6, 5, 2, 1, 0, 3};
+
+// Assigns the points around a surfel to this surfel if it is nearer than their surfels before.
 template <typename Instructions>
-void Meet(const MergeGate& gate, const PatchRow& points, const PatchRow* const rows[3], int width,
-          RowOutcome* outcome) {
-  using Numbers = Lanes<float, Instructions>;
-  const Numbers never = MergeGate::kNever, zero = 0.f, one = 1.f;
-  for (int u = 0; u < width; u += Numbers::kCount) {
-    const PatchOf<Numbers> point = points.Patches<Numbers>(u);
-    const PatchOf<Numbers> own = rows[1]->Patches<Numbers>(u);
-    const Numbers point_radius = points.Radii<Numbers>(u), radius = rows[1]->Radii<Numbers>(u);
-    const Numbers confidence = rows[1]->Confidences<Numbers>(u);
-    Numbers least = never, superfluous = zero;
-    const auto has_point = point_radius > zero;
-    Numbers state =
-        Select(has_point, Numbers(SurfelAssignment::kOpen), Numbers(SurfelAssignment::kNoPoint));
-    for (int k = 0; k < 9 && Numbers::Any(has_point); ++k) {
-      const PatchRow& row = *rows[k / 3];
-      const int beside = u + k % 3 - 1;
-      const PatchOf<Numbers> other = row.Patches<Numbers>(beside);
-      const Numbers distance2 = gate.SquaredDistanceOnRay(point, point_radius, other);
-      const auto nearer = distance2 < least;
-      least = Select(nearer, distance2, least);
-      state = Select(nearer, Numbers(k), state);
-      if (k == SurfelAssignment::kOwn) continue;
-      const Numbers gain = row.Confidences<Numbers>(beside) - confidence;
-      const auto better = k < SurfelAssignment::kOwn ? gain >= zero : gain > zero;
-      const Numbers apart2 =
-          gate.SquaredDistanceOfDuplicates(own, radius, other, row.Radii<Numbers>(beside));
-      superfluous = Select(Numbers::Both(better, apart2 < never), one, superfluous);
-    }
-    state.StoreTruncated(&outcome->state[u]);
-    superfluous.StoreTruncated(&outcome->superfluous[u]);
+void Meet(const MergeGate& gate, const Candidate& candidate, int u, PointRow* const (&rows)[3]) {
+  using V = Lanes<float, Instructions>;
+  const auto load = [&](PointRow::Plane plane) {
+    return LoadAround<V>(rows[0]->At(plane, u), rows[1]->At(plane, u), rows[2]->At(plane, u));
+  };
+  const auto store = [&](const V& value, PointRow::Plane plane) {
+    StoreAround(value, rows[0]->At(plane, u), rows[1]->At(plane, u), rows[2]->At(plane, u));
+  };
+  const Patch& p = candidate.patch;
+  const PatchOf<V> surfel = {p.x, p.y, p.z, p.nx, p.ny, p.nz};
+  const PatchOf<V> points = {load(PointRow::kX),       load(PointRow::kY),
+                             load(PointRow::kZ),       load(PointRow::kNormalX),
+                             load(PointRow::kNormalY), load(PointRow::kNormalZ)};
+  const V distance2 = gate.SquaredDistanceOnRayWithin(load(PointRow::kReach2), points, surfel);
+  const V before = load(PointRow::kLeast);
+  const auto nearer = distance2 < before;
+  store(Select(nearer, distance2, before), PointRow::kLeast);
+  store(Select(nearer, V::Load(kStateAround), load(PointRow::kState)), PointRow::kState);
+  float* const least = rows[1]->At(PointRow::kLeast, u);
+  if (candidate.distance2 < *least) {
+    *least = candidate.distance2;
+    *rows[1]->At(PointRow::kState, u) = SurfelAssignment::kOwn;
   }
 }
 
 }  // namespace
+
+template <typename Instructions>
+void PointRow::Set(const MergeGate& gate, const MeasuredPoint* points, int width) {
+  static_assert(sizeof(MeasuredPoint) == 8 * sizeof(float) && offsetof(MeasuredPoint, patch) == 0 &&
+                offsetof(MeasuredPoint, radius_m) == 6 * sizeof(float));
+  using V = Lanes<float, Instructions>;
+  constexpr int kRadius = 6;
+  static constexpr float kNoRecord[8] = {};
+  for (int u = 0; u < width; u += V::kCount) {
+    const auto* const eight = reinterpret_cast<const float*>(points + u);
+    const float* records[8];
+    for (int k = 0; k < 8; ++k) records[k] = eight + 8 * k;
+    for (int k = width - u; k < 8; ++k) records[k] = kNoRecord;
+    V columns[8];
+    EightRecords<Instructions>::Load(records, columns);
+    const V radius = columns[kRadius];
+    float* const to = At(kX, u);
+    for (int plane = 0; plane < kRadius; ++plane) columns[plane].Store(to + plane * stride_);
+    gate.SquaredReach(radius).Store(to + kReach2 * stride_);
+    V(MergeGate::kNever).Store(to + kLeast * stride_);
+    Select(radius > V(0.f), V(SurfelAssignment::kOpen), V(SurfelAssignment::kNoPoint))
+        .Store(to + kState * stride_);
+  }
+}
 
 void SurfelAssignment::SetCandidates(int width, int height, std::vector<CandidateList>* lists) {
   width_ = width;
@@ -189,35 +172,81 @@ int SurfelAssignment::AssignAll(const std::vector<MeasuredPoint>& points) {
 
 int SurfelAssignment::ChooseBand(const std::vector<MeasuredPoint>& points, int begin, int end) {
   for (std::vector<int>& phase : open_[begin / kBandRows]) phase.clear();
-  PatchRow of_points(width_);
-  std::vector<PatchRow> surfels(3, PatchRow(width_));
-  const PatchRow none(width_);
-  RowOutcome outcome(width_);
-  if (begin > 0) LoadSurfels(own_.row(begin - 1), width_, &surfels[(begin - 1) % 3]);
-  LoadSurfels(own_.row(begin), width_, &surfels[begin % 3]);
-  int count = 0;
-  for (int v = begin; v < end; ++v) {
-    if (v + 1 < height_) LoadSurfels(own_.row(v + 1), width_, &surfels[(v + 1) % 3]);
-    LoadPoints(&points[static_cast<std::size_t>(v) * width_], width_, &of_points);
-    const PatchRow* const rows[] = {v > 0 ? &surfels[(v - 1) % 3] : &none, &surfels[v % 3],
-                                    v + 1 < height_ ? &surfels[(v + 1) % 3] : &none};
+  std::vector<PointRow> rows(3, PointRow(width_));
+  PointRow none(width_);
+  const auto row = [&](int v) { return v >= begin && v < end ? &rows[v % 3] : &none; };
+  const auto load = [&](int v) {
+    if (v < begin || v >= end) return;
+    const MeasuredPoint* const first = &points[static_cast<std::size_t>(v) * width_];
     WithInstructions([&](auto instructions) {
-      Meet<decltype(instructions)>(gate_, of_points, rows, width_, &outcome);
+      row(v)->template Set<decltype(instructions)>(gate_, first, width_);
     });
-    count += Keep(v, outcome);
+  };
+  std::vector<int> columns(width_);
+  load(begin);
+  int count = 0;
+  // Surfels of the rows next to the band also meet its points.
+  for (int v = std::max(0, begin - 1); v < std::min(end + 1, height_); ++v) {
+    load(v + 1);
+    const Candidate* const* const own = own_.row(v);
+    int surfels = 0;
+    for (int u = 0; u < width_; ++u) {
+      columns[surfels] = u;
+      surfels += own[u] != nullptr;
+    }
+    PointRow* const around[] = {row(v - 1), row(v), row(v + 1)};
+    WithInstructions([&](auto instructions) {
+      for (int k = 0; k < surfels; ++k) {
+        __builtin_prefetch(own[columns[std::min(k + kSurfelsAhead, surfels - 1)]]);
+        Meet<decltype(instructions)>(gate_, *own[columns[k]], columns[k], around);
+      }
+    });
+    for (int k = 0; k < surfels; ++k) MarkDuplicates(columns[k], v, begin, end);
+    if (v > begin) count += Keep(v - 1, row(v - 1)->At(PointRow::kState, 0));
   }
+  if (end == height_) count += Keep(end - 1, row(end - 1)->At(PointRow::kState, 0));
   return count;
 }
 
-int SurfelAssignment::Keep(int v, const RowOutcome& outcome) {
+// Compares the surfel of a pixel with the surfels of the four next pixels in row order. Marks the
+// less confident one of two duplicates, or the second one, if it is in the rows [begin, end).
+void SurfelAssignment::MarkDuplicates(int u, int v, int begin, int end) {
+  Candidate* const first = own_(u, v);
+  const auto compare = [&](int second_u, int second_v) {
+    Candidate* const second = own_(second_u, second_v);
+    if (!second) return;
+    const bool is_first_worse = second->confidence > first->confidence;
+    const int row = is_first_worse ? v : second_v;
+    if (row < begin || row >= end) return;
+    Candidate* const worse = is_first_worse ? first : second;
+    const Candidate* const better = is_first_worse ? second : first;
+    const float apart2 = gate_.SquaredDistanceOfDuplicates(worse->patch, worse->radius_m,
+                                                           better->patch, better->radius_m);
+    if (apart2 != MergeGate::kNever) worse->is_duplicate = true;
+  };
+  const bool has_left = u > 0, has_right = u + 1 < width_;
+  if (has_right) compare(u + 1, v);
+  if (v + 1 == height_) return;
+  if (has_left) compare(u - 1, v + 1);
+  compare(u, v + 1);
+  if (has_right) compare(u + 1, v + 1);
+}
+
+int SurfelAssignment::Keep(int v, const float* state_of_column) {
   auto& open = open_[v / kBandRows];
-  State* states = states_.row(v + 1) + 1;
-  int count = 0;
-  for (int u = 0; u < width_; ++u) {
-    states[u] = static_cast<State>(outcome.state[u]);
-    count += states[u] != kNoPoint;
-    if (states[u] == kOpen) open[2 * (v % 2) + u % 2].push_back(v * width_ + u);
-    if (outcome.superfluous[u]) own_(u, v)->is_duplicate = true;
+  State* const states = states_.row(v + 1) + 1;
+  const int width = width_;
+  const int count = WithInstructions([&](auto) {
+    int points = 0;
+    for (int u = 0; u < width; ++u) {
+      const int state = static_cast<int>(state_of_column[u]);
+      states[u] = static_cast<State>(state);
+      points += state != kNoPoint;
+    }
+    return points;
+  });
+  for (int u = 0; u < width; ++u) {
+    if (states[u] == kOpen) open[2 * (v % 2) + u % 2].push_back(v * width + u);
   }
   return count;
 }

@@ -71,8 +71,6 @@ class CandidateFinder {
   const int active_since_;
 };
 
-struct RowOutcome;
-
 // Assigns each point to the nearest matching candidate of 3 x 3 pixels. Order per frame:
 // SetCandidates(), AssignAll(), then AssignmentsOfRow(), and SelectNew(). Not thread-safe, except
 // AssignmentsOfRow().
@@ -109,7 +107,8 @@ class SurfelAssignment {
  private:
   void SetCandidates(int band, std::vector<CandidateList>* lists);
   int ChooseBand(const std::vector<MeasuredPoint>& points, int begin, int end);
-  int Keep(int v, const RowOutcome& outcome);
+  void MarkDuplicates(int u, int v, int begin, int end);
+  int Keep(int v, const float* state_of_column);
   void SelectNewOfPhase(const std::vector<MeasuredPoint>& points, int band, int phase);
   bool IsCovered(const std::vector<MeasuredPoint>& points, int pixel) const;
   std::size_t PaddedIndex(int pixel) const {
