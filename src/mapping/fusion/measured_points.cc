@@ -11,12 +11,6 @@
 namespace surfit {
 namespace {
 
-float FreeDepth(float depth_m, const DepthNoise& noise, const FusionOptions& options) {
-  if (!(depth_m > 0)) return 0.f;
-  const float sigma = static_cast<float>(noise.inverse_depth_sigma) * depth_m * depth_m;
-  return std::max(0.f, depth_m - options.free_space_margin_m - 4.f * sigma);
-}
-
 class Points {
  public:
   Points(const Image<float>& depth_m, const FrameLevel& surface, const FusionOptions& options)
@@ -130,24 +124,35 @@ void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const Fusi
 Image<float> FreeDepths(const Image<float>& depth_m, const DepthNoise& noise,
                         const FusionOptions& options) {
   const int width = depth_m.width(), height = depth_m.height();
+  const float margin = options.free_space_margin_m;
+  const auto inverse_depth_sigma = static_cast<float>(noise.inverse_depth_sigma);
   Image<float> along_rows, result;
   along_rows.Resize(width, height);
   result.Resize(width, height);
+  const auto least_of = [width](const float* a, const float* b, const float* c, float* least) {
+    WithInstructions([&](auto) {
+      for (int u = 0; u < width; ++u) least[u] = std::min(std::min(a[u], b[u]), c[u]);
+    });
+  };
   ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
-    std::vector<float> own(width + 2, std::numeric_limits<float>::infinity());
+    std::vector<float> padded(width + 2, std::numeric_limits<float>::infinity());
+    float* const own = padded.data() + 1;
     for (int v = begin; v < end; ++v) {
-      for (int u = 0; u < width; ++u) own[u + 1] = FreeDepth(depth_m(u, v), noise, options);
-      float* out = along_rows.row(v);
-      for (int u = 0; u < width; ++u) out[u] = std::min(std::min(own[u], own[u + 1]), own[u + 2]);
+      const float* const depth = depth_m.row(v);
+      WithInstructions([&](auto) {
+        for (int u = 0; u < width; ++u) {
+          const float sigma = inverse_depth_sigma * depth[u] * depth[u];
+          const float free = depth[u] - margin - 4.f * sigma;
+          own[u] = (depth[u] > 0) & (free > 0) ? free : 0.f;
+        }
+      });
+      least_of(own - 1, own, own + 1, along_rows.row(v));
     }
   });
   ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
     for (int v = begin; v < end; ++v) {
-      const float* above = along_rows.row(std::max(0, v - 1));
-      const float* own = along_rows.row(v);
-      const float* below = along_rows.row(std::min(height - 1, v + 1));
-      float* out = result.row(v);
-      for (int u = 0; u < width; ++u) out[u] = std::min(std::min(above[u], own[u]), below[u]);
+      least_of(along_rows.row(std::max(0, v - 1)), along_rows.row(v),
+               along_rows.row(std::min(height - 1, v + 1)), result.row(v));
     }
   });
   return result;
