@@ -1,5 +1,8 @@
 #include "frame/register_color.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
 #include <vector>
 
 #include "frame/lens.h"
@@ -43,6 +46,68 @@ void ProjectRow(const PointRow& points, const float* depth_m, int width,
   }
 }
 
+// Eight pixels with four bytes each, and eight weights.
+using Words = std::uint32_t[8];
+
+// Weighted mean of four colours for eight pixels, see SampleBilinear(). `corners`: upper left,
+// upper right, lower left, lower right; red in the lowest byte. The fourth byte is ignored.
+inline void Interpolate(const Words (&corners)[4], const Words& weight_u, const Words& weight_v,
+                        Words& rgb) {
+  Words sums[3];
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 8; ++k) {
+      const auto mixed = [&](int left) {
+        const std::uint32_t a = corners[left][k] >> (8 * i) & 255u;
+        const std::uint32_t b = corners[left + 1][k] >> (8 * i) & 255u;
+        return 256u * a + weight_u[k] * (b - a);
+      };
+      const std::uint32_t upper = mixed(0), lower = mixed(2);
+      sums[i][k] = (256u * upper + weight_v[k] * (lower - upper) + (1u << 15)) >> 16;
+    }
+  }
+  for (int k = 0; k < 8; ++k) rgb[k] = sums[0][k] | sums[1][k] << 8 | sums[2][k] << 16;
+}
+
+// Samples eight pixels. Bitwise identical to SampleBilinear().
+void SampleEight(const Image<Rgb8>& image, const BilinearTap* taps, Rgb8* out) {
+  static_assert(sizeof(Rgb8) == 3);
+  const std::ptrdiff_t stride = image.width();
+  Words corners[4], weight_u, weight_v, rgb;
+  std::int32_t index[8];
+  for (int k = 0; k < 8; ++k) {
+    index[k] = taps[k].index;
+    weight_u[k] = taps[k].weight_u;
+    weight_v[k] = taps[k].weight_v;
+  }
+  for (int k = 0; k < 8; ++k) {
+    const Rgb8* const upper = image.data() + std::max(index[k], 0);
+    const Rgb8* const lower = upper + stride;
+    // Two neighbour pixels have six bytes. Both copies have four bytes, which start at bytes 0 and
+    // 2.
+    std::memcpy(&corners[0][k], &upper[0].r, 4);
+    std::memcpy(&corners[1][k], &upper[0].b, 4);
+    std::memcpy(&corners[2][k], &lower[0].r, 4);
+    std::memcpy(&corners[3][k], &lower[0].b, 4);
+  }
+  for (int k = 0; k < 8; ++k) {
+    corners[1][k] >>= 8;
+    corners[3][k] >>= 8;
+  }
+  Interpolate(corners, weight_u, weight_v, rgb);
+  for (int k = 0; k < 8; ++k) rgb[k] = index[k] < 0 ? 0 : rgb[k];
+  // Each pixel but the last one also writes the first byte of the next pixel.
+  for (int k = 0; k < 7; ++k) std::memcpy(&out[k].r, &rgb[k], 4);
+  std::memcpy(&out[7].r, &rgb[7], 3);
+}
+
+void SampleRow(const Image<Rgb8>& image, const BilinearTap* taps, int count, Rgb8* out) {
+  const int eights = count / 8 * 8;
+  WithInstructions([&](auto) {
+    for (int u = 0; u < eights; u += 8) SampleEight(image, taps + u, out + u);
+  });
+  for (int u = eights; u < count; ++u) out[u] = SampleBilinear(image, taps[u]);
+}
+
 }  // namespace
 
 ColorRegistration::ColorRegistration(const RgbdCamera& camera, int downsample)
@@ -67,11 +132,15 @@ void ColorRegistration::FindTaps(int v, const float* depth_m, BilinearTap* taps)
     using V = Lanes<float, decltype(instructions)>;
     ProjectRow<V>(points, depth_m, pinhole_.width, color_, &positions);
   });
-  for (int u = 0; u < pinhole_.width; ++u) {
-    taps[u] = positions.u[u] < 0
-                  ? BilinearTap()
-                  : TapAt(positions.u[u], positions.v[u], color_.width, color_.height);
-  }
+  const std::int32_t *steps_u = positions.u.data(), *steps_v = positions.v.data();
+  const int width = color_.width, height = color_.height, count = pinhole_.width;
+  WithInstructions([&](auto) {
+    for (int u = 0; u < count; ++u) {
+      // Steps are at least 0 inside the image, and -1 outside.
+      const BilinearTap tap = TapAt(steps_u[u], steps_v[u], width, height);
+      taps[u] = {steps_u[u] < 0 ? -1 : tap.index, tap.weight_u, tap.weight_v};
+    }
+  });
 }
 
 Image<Rgb8> ColorRegistration::Apply(Image<Rgb8> color, const Image<float>& depth_m) const {
@@ -81,8 +150,7 @@ Image<Rgb8> ColorRegistration::Apply(Image<Rgb8> color, const Image<float>& dept
   for (int v = 0; v < pinhole_.height; ++v) {
     if (taps_.empty()) FindTaps(v, depth_m.row(v), found.data());
     const BilinearTap* const taps = taps_.empty() ? found.data() : taps_.row(v);
-    Rgb8* const out = registered.row(v);
-    for (int u = 0; u < pinhole_.width; ++u) out[u] = SampleBilinear(color, taps[u]);
+    SampleRow(color, taps, pinhole_.width, registered.row(v));
   }
   return registered;
 }
