@@ -28,7 +28,7 @@ constexpr double kMinStart_s = 0.4;
 constexpr double kMaxSpeedSigma = 0.15, kMaxGravitySigma = 3 * kRadPerDeg;
 constexpr double kGravityLengthSigma = 0.03;
 constexpr double kMaxDistance2 = 50;
-constexpr double kMapDrift_rad = 0.0012, kMapDrift_m = 0.005;  // in one second
+constexpr double kMapDrift_rad = 0.00175, kMapDrift_m = 0.005;  // in one second
 
 // Unknowns of the start: rotation, position and velocity at the last pose, accelerometer bias,
 // gravity, lever arm.

@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -41,6 +42,14 @@ constexpr double kMaxTurnError_rad = 0.03, kMaxTurnError_rad_per_s = 0.1, kMaxPo
 // information.
 Matrix6d CovarianceOf(const Matrix6d& information) {
   return SymmetricInverse(information + Matrix6d::Identity());
+}
+
+// True if registration constrains all directions of the pose. Only then does the pose drift with
+// the map.
+bool IsHeldByMap(const Matrix6d& information) {
+  constexpr double kLeast = 1;  // 1/rad^2, 1/m^2
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().minCoeff() > kLeast;
 }
 
 // Accepted mean size of the accelerometer, m/s^2. A swung camera increases it.
@@ -174,7 +183,7 @@ void ImuTracking::Add(const TrackedPose& pose, const std::optional<Prediction>& 
     const std::optional<double> distance2 =
         seconds <= kMaxImuBridge_s ? filter_->Correct(Registered(pose)) : std::nullopt;
     if (distance2) {
-      filter_->AddMapDrift(std::min(seconds, kBridge_s));
+      if (IsHeldByMap(pose.information)) filter_->AddMapDrift(std::min(seconds, kBridge_s));
       if (predicted && predicted->covariance) {
         AddError(predicted->world_from_camera.Inverse() * pose.registered);
       }
