@@ -22,12 +22,18 @@ class PointRow {
   template <typename Instructions>
   void Set(const MergeGate& gate, const MeasuredPoint* points, int width);
 
-  // Address of the value of column u. kReach2: MergeGate::SquaredReach(), 0 without a point.
-  // kLeast: squared distance to the surfel. kState: SurfelAssignment::State.
-  float* At(Plane plane, int u) { return &numbers_[plane * stride_ + u + 1]; }
+  // Address of the value of column 0. The next plane is stride() values further. kReach2:
+  // MergeGate::SquaredReach(), 0 without a point. kLeast: squared distance to the surfel. kState:
+  // SurfelAssignment::State.
+  float* Values(Plane plane) { return &numbers_[plane * stride_ + 1]; }
+  std::ptrdiff_t stride() const { return stride_; }
 
  private:
-  const int stride_;
+  // Sets eight points. `to`: value of the first one in plane kX.
+  template <typename Instructions>
+  void SetEight(const MergeGate& gate, const float* const (&records)[8], float* to) const;
+
+  const std::ptrdiff_t stride_;
   std::vector<float> numbers_;
 };
 
@@ -35,59 +41,72 @@ namespace {
 
 constexpr int kSurfelsAhead = 8;
 
-template <typename V>
-using HalfOf = typename V::Half;
+// Addresses of one value of three rows in the same column.
+struct Around {
+  float *above, *own, *below;
 
-// Values of the eight pixels around column u, in the order of kStateAround. Each argument is the
-// address of column u in its row.
+  Around operator+(std::ptrdiff_t offset) const {
+    return {above + offset, own + offset, below + offset};
+  }
+};
+
+// Values of the eight pixels around the column, in the order of kStateAround.
 template <typename V>
-V LoadAround(const float* above, const float* own, const float* below) {
-  HalfOf<V> low, high;
-  std::memcpy(&low, above - 1, sizeof(low));
-  std::memcpy(&high, below - 1, sizeof(high));
-  low[3] = own[-1];
-  high[3] = own[1];
+V LoadAround(const Around& from) {
+  typename V::Half low, high;
+  std::memcpy(&low, from.above - 1, sizeof(low));
+  std::memcpy(&high, from.below - 1, sizeof(high));
+  low[3] = from.own[-1];
+  high[3] = from.own[1];
   return V(__builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7));
 }
 
 template <typename V>
-void StoreAround(const V& value, float* above, float* own, float* below) {
-  const HalfOf<V> low = __builtin_shufflevector(value.v, value.v, 0, 1, 2, 3);
-  const HalfOf<V> high = __builtin_shufflevector(value.v, value.v, 4, 5, 6, 7);
-  std::memcpy(above - 1, &low, 3 * sizeof(float));
-  std::memcpy(below - 1, &high, 3 * sizeof(float));
-  own[-1] = low[3];
-  own[1] = high[3];
+void StoreAround(const V& value, const Around& to) {
+  const typename V::Half low = __builtin_shufflevector(value.v, value.v, 0, 1, 2, 3);
+  const typename V::Half high = __builtin_shufflevector(value.v, value.v, 4, 5, 6, 7);
+  // One copy of three values would go through the stack.
+  std::memcpy(to.above - 1, &low, 2 * sizeof(float));
+  to.above[1] = low[2];
+  to.own[-1] = low[3];
+  std::memcpy(to.below - 1, &high, 2 * sizeof(float));
+  to.below[1] = high[2];
+  to.own[1] = high[3];
 }
 
 // SurfelAssignment::State of the points above, on the left, below and on the right, if they are
 // assigned to the surfel between them.
 constexpr float kStateAround[8] = {8, 7, 6, 5, 2, 1, 0, 3};
 
+// The same value in all lanes. The conversion of a number to Lanes also adds zero.
+template <typename V>
+V Broadcast(float x) {
+  const typename V::Vector all = {x, x, x, x, x, x, x, x};
+  return V(all);
+}
+
 // Assigns the points around a surfel to this surfel if it is nearer than their surfels before.
+// `at`: plane kX in the column of the surfel. `stride`: distance of two planes.
 template <typename Instructions>
-void Meet(const MergeGate& gate, const Candidate& candidate, int u, PointRow* const (&rows)[3]) {
+void Meet(const MergeGate& gate, const Candidate& candidate, const Around& at,
+          std::ptrdiff_t stride) {
   using V = Lanes<float, Instructions>;
-  const auto load = [&](PointRow::Plane plane) {
-    return LoadAround<V>(rows[0]->At(plane, u), rows[1]->At(plane, u), rows[2]->At(plane, u));
-  };
-  const auto store = [&](const V& value, PointRow::Plane plane) {
-    StoreAround(value, rows[0]->At(plane, u), rows[1]->At(plane, u), rows[2]->At(plane, u));
-  };
+  const auto load = [&](PointRow::Plane plane) { return LoadAround<V>(at + plane * stride); };
   const Patch& p = candidate.patch;
-  const PatchOf<V> surfel = {p.x, p.y, p.z, p.nx, p.ny, p.nz};
+  const PatchOf<V> surfel = {Broadcast<V>(p.x),  Broadcast<V>(p.y),  Broadcast<V>(p.z),
+                             Broadcast<V>(p.nx), Broadcast<V>(p.ny), Broadcast<V>(p.nz)};
   const PatchOf<V> points = {load(PointRow::kX),       load(PointRow::kY),
                              load(PointRow::kZ),       load(PointRow::kNormalX),
                              load(PointRow::kNormalY), load(PointRow::kNormalZ)};
   const V distance2 = gate.SquaredDistanceOnRayWithin(load(PointRow::kReach2), points, surfel);
-  const V before = load(PointRow::kLeast);
+  const Around least = at + PointRow::kLeast * stride, state = at + PointRow::kState * stride;
+  const V before = LoadAround<V>(least);
   const auto nearer = distance2 < before;
-  store(Select(nearer, distance2, before), PointRow::kLeast);
-  store(Select(nearer, V::Load(kStateAround), load(PointRow::kState)), PointRow::kState);
-  float* const least = rows[1]->At(PointRow::kLeast, u);
-  if (candidate.distance2 < *least) {
-    *least = candidate.distance2;
-    *rows[1]->At(PointRow::kState, u) = SurfelAssignment::kOwn;
+  StoreAround(Select(nearer, distance2, before), least);
+  StoreAround(Select(nearer, V::Load(kStateAround), LoadAround<V>(state)), state);
+  if (candidate.distance2 < *least.own) {
+    *least.own = candidate.distance2;
+    *state.own = SurfelAssignment::kOwn;
   }
 }
 
@@ -97,24 +116,36 @@ template <typename Instructions>
 void PointRow::Set(const MergeGate& gate, const MeasuredPoint* points, int width) {
   static_assert(sizeof(MeasuredPoint) == 8 * sizeof(float) && offsetof(MeasuredPoint, patch) == 0 &&
                 offsetof(MeasuredPoint, radius_m) == 6 * sizeof(float));
-  using V = Lanes<float, Instructions>;
-  constexpr int kRadius = 6;
   static constexpr float kNoRecord[8] = {};
-  for (int u = 0; u < width; u += V::kCount) {
-    const auto* const eight = reinterpret_cast<const float*>(points + u);
-    const float* records[8];
-    for (int k = 0; k < 8; ++k) records[k] = eight + 8 * k;
-    for (int k = width - u; k < 8; ++k) records[k] = kNoRecord;
-    V columns[8];
-    EightRecords<Instructions>::Load(records, columns);
-    const V radius = columns[kRadius];
-    float* const to = At(kX, u);
-    for (int plane = 0; plane < kRadius; ++plane) columns[plane].Store(to + plane * stride_);
-    gate.SquaredReach(radius).Store(to + kReach2 * stride_);
-    V(MergeGate::kNever).Store(to + kLeast * stride_);
-    Select(radius > V(0.f), V(SurfelAssignment::kOpen), V(SurfelAssignment::kNoPoint))
-        .Store(to + kState * stride_);
+  const auto* const first = reinterpret_cast<const float*>(points);
+  int u = 0;
+  for (; u + 8 <= width; u += 8) {
+    const float* const r = first + 8 * u;
+    SetEight<Instructions>(gate, {r, r + 8, r + 16, r + 24, r + 32, r + 40, r + 48, r + 56},
+                           Values(kX) + u);
   }
+  if (u == width) return;
+  const float* records[8];
+  for (int k = 0; k < 8; ++k) records[k] = u + k < width ? first + 8 * (u + k) : kNoRecord;
+  SetEight<Instructions>(gate, records, Values(kX) + u);
+}
+
+template <typename Instructions>
+void PointRow::SetEight(const MergeGate& gate, const float* const (&records)[8], float* to) const {
+  using V = Lanes<float, Instructions>;
+  V columns[8];
+  EightRecords<Instructions>::Load(records, columns);
+  const V radius = columns[6];
+  columns[0].Store(to + kX * stride_);
+  columns[1].Store(to + kY * stride_);
+  columns[2].Store(to + kZ * stride_);
+  columns[3].Store(to + kNormalX * stride_);
+  columns[4].Store(to + kNormalY * stride_);
+  columns[5].Store(to + kNormalZ * stride_);
+  gate.SquaredReach(radius).Store(to + kReach2 * stride_);
+  V(MergeGate::kNever).Store(to + kLeast * stride_);
+  Select(radius > V(0.f), V(SurfelAssignment::kOpen), V(SurfelAssignment::kNoPoint))
+      .Store(to + kState * stride_);
 }
 
 void SurfelAssignment::SetCandidates(int width, int height, std::vector<CandidateList>* lists) {
@@ -194,17 +225,19 @@ int SurfelAssignment::ChooseBand(const std::vector<MeasuredPoint>& points, int b
       columns[surfels] = u;
       surfels += own[u] != nullptr;
     }
-    PointRow* const around[] = {row(v - 1), row(v), row(v + 1)};
+    const Around around = {row(v - 1)->Values(PointRow::kX), row(v)->Values(PointRow::kX),
+                           row(v + 1)->Values(PointRow::kX)};
     WithInstructions([&](auto instructions) {
+      const MergeGate gate = gate_;  // a copy, so that no store changes it
       for (int k = 0; k < surfels; ++k) {
         __builtin_prefetch(own[columns[std::min(k + kSurfelsAhead, surfels - 1)]]);
-        Meet<decltype(instructions)>(gate_, *own[columns[k]], columns[k], around);
+        Meet<decltype(instructions)>(gate, *own[columns[k]], around + columns[k], none.stride());
       }
     });
     for (int k = 0; k < surfels; ++k) MarkDuplicates(columns[k], v, begin, end);
-    if (v > begin) count += Keep(v - 1, row(v - 1)->At(PointRow::kState, 0));
+    if (v > begin) count += Keep(v - 1, row(v - 1)->Values(PointRow::kState));
   }
-  if (end == height_) count += Keep(end - 1, row(end - 1)->At(PointRow::kState, 0));
+  if (end == height_) count += Keep(end - 1, row(end - 1)->Values(PointRow::kState));
   return count;
 }
 
