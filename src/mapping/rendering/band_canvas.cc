@@ -3,12 +3,16 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
+
+#include "mapping/map/eight_records.h"
 
 namespace surfit {
 namespace {
 
-constexpr float kNone = -1;
+constexpr float kNone = 0;  // index of kNoDisc
+constexpr Disc kNoDisc = {0, 0, 0, 0, 0, 0, 0, 0, ModelView::kNoSurfel, 0, 0, 0, 0};
 constexpr float kClosed = std::numeric_limits<float>::infinity();
 constexpr float kOutside = 2;
 constexpr std::size_t kDiscsAhead = 8;
@@ -23,17 +27,6 @@ float BackOfSurface(float rho, float thickness, float inverse_depth_sigma) {
 
 }  // namespace
 
-struct BandCanvas::PixelDiscs {
-  explicit PixelDiscs(int width)
-      : u(width + kLanes),
-        v(width + kLanes),
-        rho(width + kLanes),
-        rho_u(width + kLanes),
-        rho_v(width + kLanes) {}
-
-  std::vector<float> u, v, rho, rho_u, rho_v;
-};
-
 BandCanvas::BandCanvas(int band, const PosedCamera& camera, const DepthNoise& noise,
                        const RenderOptions& options)
     : band_(band),
@@ -41,9 +34,10 @@ BandCanvas::BandCanvas(int band, const PosedCamera& camera, const DepthNoise& no
       v_end_(std::min(camera.height, v_begin_ + kBandRows)),
       camera_(camera),
       noise_(noise),
-      options_(options) {
-  // vector code reads and rewrites up to three pixels after a row
-  const std::size_t size = static_cast<std::size_t>(v_end_ - v_begin_ + 1) * camera.width + 3;
+      options_(options),
+      discs_(1, &kNoDisc) {
+  // Vector code rewrites up to three pixels after a row, and reads up to seven.
+  const std::size_t size = static_cast<std::size_t>(v_end_ - v_begin_ + 1) * camera.width + 7;
   first_.assign(size, 0.f);
   back_.assign(size, 0.f);
   offset2_.assign(size, kOutside);
@@ -153,46 +147,42 @@ void BandCanvas::CloseDrawnPixels() {
 }
 
 void BandCanvas::WriteTo(ModelView* view) const {
-  PixelDiscs discs(camera_.width);
-  for (int v = v_begin_; v < v_end_; ++v) {
-    FindDiscs(v, &discs, view);
-    WithInstructions([&](auto instructions) {
+  WithInstructions([&](auto instructions) {
+    for (int v = v_begin_; v < v_end_; ++v) {
       for (int u = 0; u < camera_.width; u += kLanes) {
-        WriteLanes<decltype(instructions)>(discs, u, v, view);
+        WriteLanes<decltype(instructions)>(u, v, view);
       }
-    });
-  }
-}
-
-void BandCanvas::FindDiscs(int v, PixelDiscs* discs, ModelView* view) const {
-  static constexpr Disc kNoDisc = {};
-  const int width = camera_.width;
-  const float* drawn = &drawn_[static_cast<std::size_t>(v - v_begin_) * width];
-  std::int32_t* const surfel = view->surfel_index.row(v);
-  for (int u = 0; u < width; ++u) {
-    const Disc& disc = drawn[u] == kNone ? kNoDisc : *discs_[static_cast<std::size_t>(drawn[u])];
-    discs->u[u] = disc.u;
-    discs->v[u] = disc.v;
-    discs->rho[u] = disc.rho;
-    discs->rho_u[u] = disc.rho_u;
-    discs->rho_v[u] = disc.rho_v;
-    surfel[u] = drawn[u] == kNone ? ModelView::kNoSurfel : disc.surfel;
-  }
+    }
+  });
 }
 
 // Computes vertices and normals of the pixels. A disc with centre p and normal n has the inverse
 // depth rho(r) = n . r / (n . p) on the ray r. So the normal is the normalised gradient of -rho.
 template <typename Instructions>
-void BandCanvas::WriteLanes(const PixelDiscs& discs, int u, int v, ModelView* view) const {
+void BandCanvas::WriteLanes(int u, int v, ModelView* view) const {
   using V = Lanes<float, Instructions>;
-  static_assert(V::kCount == kLanes);
+  static_assert(V::kCount == kLanes && offsetof(Disc, u) == 0 &&
+                offsetof(Disc, rho_v) == 4 * sizeof(float) &&
+                offsetof(Disc, bb) == 7 * sizeof(float));
   constexpr float kSteps[] = {0, 1, 2, 3, 4, 5, 6, 7};
+  const int count = std::min(kLanes, camera_.width - u);
+  // Discs after the end of the row are valid, but not written.
+  const float* const drawn = &drawn_[static_cast<std::size_t>(v - v_begin_) * camera_.width + u];
+  const Disc* discs[kLanes];
+  const float* records[kLanes];
+  for (int k = 0; k < kLanes; ++k) {
+    discs[k] = discs_[static_cast<std::size_t>(drawn[k])];
+    records[k] = &discs[k]->u;
+  }
+  std::int32_t* const surfels = view->surfel_index.row(v) + u;
+  for (int k = 0; k < count; ++k) surfels[k] = discs[k]->surfel;
+  V columns[kLanes];
+  EightRecords<Instructions>::Load(records, columns);
+  const V disc_u = columns[0], disc_v = columns[1], rho_0 = columns[2];
+  const V rho_u = columns[3], rho_v = columns[4];
   const V zero = 0.f, one = 1.f;
   const V fx = camera_.fx, fy = camera_.fy, cx = camera_.cx, cy = camera_.cy;
   const V pixel_u = V(static_cast<float>(u)) + V::Load(kSteps), pixel_v = static_cast<float>(v);
-  const V disc_u = V::Load(&discs.u[u]), disc_v = V::Load(&discs.v[u]);
-  const V rho_0 = V::Load(&discs.rho[u]);
-  const V rho_u = V::Load(&discs.rho_u[u]), rho_v = V::Load(&discs.rho_v[u]);
   const V rho = rho_0 + rho_u * (pixel_u - disc_u) + rho_v * (pixel_v - disc_v);
   const auto is_shown = rho > zero;
   const V depth = Select(is_shown, one / Select(is_shown, rho, one), zero);
@@ -201,7 +191,6 @@ void BandCanvas::WriteLanes(const PixelDiscs& discs, int u, int v, ModelView* vi
   const V length2 = a * a + b * b + c * c;
   const auto has_normal = length2 > zero;
   const V scale = Select(has_normal, V(-1.f) / sqrt(Select(has_normal, length2, one)), zero);
-  const int count = std::min(kLanes, camera_.width - u);
   VectorImage &vertex = view->surface.vertex, &normal = view->surface.normal;
   (depth * ((pixel_u - cx) / fx)).StoreUpTo(vertex.x.row(v) + u, count);
   (depth * ((pixel_v - cy) / fy)).StoreUpTo(vertex.y.row(v) + u, count);

@@ -126,22 +126,20 @@ class BandCanvas {
   template <typename Instructions>
   void Pick(const Disc& disc, float id);
   void CloseDrawnPixels();
-  struct PixelDiscs;
-  void FindDiscs(int v, PixelDiscs* discs, ModelView* view) const;
   template <typename Instructions>
-  void WriteLanes(const PixelDiscs& discs, int u, int v, ModelView* view) const;
+  void WriteLanes(int u, int v, ModelView* view) const;
 
   const int band_, v_begin_, v_end_;
   const PosedCamera& camera_;
   const DepthNoise noise_;
   const RenderOptions& options_;
-  std::vector<const Disc*> discs_;
+  std::vector<const Disc*> discs_;  // the first one stands for pixels without a disc
   // Buffers per pixel, with an extra row because rows are processed in pairs.
   std::vector<float> first_;  // nearest intersection; 0: none
   // Minimum inverse depth to draw: first 0, then the back of the first surface, then infinity.
   std::vector<float> back_;
   std::vector<float> offset2_;  // squared offset of the drawn disc, relative to its radius
-  std::vector<float> drawn_;
+  std::vector<float> drawn_;    // index of the disc
 };
 
 }  // namespace surfit
