@@ -1,7 +1,7 @@
 #include "frame/register_color.h"
 
-#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <vector>
 
@@ -46,64 +46,55 @@ void ProjectRow(const PointRow& points, const float* depth_m, int width,
   }
 }
 
-// Eight pixels with four bytes each, and eight weights.
-using Words = std::uint32_t[8];
+using EightWords __attribute__((vector_size(32))) = std::uint32_t;
 
-// Weighted mean of four colours for eight pixels, see SampleBilinear(). `corners`: upper left,
-// upper right, lower left, lower right; red in the lowest byte. The fourth byte is ignored.
-inline void Interpolate(const Words (&corners)[4], const Words& weight_u, const Words& weight_v,
-                        Words& rgb) {
-  Words sums[3];
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 8; ++k) {
-      const auto mixed = [&](int left) {
-        const std::uint32_t a = corners[left][k] >> (8 * i) & 255u;
-        const std::uint32_t b = corners[left + 1][k] >> (8 * i) & 255u;
-        return 256u * a + weight_u[k] * (b - a);
-      };
-      const std::uint32_t upper = mixed(0), lower = mixed(2);
-      sums[i][k] = (256u * upper + weight_v[k] * (lower - upper) + (1u << 15)) >> 16;
-    }
-  }
-  for (int k = 0; k < 8; ++k) rgb[k] = sums[0][k] | sums[1][k] << 8 | sums[2][k] << 16;
-}
-
-// Samples eight pixels. Bitwise identical to SampleBilinear().
+// Samples eight pixels inside of the colour image. Bitwise identical to SampleBilinear().
 void SampleEight(const Image<Rgb8>& image, const BilinearTap* taps, Rgb8* out) {
   static_assert(sizeof(Rgb8) == 3);
-  const std::ptrdiff_t stride = image.width();
-  Words corners[4], weight_u, weight_v, rgb;
-  std::int32_t index[8];
+  const auto* const first = reinterpret_cast<const char*>(image.data());
+  const std::ptrdiff_t stride = 3 * static_cast<std::ptrdiff_t>(image.width());
+  std::uint32_t words[5][8];
   for (int k = 0; k < 8; ++k) {
-    index[k] = taps[k].index;
-    weight_u[k] = taps[k].weight_u;
-    weight_v[k] = taps[k].weight_v;
+    // Two neighbour pixels have six bytes: bytes 0 to 3 have the left one, bytes 2 to 5 the right.
+    const char* const upper = first + 3 * static_cast<std::ptrdiff_t>(taps[k].index);
+    std::memcpy(&words[0][k], upper, 4);
+    std::memcpy(&words[1][k], upper + 2, 4);
+    std::memcpy(&words[2][k], upper + stride, 4);
+    std::memcpy(&words[3][k], upper + stride + 2, 4);
+    words[4][k] = taps[k].weight_u | std::uint32_t{taps[k].weight_v} << 16;
   }
-  for (int k = 0; k < 8; ++k) {
-    const Rgb8* const upper = image.data() + std::max(index[k], 0);
-    const Rgb8* const lower = upper + stride;
-    // Two neighbour pixels have six bytes. Both copies have four bytes, which start at bytes 0 and
-    // 2.
-    std::memcpy(&corners[0][k], &upper[0].r, 4);
-    std::memcpy(&corners[1][k], &upper[0].b, 4);
-    std::memcpy(&corners[2][k], &lower[0].r, 4);
-    std::memcpy(&corners[3][k], &lower[0].b, 4);
+  EightWords corners[4], weights;  // corners: upper left, upper right, lower left, lower right
+  std::memcpy(&corners, &words, sizeof(corners));
+  std::memcpy(&weights, &words[4], sizeof(weights));
+  corners[1] >>= 8;
+  corners[3] >>= 8;
+  const EightWords weight_u = weights & 0xffffu, weight_v = weights >> 16;
+  EightWords rgb = {};
+  for (int i = 0; i < 3; ++i) {
+    const EightWords a = corners[0] >> (8 * i) & 255u, b = corners[1] >> (8 * i) & 255u;
+    const EightWords c = corners[2] >> (8 * i) & 255u, d = corners[3] >> (8 * i) & 255u;
+    const EightWords upper = 256u * a + weight_u * (b - a), lower = 256u * c + weight_u * (d - c);
+    rgb |= ((256u * upper + weight_v * (lower - upper) + (1u << 15)) >> 16) << (8 * i);
   }
-  for (int k = 0; k < 8; ++k) {
-    corners[1][k] >>= 8;
-    corners[3][k] >>= 8;
-  }
-  Interpolate(corners, weight_u, weight_v, rgb);
-  for (int k = 0; k < 8; ++k) rgb[k] = index[k] < 0 ? 0 : rgb[k];
   // Each pixel but the last one also writes the first byte of the next pixel.
-  for (int k = 0; k < 7; ++k) std::memcpy(&out[k].r, &rgb[k], 4);
-  std::memcpy(&out[7].r, &rgb[7], 3);
+  for (int k = 0; k < 8; ++k) {
+    const std::uint32_t word = rgb[k];
+    std::memcpy(&out[k].r, &word, k < 7 ? 4 : 3);
+  }
 }
 
 void SampleRow(const Image<Rgb8>& image, const BilinearTap* taps, int count, Rgb8* out) {
   const int eights = count / 8 * 8;
   WithInstructions([&](auto) {
-    for (int u = 0; u < eights; u += 8) SampleEight(image, taps + u, out + u);
+    for (int u = 0; u < eights; u += 8) {
+      int inside = 0;
+      for (int k = 0; k < 8; ++k) inside += taps[u + k].index >= 0;
+      if (inside == 8) {
+        SampleEight(image, taps + u, out + u);
+      } else {
+        for (int k = 0; k < 8; ++k) out[u + k] = SampleBilinear(image, taps[u + k]);
+      }
+    }
   });
   for (int u = eights; u < count; ++u) out[u] = SampleBilinear(image, taps[u]);
 }
