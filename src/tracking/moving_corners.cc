@@ -1,6 +1,7 @@
 #include "tracking/moving_corners.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -9,6 +10,7 @@
 
 #include "core/median.h"
 #include "registration/solvers/decompositions.h"
+#include "surfit/core/parallel.h"
 #include "tracking/feature_watch.h"
 
 namespace surfit {
@@ -36,6 +38,7 @@ constexpr double kMovingFactor = 2.5;
 // kApartFactor bounds. Moving objects are then excluded for kContradicted_s.
 constexpr double kApartFactor = 1.5, kMinApartRatio = 0.5, kContradicted_s = 1;
 constexpr int kSamples = 300, kMinSample = 3, kSampleSteps = 3, kRefineSteps = 6;
+constexpr int kSamplesPerBlock = 25;
 // Minimum support of a motion: blocks of the image, and ratio of all blocks with corners.
 constexpr double kMinBlocks = 10, kMinSupport = 0.15;
 // Minimum support of a motion that contradicts a pose.
@@ -93,6 +96,7 @@ class MotionSearch {
     for (std::size_t i = 0; i < corners.size(); ++i) {
       weights_[i] = 1. / count_of_block[block_of(corners[i])];
       if (corners[i].moved_before) weights_[i] *= kWeightMoved;
+      bounds_.push_back(BoundOf(corners[i]));
     }
     block_count_ = static_cast<double>(count_of_block.size());
   }
@@ -104,7 +108,7 @@ class MotionSearch {
   double Error(int corner, const Rigid3d& motion) const {
     const Eigen::Vector3d point = motion * corners_[corner].point;
     if (!(point.z() > 0.05)) return std::numeric_limits<double>::infinity();
-    return (camera_.Project(point) - corners_[corner].seen).norm() / BoundOf(corners_[corner]);
+    return (camera_.Project(point) - corners_[corner].seen).norm() / bounds_[corner];
   }
 
   std::vector<int> Apart(const std::vector<int>& used, const Rigid3d& motion) const {
@@ -127,7 +131,6 @@ class MotionSearch {
 
   // Returns the motion with the largest support among the corners `used`.
   MotionSupport Find(const std::vector<int>& used, const std::vector<Rigid3d>& initial) const {
-    std::mt19937_64 generator(1);
     MotionSupport best = At(used, initial.front());
     const auto compare = [&](const Rigid3d& motion) {
       MotionSupport found = At(used, motion);
@@ -137,32 +140,64 @@ class MotionSearch {
       compare(motion);
       compare(Refined(used, motion));
     }
-    for (int i = 0; i < kSamples; ++i) {
-      std::vector<int> sample(kMinSample);
-      for (int& corner : sample) corner = used[generator() % used.size()];
-      Rigid3d motion = initial.front();
-      for (int step = 0; step < kSampleSteps; ++step) motion = Step(sample, motion, false);
-      compare(motion);
-    }
+    compare(BestSample(used, initial.front(), best.support));
     compare(Refined(used, best.motion));
     return best;
   }
 
  private:
+  // Returns the motion with the largest support among those of random samples. Samples with less
+  // support than `least` are not compared.
+  Rigid3d BestSample(const std::vector<int>& used, const Rigid3d& initial, double least) const {
+    std::mt19937_64 generator(1);
+    std::vector<std::array<int, kMinSample>> samples(kSamples);
+    for (auto& sample : samples) {
+      for (int& corner : sample) corner = used[generator() % used.size()];
+    }
+    std::vector<Rigid3d> motions(kSamples, initial);
+    std::vector<double> supports(kSamples);
+    ParallelFor(0, kSamples, kSamplesPerBlock, [&](int begin, int end) {
+      double most = least;
+      for (int i = begin; i < end; ++i) {
+        for (int step = 0; step < kSampleSteps; ++step) {
+          motions[i] = Step(samples[i], motions[i], false);
+        }
+        supports[i] = SupportOf(used, motions[i], most);
+        most = std::max(most, supports[i]);
+      }
+    });
+    return motions[std::max_element(supports.begin(), supports.end()) - supports.begin()];
+  }
+
+  // Returns the support of a motion, or a value below `least` if the support is below `least`.
+  double SupportOf(const std::vector<int>& used, const Rigid3d& motion, double least) const {
+    constexpr double kRounding = 1e-9;
+    double support = 0, possible = 0;
+    for (const int i : used) possible += weights_[i];
+    for (const int i : used) {
+      possible -= weights_[i];
+      const double error = Error(i, motion);
+      if (error < 1) support += weights_[i] * (1 - error * error);
+      if (support + possible < least - kRounding) break;
+    }
+    return support;
+  }
+
   Rigid3d Refined(const std::vector<int>& used, Rigid3d motion) const {
     for (int step = 0; step < kRefineSteps; ++step) motion = Step(used, motion, true);
     return motion;
   }
 
   // Gauss-Newton step of the reprojection error. With `robust`, only static corners count.
-  Rigid3d Step(const std::vector<int>& used, const Rigid3d& motion, bool robust) const {
+  template <typename Corners>
+  Rigid3d Step(const Corners& used, const Rigid3d& motion, bool robust) const {
     Matrix6d normal = 1e-9 * Matrix6d::Identity();
     Vector6d right = Vector6d::Zero();
     for (const int i : used) {
       const Eigen::Vector3d point = motion * corners_[i].point;
       if (!(point.z() > 0.05)) continue;
       const Eigen::Vector2d residual = camera_.Project(point) - corners_[i].seen;
-      const double bound = BoundOf(corners_[i]);
+      const double bound = bounds_[i];
       if (robust && residual.norm() > 2 * bound) continue;
       Eigen::Matrix<double, 2, 3> projection;
       const double z = point.z();
@@ -182,7 +217,7 @@ class MotionSearch {
 
   const std::vector<TrackedCorner>& corners_;
   const PinholeCamera& camera_;
-  std::vector<double> weights_;
+  std::vector<double> weights_, bounds_;
   double block_count_ = 0;
 };
 

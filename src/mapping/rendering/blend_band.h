@@ -8,6 +8,7 @@
 
 #include "mapping/rendering/band_canvas.h"
 #include "mapping/rendering/bands.h"
+#include "surfit/core/lanes.h"
 #include "surfit/geometry/sensor.h"
 
 namespace surfit {
@@ -18,12 +19,10 @@ inline float BlendWeight(float offset2) {
   return a4 * a4 + 1e-6f;
 }
 
-// Blend of a pixel.
+// Sums of the splats on the first surface of a pixel.
 struct Blend {
-  float first = 0;  // inverse depth of the nearest surface; 0: none
-  float back = 0;   // minimum inverse depth of the first surface
   float weight = 0;
-  float rho = 0;
+  float rho = 0;     // weighted inverse depth
   int drawn_in = 0;  // number of the Draw() that drew the pixel; 0: none
 };
 
@@ -52,7 +51,10 @@ class BlendBand {
         v_end_(std::min(camera.height, v_begin_ + kBandRows)),
         width_(camera.width),
         sigma_(static_cast<float>(noise.inverse_depth_sigma)),
-        pixels_(static_cast<std::size_t>(v_end_ - v_begin_) * camera.width) {}
+        pixels_(static_cast<std::size_t>(v_end_ - v_begin_) * camera.width),
+        open_(DrawnIn(0)),
+        first_(open_.size(), 0.f),
+        back_(open_.size(), 0.f) {}
 
   // Draws the pixels that no earlier call has drawn. Calls take(pixel, surfel, weight) for the
   // splats on the first surface of each pixel. `pixel`: index in the band.
@@ -74,11 +76,9 @@ class BlendBand {
   template <typename Take>
   void ForEachShare(const std::vector<DiscList>& lists, Layer layer, int n,
                     const Take& take) const {
-    ForEachPixel(lists, layer, n, &pixels_,
-                 [&](const Blend* pixel, const Disc& disc, float rho, float offset2) {
-                   if (rho < pixel->back) return;
-                   take(static_cast<std::int32_t>(pixel - pixels_.data()), disc.surfel,
-                        BlendWeight(offset2) / pixel->weight);
+    ForEachPixel(lists, layer, DrawnIn(n),
+                 [&](int pixel, const Disc& disc, float, float offset2) {
+                   take(pixel, disc.surfel, BlendWeight(offset2) / pixels_[pixel].weight);
                  });
   }
 
@@ -97,77 +97,117 @@ class BlendBand {
   static constexpr float kThickness_m = 0.03f;
 
   void FindFirst(const std::vector<DiscList>& lists, Layer layer) {
-    ForEachPixel(lists, layer, 0, &pixels_, [](Blend* pixel, const Disc&, float rho, float) {
-      pixel->first = std::max(pixel->first, rho);
+    float* first = first_.data();
+    const int width = width_;
+    ForEachEight(lists, layer, open_, [&](const Disc&, int pixel, auto met, auto rho, auto) {
+      using Numbers = decltype(rho);
+      const Numbers before = Numbers::LoadHalves(first + pixel, first + pixel + width);
+      Select(Numbers::Both(met, rho > before), rho, before)
+          .StoreHalves(first + pixel, first + pixel + width);
     });
-    for (Blend& pixel : pixels_) pixel.back = pixel.first > 0 ? BackOf(pixel.first) : 0.f;
+    for (int i = 0; i < pixel_count(); ++i) back_[i] = first_[i] > 0 ? BackOf(first_[i]) : 0.f;
   }
 
   void LeaveOutEdges(const std::vector<DiscList>& lists, Layer layer) {
     std::vector<SplatSides> sides(pixels_.size());
-    const auto add = [&](const Blend* pixel, const Disc& disc, float rho, float offset2) {
-      if (rho < pixel->back) return;
-      const int i = static_cast<int>(pixel - pixels_.data());
-      const int u = i % width_, v = v_begin_ + i / width_;
-      sides[i].Add(disc.u - static_cast<float>(u), disc.v - static_cast<float>(v), 1 - offset2);
-    };
-    ForEachPixel(lists, layer, 0, &pixels_, add);
-    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    ForEachPixel(lists, layer, open_, [&](int pixel, const Disc& disc, float, float offset2) {
+      const int u = pixel % width_, v = v_begin_ + pixel / width_;
+      sides[pixel].Add(disc.u - static_cast<float>(u), disc.v - static_cast<float>(v),
+                       1 - offset2);
+    });
+    for (int i = 0; i < pixel_count(); ++i) {
       if (!sides[i].AreOne()) continue;
-      pixels_[i].first = 0;
-      pixels_[i].back = std::numeric_limits<float>::infinity();
+      first_[i] = 0;
+      back_[i] = std::numeric_limits<float>::infinity();
     }
   }
 
   template <typename Take>
   void BlendFirst(const std::vector<DiscList>& lists, Layer layer, const Take& take) {
     ++draws_;
-    const auto blend = [&](Blend* pixel, const Disc& disc, float rho, float offset2) {
-      if (rho < pixel->back) return;
+    ForEachPixel(lists, layer, open_, [&](int pixel, const Disc& disc, float rho, float offset2) {
       const float weight = BlendWeight(offset2);
-      pixel->weight += weight;
-      pixel->rho += weight * rho;
-      take(static_cast<std::int32_t>(pixel - pixels_.data()), disc.surfel, weight);
-    };
-    ForEachPixel(lists, layer, 0, &pixels_, blend);
-    for (Blend& pixel : pixels_) {
-      if (pixel.drawn_in == 0 && pixel.weight > 0) pixel.drawn_in = draws_;
+      pixels_[pixel].weight += weight;
+      pixels_[pixel].rho += weight * rho;
+      take(pixel, disc.surfel, weight);
+    });
+    for (int i = 0; i < pixel_count(); ++i) {
+      if (pixels_[i].drawn_in > 0 || !(pixels_[i].weight > 0)) continue;
+      pixels_[i].drawn_in = draws_;
+      open_[i] = 0;
     }
   }
 
   float BackOf(float rho) const { return rho / (1.f + kThickness_m * rho + 4.f * sigma_ / rho); }
 
-  // Visits the pixels whose drawn_in has the given value. `Pixels`: vector of Blend or const.
-  template <typename Pixels, typename F>
-  void ForEachPixel(const std::vector<DiscList>& lists, Layer layer, int drawn_in, Pixels* pixels,
-                    const F& f) const {
-    for (const DiscList& list : lists) {
-      const DiscLayer& in = list[layer];
-      for (const int number : in.bands.In(band_)) {
-        ForEachPixel(in.discs[number], drawn_in, pixels, f);
-      }
-    }
+  // Per pixel: 1 if the n-th Draw() drew it, otherwise 0. n = 0: not drawn. Vector code reads a row
+  // and seven values more.
+  std::vector<float> DrawnIn(int n) const {
+    std::vector<float> drawn(pixels_.size() + width_ + 7, 0.f);
+    for (int i = 0; i < pixel_count(); ++i) drawn[i] = pixels_[i].drawn_in == n ? 1.f : 0.f;
+    return drawn;
   }
-  template <typename Pixels, typename F>
-  void ForEachPixel(const Disc& disc, int drawn_in, Pixels* pixels, const F& f) const {
-    const int begin = std::max<int>(v_begin_, disc.v_begin), end = std::min(v_end_, disc.v_end());
-    for (int v = begin; v < end; ++v) {
-      const float dv = static_cast<float>(v) - disc.v;
-      auto* const row = &(*pixels)[static_cast<std::size_t>(v - v_begin_) * width_];
-      for (int u = disc.u_begin; u < disc.u_end(); ++u) {
-        if (row[u].drawn_in != drawn_in) continue;
-        const float du = static_cast<float>(u) - disc.u;
-        const float rho = disc.rho + disc.rho_u * du + disc.rho_v * dv;
-        const float across2 = du * (disc.aa * du + disc.ab * dv) + disc.bb * dv * dv;
-        if (rho > 0.f && across2 <= rho * rho) f(row + u, disc, rho, across2 / (rho * rho));
+
+  // Calls f(pixel, disc, inverse depth, offset2) for the splats on the first surfaces of the wanted
+  // pixels.
+  template <typename F>
+  void ForEachPixel(const std::vector<DiscList>& lists, Layer layer,
+                    const std::vector<float>& wanted, const F& f) const {
+    const float* back = back_.data();
+    const int width = width_;
+    ForEachEight(lists, layer, wanted,
+                 [&](const Disc& disc, int pixel, auto met, auto rho, auto across2) {
+                   using Numbers = decltype(rho);
+                   const auto in_front = Numbers::Both(
+                       met, rho >= Numbers::LoadHalves(back + pixel, back + pixel + width));
+                   if (!Numbers::Any(in_front)) return;
+                   float rhos[Numbers::kCount], offset2[Numbers::kCount];
+                   Select(in_front, rho, Numbers(0.f)).Store(rhos);
+                   (across2 / (rho * rho)).Store(offset2);
+                   for (int k = 0; k < Numbers::kCount; ++k) {
+                     if (!(rhos[k] > 0)) continue;
+                     f(pixel + k % 4 + k / 4 * width, disc, rhos[k], offset2[k]);
+                   }
+                 });
+  }
+
+  // Calls f(disc, pixel, met, rho, across2), see ForEachEightPixels(). `met` has only wanted
+  // pixels.
+  template <typename F>
+  void ForEachEight(const std::vector<DiscList>& lists, Layer layer,
+                    const std::vector<float>& wanted, const F& f) const {
+    const float* at = wanted.data();
+    const int width = width_, v_begin = v_begin_, v_end = v_end_;
+    WithInstructions([&](auto instructions) {
+      using Instructions = decltype(instructions);
+      using Numbers = Lanes<float, Instructions>;
+      const auto is_wanted = [&](int u, int v) {
+        const float* first = at + (v - v_begin) * width + u;
+        return Numbers::LoadHalves(first, first + width) > Numbers(0.f);
+      };
+      for (const DiscList& list : lists) {
+        const DiscLayer& in = list[layer];
+        for (const int number : in.bands.In(band_)) {
+          const Disc& disc = in.discs[number];
+          ForEachEightPixels<Instructions>(
+              disc, std::max<int>(v_begin, disc.v_begin), std::min(v_end, disc.v_end()),
+              [&](int u, int v) { return Numbers::Any(is_wanted(u, v)); },
+              [&](int u, int v, const auto& met, const Numbers& rho, const Numbers& across2) {
+                f(disc, (v - v_begin) * width + u, Numbers::Both(met, is_wanted(u, v)), rho,
+                  across2);
+              });
+        }
       }
-    }
+    });
   }
 
   const int band_, v_begin_, v_end_, width_;
   const float sigma_;
   int draws_ = 0;
   std::vector<Blend> pixels_;
+  std::vector<float> open_;   // DrawnIn(0)
+  std::vector<float> first_;  // inverse depth of the nearest surface; 0: none
+  std::vector<float> back_;   // minimum inverse depth of the first surface
 };
 
 }  // namespace surfit

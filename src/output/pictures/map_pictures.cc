@@ -9,6 +9,7 @@
 #include "output/pictures/pictures.h"
 #include "output/pictures/splat_renderer.h"
 #include "surfit/core/error.h"
+#include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
@@ -32,14 +33,32 @@ Image<Rgb8> Color(const SurfelMap& map, const SurfelColoring& coloring, const Pi
                   const Image<std::int32_t>& indices) {
   const Eigen::Matrix3d world_from_camera =
       view.camera_from_world.rotation.conjugate().toRotationMatrix();
-  return ColorIndices(indices, [&](int u, int v, std::int32_t i) {
-    if (i == NearestIndexImage::kNothing) return PictureSheet::kScene;
-    const Rgb8 color = coloring.color_of(i);
-    if (coloring.headlight == 0) return color;
+  const auto shaded = [&](const Rgb8& color, const Eigen::Vector3d& normal, int u, int v) {
     const Eigen::Vector3d ray = world_from_camera * view.camera.Ray(u, v).normalized();
-    const double facing = std::abs(ray.dot(map[i].normal_in_world.cast<double>()));
-    return Dimmed(color, static_cast<float>(1 - coloring.headlight * (1 - std::min(facing, 1.))));
+    const double facing = std::min(std::abs(ray.dot(normal)), 1.);
+    return Dimmed(color, static_cast<float>(1 - coloring.headlight * (1 - facing)));
+  };
+  Image<Rgb8> colors(indices.width(), indices.height());
+  ParallelFor(0, indices.height(), kRowsPerBlock, [&](int begin, int end) {
+    // Neighbouring pixels often show the same surfel.
+    std::int32_t surfel = NearestIndexImage::kNothing;
+    Rgb8 color = PictureSheet::kScene;
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    for (int v = begin; v < end; ++v) {
+      for (int u = 0; u < indices.width(); ++u) {
+        const std::int32_t next = indices(u, v);
+        if (next != surfel) {
+          surfel = next;
+          const bool is_shown = surfel != NearestIndexImage::kNothing;
+          color = is_shown ? coloring.color_of(surfel) : PictureSheet::kScene;
+          if (is_shown) normal = map[surfel].normal_in_world.cast<double>();
+        }
+        const bool is_shaded = surfel != NearestIndexImage::kNothing && coloring.headlight > 0;
+        colors(u, v) = is_shaded ? shaded(color, normal, u, v) : color;
+      }
+    }
   });
+  return colors;
 }
 
 SurfelMap Shown(const SurfelMap& map, const std::vector<std::uint8_t>& shown) {

@@ -27,8 +27,8 @@ AssociationGates GatesOfLevel(const IcpOptions& options, int level) {
   return gates;
 }
 
-int RowStride(const IcpOptions& options, const FrameLevel& source, int level) {
-  if (level > 0 || options.min_source_rows == 0) return 1;
+int RowStride(const IcpOptions& options, const FrameLevel& source) {
+  if (options.min_source_rows == 0) return 1;
   return std::max(1, source.vertex.height() / options.min_source_rows);
 }
 
@@ -59,7 +59,7 @@ void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level
                    const Rigid3d& start, const IcpOptions& options, const PriorTerm* prior,
                    IcpResult* result) {
   const ResidualType residual = ResidualTypeFromName(options.residual);
-  const int row_stride = RowStride(options, source, level);
+  const int row_stride = RowStride(options, source);
   const ErrorModel error_model = ErrorModelOfLevel(options, level, row_stride);
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(SolverOptions(options, error_model));
   const AssociationGates gates = GatesOfLevel(options, level);
