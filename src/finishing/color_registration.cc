@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <vector>
@@ -91,8 +92,7 @@ class ColorRegistration {
     System system = SystemAt(*state);
     if (system.points < kMinPoints) return false;
     AddPrior(state->color_from_drawn, &system);
-    const Vector8d step =
-        system.hessian.selfadjointView<Eigen::Lower>().ldlt().solve(-system.gradient);
+    const Vector8d step = system.hessian.ldlt().solve(-system.gradient);
     if (!step.allFinite()) return false;
     state->color_from_drawn = LeftIncrement<double>(step.head<6>(), state->color_from_drawn);
     state->exposure += step.tail<2>();
@@ -101,26 +101,42 @@ class ColorRegistration {
 
   // Mean robust cost at a pose, with the best exposure.
   double CostAt(ColorState state) const {
+    std::vector<std::optional<Seen>> seen(points_.size());
+    ParallelFor(0, static_cast<int>(points_.size()), kPixelGrain, [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) seen[i] = SeenFrom(state.color_from_drawn, points_[i]);
+    });
     for (int i = 0; i < kExposureIterations; ++i) {
-      System system = SystemAt(state);
-      AddPrior(state.color_from_drawn, &system);
-      state.exposure +=
-          system.hessian.bottomRightCorner<2, 2>().selfadjointView<Eigen::Lower>().ldlt().solve(
-              -system.gradient.tail<2>());
+      const ExposureSystem system = ExposureSystemAt(seen, state.exposure);
+      const Eigen::Matrix2d hessian = system.hessian + kExposurePrior * Eigen::Matrix2d::Identity();
+      state.exposure += hessian.ldlt().solve(-system.gradient);
     }
-    const System system = SystemAt(state);
+    const ExposureSystem system = ExposureSystemAt(seen, state.exposure);
     return system.cost / std::max(1, system.points);
   }
 
  private:
-  // `hessian` has the lower triangle only.
+  static constexpr double kExposurePrior = 1;
+
   struct System {
     Matrix8d hessian = Matrix8d::Zero();
     Vector8d gradient = Vector8d::Zero();
-    double cost = 0;
     int points = 0;
 
     System& operator+=(const System& other) {
+      hessian += other.hessian;
+      gradient += other.gradient;
+      points += other.points;
+      return *this;
+    }
+  };
+
+  struct ExposureSystem {
+    Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+    double cost = 0;
+    int points = 0;
+
+    ExposureSystem& operator+=(const ExposureSystem& other) {
       hessian += other.hessian;
       gradient += other.gradient;
       cost += other.cost;
@@ -129,10 +145,30 @@ class ColorRegistration {
     }
   };
 
+  // Point seen in the colour image.
+  struct Seen {
+    Eigen::Vector3d at;     // in the camera at its time of readout
+    BilinearSample sample;  // of the image
+    double intensity;       // of the point
+
+    double ResidualFor(const Eigen::Vector2d& exposure) const {
+      return sample.value - exposure[0] * intensity - exposure[1];
+    }
+  };
+
   struct Row {
     double residual;
     Vector8d jacobian;  // derivatives by left perturbation, gain and offset
   };
+
+  // Weight and cost of the Geman-McClure kernel.
+  struct Kernel {
+    double weight, cost;
+  };
+  static Kernel KernelAt(double residual) {
+    const double share = residual / kKernelWidth, s = 1 + share * share;
+    return {1 / (s * s * kKernelWidth * kKernelWidth * kPointsPerResidual), share * share / s};
+  }
 
   System SystemAt(const ColorState& state) const {
     return ParallelSum(0, static_cast<int>(points_.size()), kPixelGrain, System(),
@@ -144,19 +180,31 @@ class ColorRegistration {
     for (int i = begin; i < end; ++i) {
       const std::optional<Row> row = RowOf(points_[i], state);
       if (!row) continue;
-      const double share = row->residual / kKernelWidth, s = 1 + share * share;
-      const double weight = 1 / (s * s * kKernelWidth * kKernelWidth * kPointsPerResidual);
-      system.hessian.selfadjointView<Eigen::Lower>().rankUpdate(row->jacobian, weight);
+      const double weight = KernelAt(row->residual).weight;
+      system.hessian.noalias() += row->jacobian * (weight * row->jacobian).transpose();
       system.gradient += weight * row->residual * row->jacobian;
-      system.cost += share * share / s;
       ++system.points;
     }
     return system;
   }
 
   std::optional<Row> RowOf(const Point& point, const ColorState& state) const {
+    const std::optional<Seen> seen = SeenFrom(state.color_from_drawn, point);
+    if (!seen) return {};
+    const Eigen::Vector3d& x = seen->at;
+    const double rho = 1 / x.z();
+    const double by_u = seen->sample.slope_u * sensor_.camera.fx * rho;
+    const double by_v = seen->sample.slope_v * sensor_.camera.fy * rho;
+    const Eigen::Vector3d by_x(by_u, by_v, -(by_u * x.x() + by_v * x.y()) * rho);
+    Row result;
+    result.residual = seen->ResidualFor(state.exposure);
+    result.jacobian << x.cross(by_x), by_x, -point.intensity, -1;
+    return result;
+  }
+
+  std::optional<Seen> SeenFrom(const Rigid3d& color_from_drawn, const Point& point) const {
     const PinholeCamera& camera = sensor_.camera;
-    const Eigen::Vector3d here = state.color_from_drawn * point.at;
+    const Eigen::Vector3d here = color_from_drawn * point.at;
     if (!(here.z() > 0)) return {};
     const double row = camera.fy * here.y() / here.z() + camera.cy;
     const double tau = ((row + 0.5) / camera.height - 0.5) * sensor_.readout_s;
@@ -167,19 +215,32 @@ class ColorRegistration {
     const double u = camera.fx * x.x() * rho + camera.cx, v = camera.fy * x.y() * rho + camera.cy;
     if (!(u >= 1 && v >= 1 && u <= camera.width - 2 && v <= camera.height - 2)) return {};
     const BilinearSample sample = SampleAt(image_, static_cast<float>(u), static_cast<float>(v));
-    const double by_u = sample.slope_u * camera.fx * rho, by_v = sample.slope_v * camera.fy * rho;
-    const Eigen::Vector3d by_x(by_u, by_v, -(by_u * x.x() + by_v * x.y()) * rho);
-    Row result;
-    result.residual = sample.value - state.exposure[0] * point.intensity - state.exposure[1];
-    result.jacobian << x.cross(by_x), by_x, -point.intensity, -1;
-    return result;
+    return Seen{x, sample, point.intensity};
+  }
+
+  static ExposureSystem ExposureSystemAt(const std::vector<std::optional<Seen>>& seen,
+                                         const Eigen::Vector2d& exposure) {
+    return ParallelSum(0, static_cast<int>(seen.size()), kPixelGrain, ExposureSystem(),
+                       [&](int begin, int end) {
+                         ExposureSystem system;
+                         for (int i = begin; i < end; ++i) {
+                           if (!seen[i]) continue;
+                           const double residual = seen[i]->ResidualFor(exposure);
+                           const Kernel kernel = KernelAt(residual);
+                           const Eigen::Vector2d jacobian(-seen[i]->intensity, -1);
+                           system.hessian += kernel.weight * jacobian * jacobian.transpose();
+                           system.gradient += kernel.weight * residual * jacobian;
+                           system.cost += kernel.cost;
+                           ++system.points;
+                         }
+                         return system;
+                       });
   }
 
   void AddPrior(const Rigid3d& color_from_drawn, System* system) const {
-    constexpr double kOfExposure = 1;
     const Vector6d away = FirstOrderIncrement(prior_.target_from_source, color_from_drawn);
     system->hessian.topLeftCorner<6, 6>() += prior_.information;
-    system->hessian.diagonal().tail<2>().array() += kOfExposure;
+    system->hessian.diagonal().tail<2>().array() += kExposurePrior;
     system->gradient.head<6>() += prior_.information * away;
   }
 
@@ -230,6 +291,8 @@ RegisteredColors RegisterColors(const Image<Rgb8>& color, const BlendedView& dra
     for (int i = 0; i < kIterations; ++i) {
       if (!registration.Step(&state)) return unregistered;
     }
+    const bool is_last = smoothing_px == *std::rbegin(kSmoothings_px);
+    if (!is_last) continue;
     result.cost_before =
         registration.CostAt({world_from_compared.Inverse() * world_from_drawn, state.exposure});
     result.cost_after = registration.CostAt(state);

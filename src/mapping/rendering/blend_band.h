@@ -76,10 +76,9 @@ class BlendBand {
   template <typename Take>
   void ForEachShare(const std::vector<DiscList>& lists, Layer layer, int n,
                     const Take& take) const {
-    ForEachPixel(lists, layer, DrawnIn(n),
-                 [&](int pixel, const Disc& disc, float, float offset2) {
-                   take(pixel, disc.surfel, BlendWeight(offset2) / pixels_[pixel].weight);
-                 });
+    ForEachPixel(lists, layer, DrawnIn(n), [&](int pixel, const Disc& disc, float, float offset2) {
+      take(pixel, disc.surfel, BlendWeight(offset2) / pixels_[pixel].weight);
+    });
   }
 
   int pixel_count() const { return static_cast<int>(pixels_.size()); }
@@ -112,8 +111,7 @@ class BlendBand {
     std::vector<SplatSides> sides(pixels_.size());
     ForEachPixel(lists, layer, open_, [&](int pixel, const Disc& disc, float, float offset2) {
       const int u = pixel % width_, v = v_begin_ + pixel / width_;
-      sides[pixel].Add(disc.u - static_cast<float>(u), disc.v - static_cast<float>(v),
-                       1 - offset2);
+      sides[pixel].Add(disc.u - static_cast<float>(u), disc.v - static_cast<float>(v), 1 - offset2);
     });
     for (int i = 0; i < pixel_count(); ++i) {
       if (!sides[i].AreOne()) continue;
@@ -155,20 +153,20 @@ class BlendBand {
                     const std::vector<float>& wanted, const F& f) const {
     const float* back = back_.data();
     const int width = width_;
-    ForEachEight(lists, layer, wanted,
-                 [&](const Disc& disc, int pixel, auto met, auto rho, auto across2) {
-                   using Numbers = decltype(rho);
-                   const auto in_front = Numbers::Both(
-                       met, rho >= Numbers::LoadHalves(back + pixel, back + pixel + width));
-                   if (!Numbers::Any(in_front)) return;
-                   float rhos[Numbers::kCount], offset2[Numbers::kCount];
-                   Select(in_front, rho, Numbers(0.f)).Store(rhos);
-                   (across2 / (rho * rho)).Store(offset2);
-                   for (int k = 0; k < Numbers::kCount; ++k) {
-                     if (!(rhos[k] > 0)) continue;
-                     f(pixel + k % 4 + k / 4 * width, disc, rhos[k], offset2[k]);
-                   }
-                 });
+    ForEachEight(
+        lists, layer, wanted, [&](const Disc& disc, int pixel, auto met, auto rho, auto across2) {
+          using Numbers = decltype(rho);
+          const auto in_front =
+              Numbers::Both(met, rho >= Numbers::LoadHalves(back + pixel, back + pixel + width));
+          if (!Numbers::Any(in_front)) return;
+          float rhos[Numbers::kCount], offset2[Numbers::kCount];
+          Select(in_front, rho, Numbers(0.f)).Store(rhos);
+          (across2 / (rho * rho)).Store(offset2);
+          for (int k = 0; k < Numbers::kCount; ++k) {
+            if (!(rhos[k] > 0)) continue;
+            f(pixel + k % 4 + k / 4 * width, disc, rhos[k], offset2[k]);
+          }
+        });
   }
 
   // Calls f(disc, pixel, met, rho, across2), see ForEachEightPixels(). `met` has only wanted
