@@ -17,7 +17,7 @@ void SlamOptions::Visit(OptionVisitor& v) {
   v.Add(map_period, "map_period",
         "fuse every n-th tracked frame, and render a new model view for every n-th frame; 1: all "
         "frames",
-        AtLeast(1), AsFlag());
+        AtLeast(1));
   v.Add(max_view_shift, "max_view_shift",
         "image shift that triggers a new model view and fusion, as a ratio of the image width",
         AtLeast(0));

@@ -119,7 +119,7 @@ TEST(RefineTool, CorrectsAWrongCalibrationToAThirdOfTheError) {
     Succeeded(RunProgram("surfit_slam",
                          {"--sequence=" + folder / "in", "--output=" + folder / "out",
                           "--nofinal_map", "--intrinsics=" + wrong + "," + wrong + ",159.75,119.75",
-                          "--map_period=1", "--nocalibrate", "--pictures=false"}));
+                          "--nocalibrate", "--pictures=false"}));
     Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out"}));
     const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
     const auto& found = json["calibration"]["after"];
@@ -143,7 +143,7 @@ TEST(RefineTool, KeepsACorrectCalibrationWithoutALargerError) {
     Simulate(folder / "in", 300, 2, seed, 0);
     Succeeded(
         RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
-                                   "--map_period=1", "--nofinal_map", "--pictures=false"}));
+                                   "--nofinal_map", "--pictures=false"}));
     Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out"}));
     const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
     const double before = json["ate_rmse_m"]["before"], after = json["ate_rmse_m"]["after"];

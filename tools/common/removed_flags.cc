@@ -154,6 +154,7 @@ constexpr std::array kRemovedFlags = {
     RemovedFlag{"", "intensity_sigma", "ErrorModel::intensity_sigma"},
     RemovedFlag{"", "kernel_width", "RobustKernel::width"},
     RemovedFlag{"", "latency_s", "latency_s in camera.yaml"},
+    RemovedFlag{"", "map_period", "SlamOptions::map_period"},
     RemovedFlag{"", "max_free_space_violation_ratio", "IcpOptions::max_free_space_violation_ratio"},
     RemovedFlag{"", "max_inactive_frames", "FusionOptions::max_inactive_frames"},
     RemovedFlag{"", "max_iterations", "IcpOptions::max_iterations"},

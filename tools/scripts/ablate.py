@@ -36,7 +36,7 @@ VARIANTS = ("out", "half", "double")
 SHORT = [
     ("desk", "tum_fr1_desk", {"stride": 3, "last": 299}, {}),
     ("phone", "phone_lidar_walk", {"last": 71}, {}),
-    ("d435", "realsense_d435_office", {}, {"fit_mount": True}),
+    ("d435", "realsense_d435_office", {"last": 31}, {"fit_mount": True}),
     ("room5", "room:kinect:5", {"last": 99}, {}),
 ]
 LONG = [
