@@ -54,12 +54,13 @@ class ReducedBatch final : public ReducedBlock {
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
     const double* pose = parameters[0];
+    const bool is_prepared = prepared_ && std::equal(pose, pose + kPoseSize, kIdentityBlock);
     if (jacobians == nullptr || jacobians[0] == nullptr) {
       std::fill(residuals, residuals + kRows, 0.);
-      residuals[0] = std::sqrt(SumRho(functor_, data_, pose, kernel_));
+      residuals[0] =
+          std::sqrt(is_prepared ? prepared_->rho : SumRho(functor_, data_, pose, kernel_));
       return std::isfinite(residuals[0]);
     }
-    const bool is_prepared = prepared_ && std::equal(pose, pose + kPoseSize, kIdentityBlock);
     const RowSums sums = is_prepared ? *prepared_ : SumRows(functor_, data_, pose, kernel_);
     if (!std::isfinite(sums.rho)) return false;
     Factor factor;

@@ -137,14 +137,13 @@ class LevelRun {
 }  // namespace
 
 PoseSolverOptions SolverOptions(const IcpOptions& options, const ErrorModel& error_model) {
-  constexpr double kShareOfRmseChange = 0.1;
   return {
       options.solver,
       options.linear_solver,
       ResidualTypeFromName(options.residual),
       error_model,
       {std::min(options.observability.min_eigenvalue, ObservabilityOptions().min_eigenvalue), 0},
-      kShareOfRmseChange * options.min_relative_rmse_change};
+      options.min_relative_rmse_change};
 }
 
 void RunLevel(const IcpLevel& level, const IcpOptions& options, IcpResult* result) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "core/named_values.h"
 #include "cost_functions/kernel_loss.h"
@@ -100,6 +101,41 @@ class PoseProblem final : private ceres::EvaluationCallback {
   ceres::Problem problem_;
 };
 
+// Reduced block that remembers its costs, because PoseProblem repeats the last evaluations.
+class RememberingBlock final : public ceres::CostFunction {
+ public:
+  explicit RememberingBlock(std::unique_ptr<ReducedBlock> block) : block_(std::move(block)) {
+    *mutable_parameter_block_sizes() = block_->parameter_block_sizes();
+    set_num_residuals(block_->num_residuals());
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    if (jacobians != nullptr) return block_->Evaluate(parameters, residuals, jacobians);
+    PoseBlock pose;
+    std::copy_n(parameters[0], kPoseSize, pose.begin());
+    const auto known = std::find_if(costs_.begin(), costs_.end(),
+                                    [&](const Cost& cost) { return cost.pose == pose; });
+    if (known != costs_.end()) {
+      std::fill_n(residuals, num_residuals(), 0.);
+      residuals[0] = known->residual;
+      return true;
+    }
+    if (!block_->Evaluate(parameters, residuals, nullptr)) return false;
+    costs_.push_back({pose, residuals[0]});
+    return true;
+  }
+
+ private:
+  struct Cost {
+    PoseBlock pose;
+    double residual;  // the only one that is not zero, see ReducedBatch
+  };
+
+  std::unique_ptr<ReducedBlock> block_;
+  mutable std::vector<Cost> costs_;
+};
+
 class ReducedCeresSolver final : public ReducedSolver<ReducedCeresSolver> {
  public:
   using ReducedSolver::ReducedSolver;
@@ -108,7 +144,7 @@ class ReducedCeresSolver final : public ReducedSolver<ReducedCeresSolver> {
   Vector6d Minimum(ReducedBlocks blocks, std::unique_ptr<ceres::CostFunction> prior,
                    const StepResult&, SolveReport* report) const {
     PoseProblem problem;
-    for (auto& block : blocks) problem.Add(block.release());
+    for (auto& block : blocks) problem.Add(new RememberingBlock(std::move(block)));
     if (prior) problem.Add(prior.release());
     return problem.Solve<S>(ceres::DENSE_QR, options().min_relative_cost_change, report);
   }
