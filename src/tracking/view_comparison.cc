@@ -1,6 +1,7 @@
 #include "tracking/view_comparison.h"
 
 #include "registration/global/view_fit.h"
+#include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
@@ -94,12 +95,20 @@ ViewComparison CompareViews(const FrameLevel& frame, const Image<Rgb8>& color,
   const ViewProjection in_model(model, error_model, model_from_frame);
   ViewComparison comparison;
   comparison.sides = Image<Side>(grid.width, grid.height, Side::kUnknown);
+  const auto vertex_of = [&](int u, int v) {
+    return Eigen::Vector3f(frame.vertex(grid.Pixel(u), grid.Pixel(v)));
+  };
+  ParallelFor(0, grid.height, kRowsPerBlock, [&](int begin, int end) {
+    for (int v = begin; v < end; ++v) {
+      for (int u = 0; u < grid.width; ++u) {
+        comparison.sides(u, v) = in_model.Of(vertex_of(u, v), frame.noise).side;
+      }
+    }
+  });
   for (int v = 0; v < grid.height; ++v) {
     for (int u = 0; u < grid.width; ++u) {
-      const Eigen::Vector3f vertex = frame.vertex(grid.Pixel(u), grid.Pixel(v));
-      const Side side = in_model.Of(vertex, frame.noise).side;
-      comparison.sides(u, v) = side;
-      comparison.points += vertex.z() > 0;
+      const Side side = comparison.sides(u, v);
+      comparison.points += vertex_of(u, v).z() > 0;
       comparison.compared += side != Side::kUnknown;
       comparison.in_front += side == Side::kInFront;
       comparison.behind += side == Side::kBehind;

@@ -2,7 +2,9 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
@@ -65,7 +67,10 @@ constexpr double kDetailSigmaPx = 3;
 
 Image<float> Brightness(const Image<Rgb8>& color) {
   Image<float> brightness(color.width(), color.height());
-  for (std::size_t i = 0; i < color.size(); ++i) brightness[i] = GreyOf(color[i]);
+  ParallelFor(0, color.height(), kRowsPerBlock, [&](int begin, int end) {
+    std::transform(color.row(begin), color.row(begin) + std::ptrdiff_t{end - begin} * color.width(),
+                   brightness.row(begin), GreyOf);
+  });
   return brightness;
 }
 
