@@ -12,7 +12,7 @@ SCRIPT = sys.argv.pop(1)
 
 def entry(changes, recording, ate_m, with_pose=100, cpu_s=10.0):
     return {"key": json.dumps([changes, recording, {}, 0, False], sort_keys=True), "changes": changes,
-            "recording": recording, "first": 0, "ate_m": ate_m, "with_pose": with_pose, "cpu_s": cpu_s,
+            "recording": recording, "first": 0, "ate_m": ate_m, "frames": 100, "with_pose": with_pose, "cpu_s": cpu_s,
             "digest": f"{changes}{recording}"}
 
 
@@ -23,7 +23,8 @@ def rows_of(entries):
             file.writelines(json.dumps(e) + "\n" for e in entries)
         done = subprocess.run([sys.executable, SCRIPT, "--state", state, "--table"], check=True, capture_output=True,
                               text=True)
-    return [[cell.strip() for cell in row.split("|")[1:-1]] for row in done.stdout.splitlines()[2:]]
+    rows = done.stdout.split("|---|\n")[1].splitlines()
+    return [[cell.strip() for cell in row.split("|")[1:-1]] for row in rows]
 
 
 class TableTest(unittest.TestCase):
@@ -45,6 +46,11 @@ class TableTest(unittest.TestCase):
         failed = {**entry({"x": 1}, "a", None), "error": "out of memory"}
         (row,) = rows_of([entry({}, "a", 0.01), entry({}, "b", 0.01), failed, entry({"x": 1}, "b", 0.01)])
         self.assertEqual(row[1], "1, 1 failed")
+
+    def test_groups_have_a_row_only_without_an_effect(self):
+        (row,) = rows_of([entry({}, "a", 0.010), entry({"x": 1, "y": 2}, "a", 0.010),
+                          entry({"x": 1, "z": 2}, "a", 0.020)])
+        self.assertEqual(row[0], "`x=1`, `y=2`")
 
 
 if __name__ == "__main__":
