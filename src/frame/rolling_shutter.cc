@@ -125,8 +125,21 @@ class OriginFinder {
     std::int32_t column[V::kCount], row[V::kCount];
     from_u.StoreTruncated(column);
     from_v.StoreTruncated(row);
-    Neighbours near;
     const float* const inverse = moved_.inverse_depth.data();
+    if (AreInARow(column, row)) {
+      const int at = row[0] * width_ + column[0];
+      return {V::Load(columns_.data() + column[0]),
+              V(row[0]),
+              V::Load(moved_.du.data() + at),
+              V::Load(moved_.dv.data() + at),
+              V::Load(moved_.scale.data() + at),
+              V::Load(inverse + at),
+              V::Load(inverse + at - 1),
+              V::Load(inverse + at + 1),
+              V::Load(inverse + at - width_),
+              V::Load(inverse + at + width_)};
+    }
+    Neighbours near;
     for (int k = 0; k < V::kCount; ++k) {
       const int at = row[k] * width_ + column[k];
       near.u.v[k] = static_cast<float>(column[k]);
@@ -141,6 +154,15 @@ class OriginFinder {
       near.below.v[k] = inverse[row[k] + 1 < height_ ? at + width_ : at];
     }
     return near;
+  }
+
+  // True for consecutive pixels of one row whose neighbours are inside the image.
+  bool AreInARow(const std::int32_t* column, const std::int32_t* row) const {
+    if (column[0] < 1 || column[0] + V::kCount >= width_) return false;
+    if (row[0] < 1 || row[0] + 1 >= height_) return false;
+    bool are = true;
+    for (int k = 1; k < V::kCount; ++k) are &= column[k] == column[0] + k && row[k] == row[0];
+    return are;
   }
 
   V Slope(const V& before, const V& here, const V& after) const {

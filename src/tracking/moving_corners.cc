@@ -39,6 +39,8 @@ constexpr double kMovingFactor = 2.5;
 constexpr double kApartFactor = 1.5, kMinApartRatio = 0.5, kContradicted_s = 1;
 constexpr int kSamples = 300, kMinSample = 3, kSampleSteps = 3, kRefineSteps = 6;
 constexpr int kSamplesPerBlock = 25;
+// A motion with more than this ratio of the corners is not compared with random samples.
+constexpr double kClearRatio = 0.75;
 // Minimum support of a motion: blocks of the image, and ratio of all blocks with corners.
 constexpr double kMinBlocks = 10, kMinSupport = 0.15;
 // Minimum support of a motion that contradicts a pose.
@@ -140,12 +142,22 @@ class MotionSearch {
       compare(motion);
       compare(Refined(used, motion));
     }
-    compare(BestSample(used, initial.front(), best.support));
-    compare(Refined(used, best.motion));
+    if (!IsClear(used, best)) {
+      compare(BestSample(used, initial.front(), best.support));
+      compare(Refined(used, best.motion));
+    }
     return best;
   }
 
  private:
+  // True if so many corners agree with a motion that no other motion can have more.
+  bool IsClear(const std::vector<int>& used, const MotionSupport& found) const {
+    double all = 0, agreeing = 0;
+    for (const int i : used) all += weights_[i];
+    for (const int i : found.corners) agreeing += weights_[i];
+    return agreeing > kClearRatio * all;
+  }
+
   // Returns the motion with the largest support among those of random samples. Samples with less
   // support than `least` are not compared.
   Rigid3d BestSample(const std::vector<int>& used, const Rigid3d& initial, double least) const {
