@@ -150,7 +150,7 @@ class MotionSearch {
   }
 
  private:
-  // True if so many corners agree with a motion that no other motion can have more.
+  // True if more than kClearRatio of the corners agree with the motion. No other motion has more.
   bool IsClear(const std::vector<int>& used, const MotionSupport& found) const {
     double all = 0, agreeing = 0;
     for (const int i : used) all += weights_[i];
