@@ -27,7 +27,7 @@ struct IcpOptions {
   double gate_growth = 2;                   // factor of the distance gate per coarser level
   double kernel_growth = 1;                 // factor of the robust kernel width per coarser level
   ErrorModel error_model;                   // for the finest level
-  // Minimum number of source rows on the finest level; 0: all rows. Every n-th row is used, with
+  // Minimum number of source rows of a level; 0: all rows. Every n-th row is used, with
   // the largest possible n. Intensities use all rows, with 1 / n of their weight. kd_tree uses all
   // points.
   int min_source_rows = 0;

@@ -84,8 +84,8 @@ void IcpOptions::Visit(OptionVisitor& v) {
         AtLeast(1));
   v.AddPart(error_model, "error_model", "error model and robust kernel on the finest level");
   v.Add(min_source_rows, "min_source_rows",
-        "minimum number of image rows on the finest level; every n-th row is used, with the "
-        "largest n for this number",
+        "minimum number of image rows of a level; every n-th row is used, with the largest n for "
+        "this number",
         ZeroIs("all"));
   v.Add(min_coarse_step_px, "min_coarse_step_px",
         "step size at which a coarser level ends, in pixels of the level", AtLeast(0));
