@@ -169,9 +169,12 @@ Relocalization LoopCloser::Find(const ColoredView& view, int rank,
 GlobalRegistrationResult LoopCloser::RegisterTo(const ColoredView& earlier,
                                                 const ColoredView& view) const {
   const TraceSlice slice("register_to_last");
-  return VerifyLoop(MakePlaceView(view.pyramid, view.color, options_.views),
-                    MakePlaceView(earlier.pyramid, earlier.color, options_.views),
-                    options_.relocalize.verify);
+  PlaceView views[2];
+  ParallelFor(0, 2, 1, [&](int k, int) {
+    const ColoredView& made = k == 0 ? view : earlier;
+    views[k] = MakePlaceView(made.pyramid, made.color, options_.views);
+  });
+  return VerifyLoop(views[0], views[1], options_.relocalize.verify);
 }
 
 ViewOfKeyframe ViewOf(ColoredView source, const InverseDepthField& field,

@@ -167,7 +167,7 @@ FrameReport Slam::Process(const RgbdFrame& frame) {
   Tracked tracked = is_first ? tracker_->TrackFirst(prepared)
                              : Track(prepared, Predict(prepared, &times), &times);
   FrameReport report = Integrate(std::move(prepared), std::move(tracked), &times);
-  if (report.HasPose()) PredictAhead(frame, &times);
+  if (report.HasPose() && !mapper_->has_longer_period()) PredictAhead(frame, &times);
   report.times = times;
   return report;
 }

@@ -15,6 +15,15 @@ constexpr double kFollows_s = 1;
 // time, cells of a wrong pose look like moving objects.
 constexpr double kContinuous_s = 0.25;
 
+bool HasMovingObjects(const SearchStart& start, const Tracked& tracked) {
+  return tracked.has_pose() && start.seconds <= kContinuous_s && !tracked.moving.empty();
+}
+
+// View of a frame without its moving objects.
+ColoredView Unmoved(const PreprocessedFrame& frame, const Tracked& tracked) {
+  return {Without(frame.view.pyramid, tracked.moving), frame.view.color};
+}
+
 // After the first lost frames, every kSearchStride-th lost frame is searched. A search takes as
 // long as ten registrations.
 constexpr int kSearchStride = 5;
@@ -66,13 +75,7 @@ Tracked PoseSearch::Search(const PreprocessedFrame& frame, const SearchStart& st
   const bool follows =
       start.state.is_localised || (start.seconds > 0 && start.seconds < kFollows_s);
   if (!follows) tracked.state = FrameState::kLost;
-  std::optional<Tracked> found;
-  const bool is_first = start.lost_frames == 0;
-  if (relocalizer_ && !is_first && !options_.IsFrameToFrame()) {
-    found = NearLastFrame(frame, start);
-  } else {
-    found = FromLastFrame(frame, start, tracked);
-  }
+  std::optional<Tracked> found = FromLastFrame(frame, start, tracked);
   if (!found && StaticPartAgrees(frame, start, tracked)) {
     tracked.verdict = Verdict::kAccepted;
     tracked.has_second = true;
@@ -82,9 +85,8 @@ Tracked PoseSearch::Search(const PreprocessedFrame& frame, const SearchStart& st
     if (std::optional<Tracked> again = ByKeyframes(frame, start)) tracked = *std::move(again);
   }
   if (tracked.has_pose() && NeedsConfirmation(start, tracked)) {
-    ColoredView rest = {Without(frame.view.pyramid, tracked.moving), frame.view.color};
     tracked.tentative = {Without(frame.measured, tracked.moving),
-                         {std::move(rest), tracked.world_from_camera, {}},
+                         {Unmoved(frame, tracked), tracked.world_from_camera, {}},
                          tracked.icp,
                          tracked.keyframe,
                          tracked.keyframe_frame,
@@ -101,21 +103,40 @@ bool PoseSearch::IsDue(const PreprocessedFrame& frame, const SearchStart& start)
   return (is_soon || start.lost_frames % kSearchStride == 0) && HasEnoughDepth(frame, options_.icp);
 }
 
-std::optional<Tracked> PoseSearch::NearLastFrame(const PreprocessedFrame& frame,
-                                                 const SearchStart& start) const {
-  if (!IsDue(frame, start)) return std::nullopt;
+bool PoseSearch::HasFeatures() const { return relocalizer_ && !options_.IsFrameToFrame(); }
+
+std::optional<Rigid3d> PoseSearch::ByFeatures(const PreprocessedFrame& frame,
+                                              const SearchStart& start,
+                                              const Tracked& tracked) const {
+  if (!HasFeatures()) return std::nullopt;
   const std::optional<Rigid3d> last_from_frame =
-      relocalizer_->RegisterTo(start.last.view, frame.view);
+      HasMovingObjects(start, tracked)
+          ? relocalizer_->RegisterTo(start.last.view, Unmoved(frame, tracked))
+          : relocalizer_->RegisterTo(start.last.view, frame.view);
   if (!last_from_frame) return std::nullopt;
-  return Confirm(frame, start, start.last.world_from_view * *last_from_frame);
+  return start.last.world_from_view * *last_from_frame;
 }
 
-// Features and surfaces of moving objects are not used, because these objects are also in the last
-// frame if they were not detected there.
 std::optional<Tracked> PoseSearch::FromLastFrame(const PreprocessedFrame& frame,
                                                  const SearchStart& start,
                                                  const Tracked& tracked) const {
   if (!IsDue(frame, start)) return std::nullopt;
+  const std::optional<Rigid3d> by_features = ByFeatures(frame, start, tracked);
+  if (by_features && tracked.has_pose() && AgreeClosely(tracked.world_from_camera, *by_features)) {
+    return tracked;
+  }
+  const bool is_first = start.lost_frames == 0;
+  if (!HasFeatures() || (is_first && options_.VerifiesBySearch())) {
+    if (std::optional<Tracked> found = Globally(frame, start, tracked)) return found;
+  }
+  return by_features ? Confirm(frame, start, *by_features) : std::nullopt;
+}
+
+// Features and surfaces of moving objects are not used, because these objects are also in the last
+// frame if they were not detected there.
+std::optional<Tracked> PoseSearch::Globally(const PreprocessedFrame& frame,
+                                            const SearchStart& start,
+                                            const Tracked& tracked) const {
   const TrackingState& state = start.state;
   const bool verifies = options_.VerifiesBySearch();
   const TraceSlice slice("find_again", frame.images.index);
@@ -131,9 +152,7 @@ std::optional<Tracked> PoseSearch::FromLastFrame(const PreprocessedFrame& frame,
     return RegisterGlobally(view, start.last.view, initialization, icp_options, bound);
   };
   GlobalRegistrationResult found;
-  if (tracked.has_pose() && start.seconds <= kContinuous_s && !tracked.moving.empty()) {
-    found = register_view({Without(frame.view.pyramid, tracked.moving), frame.view.color});
-  }
+  if (HasMovingObjects(start, tracked)) found = register_view(Unmoved(frame, tracked));
   if (!found.accepted()) found = register_view(frame.view);
   if (!found.accepted()) return std::nullopt;
   const Rigid3d world_from_found = start.last.world_from_view * found.target_from_source;

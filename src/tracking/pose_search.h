@@ -50,15 +50,16 @@ struct SearchStart {
   std::optional<Rigid3d> expected;
 };
 
-// Estimates poses of lost or uncertain frames by global registration and relocalisation. Each pose
-// is verified by registration to the map. Global registration runs for every fifth lost frame, and
-// for each of the first five with TrackingOptions::VerifiesBySearch(). Frames with too little depth
-// do not count.
+// Estimates poses of lost or uncertain frames by features, global registration and relocalisation.
+// Each pose is verified by registration to the map. These searches run for every fifth lost frame,
+// and for each of the first five with TrackingOptions::VerifiesBySearch(). Frames with too little
+// depth do not count.
 //
-// With a Relocalizer, global registration runs for the first lost frame only. The search of later
-// frames costs about as much as tracking: two verifications of small views. The targets are the
-// last frame with a pose, and one similar keyframe. The keyframes of lower ranks are verified for
-// later lost frames.
+// With a Relocalizer, features register a small view to the last frame with a pose, which takes
+// about as long as tracking. If they do not confirm the pose of the first uncertain or lost frame,
+// global registration follows, which takes ten times as long. It is left out without
+// VerifiesBySearch(), for example in real time. Each lost frame is also verified against one
+// similar keyframe, in turns.
 class PoseSearch {
  public:
   // Keeps references and the pointer.
@@ -76,15 +77,22 @@ class PoseSearch {
   Tracked Search(const PreprocessedFrame& frame, const SearchStart& start, Tracked tracked) const;
 
  private:
-  // Global registration to the last frame with a pose, without the moving cells of `tracked`, and
-  // within PossibleMotion(). Returns `tracked` if the result agrees closely with its pose, else the
-  // pose that the map confirms. Returns std::nullopt if the registration fails or is not due.
+  // Search from the last frame with a pose. Returns `tracked` if the result agrees closely with its
+  // pose, else the pose that the map confirms. Returns std::nullopt if the search fails or is not
+  // due.
   std::optional<Tracked> FromLastFrame(const PreprocessedFrame& frame, const SearchStart& start,
                                        const Tracked& tracked) const;
-  // Registration of small views to the last frame with a pose. Returns std::nullopt as above.
-  std::optional<Tracked> NearLastFrame(const PreprocessedFrame& frame,
-                                       const SearchStart& start) const;
-  // Returns whether global registration is due.
+  // Whether features register small views, see Relocalizer::RegisterTo().
+  bool HasFeatures() const;
+  // Pose world_from_camera by features, without the moving cells of `tracked`. Returns std::nullopt
+  // without HasFeatures(), or if the registration is not accepted.
+  std::optional<Rigid3d> ByFeatures(const PreprocessedFrame& frame, const SearchStart& start,
+                                    const Tracked& tracked) const;
+  // Global registration without the moving cells of `tracked`, and within PossibleMotion(). Results
+  // are those of FromLastFrame().
+  std::optional<Tracked> Globally(const PreprocessedFrame& frame, const SearchStart& start,
+                                  const Tracked& tracked) const;
+  // Returns whether a search from the last frame is due.
   bool IsDue(const PreprocessedFrame& frame, const SearchStart& start) const;
   // Returns whether a registration to the last frame confirms the pose of an uncertain frame with
   // moving objects or few inliers.

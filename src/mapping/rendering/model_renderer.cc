@@ -57,9 +57,13 @@ ModelView ModelRenderer::Render(const SurfelMap& map, const DepthSensor& sensor,
 
 Image<Rgb8> ColorsOf(const ModelView& view, const SurfelMap& map) {
   Image<Rgb8> colors(view.surfel_index.width(), view.surfel_index.height());
-  std::transform(
-      view.surfel_index.begin(), view.surfel_index.end(), colors.begin(),
-      [&](std::int32_t id) { return id == ModelView::kNoSurfel ? Rgb8() : map.Color(id); });
+  const int width = colors.width();
+  ParallelFor(0, colors.height(), kRowsPerBlock, [&](int begin, int end) {
+    std::transform(
+        view.surfel_index.row(begin), view.surfel_index.row(begin) + (end - begin) * width,
+        colors.row(begin),
+        [&](std::int32_t id) { return id == ModelView::kNoSurfel ? Rgb8() : map.Color(id); });
+  });
   return colors;
 }
 

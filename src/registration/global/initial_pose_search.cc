@@ -187,7 +187,8 @@ CandidatePose InitialPoseSearch::Improve(const CandidatePose& start) const {
 // Geometry may not constrain a direction, for example with only two walls. Then the pose along this
 // direction is arbitrary. This function tests poses along the weakest direction and returns the
 // best poses. Their scores include brightness.
-std::vector<CandidatePose> InitialPoseSearch::AlongWeakestDirection(const Rigid3d& pose) const {
+std::vector<CandidatePose> InitialPoseSearch::AlongWeakestDirection(
+    const Rigid3d& pose, const MotionBound& bound) const {
   constexpr double kReachM = 1, kStepM = 0.05;
   constexpr std::size_t kBest = 6;
   const JointSystem system = LinearizeJointly(Source(kCoarse), Target(kCoarse),
@@ -198,11 +199,13 @@ std::vector<CandidatePose> InitialPoseSearch::AlongWeakestDirection(const Rigid3
   if (!direction) return along;
   for (int i = 1; i * kStepM <= kReachM; ++i) {
     for (const double shift_m : {i * kStepM, -i * kStepM}) {
-      const Rigid3d shifted = LeftIncrement<double>(shift_m * *direction, pose);
-      along.push_back({shifted, Score(kCoarse, shifted)});
+      along.push_back({LeftIncrement<double>(shift_m * *direction, pose), 0});
     }
   }
-  return BestDistinct(along, kCoarseNearness, kBest);
+  const auto score = [&](const CandidatePose& shifted) {
+    return CandidatePose{shifted.target_from_source, Score(kCoarse, shifted.target_from_source)};
+  };
+  return BestDistinct(ForAll(Within(bound, std::move(along)), score), kCoarseNearness, kBest);
 }
 
 std::vector<CandidatePose> InitialPoseSearch::FindPoses(const MotionBound& bound) const {
@@ -210,13 +213,19 @@ std::vector<CandidatePose> InitialPoseSearch::FindPoses(const MotionBound& bound
     return Within(bound, ForAll(Within(bound, starts),
                                 [&](const CandidatePose& start) { return Improve(start); }));
   };
-  std::vector<CandidatePose> poses =
-      improve(BestDistinct(Within(bound, FromRotations(bound)), kCoarseNearness, kCoarsePoses));
-  for (const CandidatePose& pose : improve(FromFeatures())) poses.push_back(pose);
+  std::vector<CandidatePose> poses, by_features;
+  const std::function<void()> searches[] = {
+      [&] {
+        poses = improve(
+            BestDistinct(Within(bound, FromRotations(bound)), kCoarseNearness, kCoarsePoses));
+      },
+      [&] { by_features = improve(FromFeatures()); }};
+  ParallelFor(0, 2, 1, [&](int k, int) { searches[k](); });
+  poses.insert(poses.end(), by_features.begin(), by_features.end());
   std::vector<CandidatePose> best = BestDistinct(poses, kMiddleNearness, kMiddlePoses);
   std::vector<CandidatePose> along;
   for (const CandidatePose& pose : best) {
-    for (const CandidatePose& other : AlongWeakestDirection(pose.target_from_source)) {
+    for (const CandidatePose& other : AlongWeakestDirection(pose.target_from_source, bound)) {
       along.push_back(other);
     }
   }

@@ -95,7 +95,8 @@ class InitialPoseSearch {
   double Score(Stage stage, const Rigid3d& pose, int stride = 1) const;
   std::vector<CandidatePose> FromFeatures() const;
   std::vector<CandidatePose> FromRotations(const MotionBound& bound) const;
-  std::vector<CandidatePose> AlongWeakestDirection(const Rigid3d& pose) const;
+  std::vector<CandidatePose> AlongWeakestDirection(const Rigid3d& pose,
+                                                   const MotionBound& bound) const;
   CandidatePose Improve(const CandidatePose& start) const;
 
   const ColoredView& source_;

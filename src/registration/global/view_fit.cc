@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "surfit/core/lanes.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -24,44 +25,6 @@ struct Count {
     return *this;
   }
 };
-
-// Index of the pixel nearest to a point in the camera frame; -1 outside the image.
-int PixelOf(const Eigen::Vector3d& point, const PinholeCamera& camera) {
-  if (!(point.z() > 0)) return -1;
-  const Eigen::Vector2d pixel = camera.Project(point) + Eigen::Vector2d(0.5, 0.5);
-  const bool inside =
-      pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < camera.width && pixel.y() < camera.height;
-  return inside ? static_cast<int>(pixel.y()) * camera.width + static_cast<int>(pixel.x()) : -1;
-}
-
-// Maximum distance between a source point and the target surface that noise explains, m.
-double FreeSpaceBound(const FrameLevel& source, double source_z_m, const FrameLevel& target,
-                      double target_z_m, const ErrorModel& error_model) {
-  const double of_source_m = error_model.Sigma(source_z_m, source.noise);
-  const double of_target_m = target.noise.SigmaZ(target_z_m);
-  return kFreeSpaceSigmas * std::sqrt(of_source_m * of_source_m + of_target_m * of_target_m);
-}
-
-Count CountRow(const FrameLevel& source, const FrameLevel& target, const ErrorModel& error_model,
-               const Rigid3d& target_from_source, int v) {
-  const Eigen::Matrix3d rotation = target_from_source.rotation.toRotationMatrix();
-  Count count;
-  for (int u = 0; u < source.vertex.width(); ++u) {
-    if (!(source.vertex.z(u, v) > 0)) continue;
-    const Eigen::Vector3d point =
-        rotation * source.vertex(u, v).cast<double>() + target_from_source.translation;
-    const int pixel = PixelOf(point, target.camera);
-    if (pixel < 0) continue;
-    const Eigen::Vector3d surface = At(target.vertex, pixel).cast<double>();
-    const Eigen::Vector3d normal = At(target.normal, pixel).cast<double>();
-    if (!(surface.z() > 0) || normal.isZero(0)) continue;
-    const double height_m = normal.dot(point - surface);
-    const double bound_m = FreeSpaceBound(source, point.z(), target, surface.z(), error_model);
-    count.in_front += height_m > bound_m;
-    count.at_surface += std::abs(height_m) <= bound_m;
-  }
-  return count;
-}
 
 constexpr double kDetailSigmaPx = 3;
 
@@ -83,15 +46,106 @@ Image<float> Detail(Image<float>& value) {
   return detail;
 }
 
+// Surfaces at the target pixels of projections, as a structure of arrays.
+struct Surfaces {
+  static constexpr int kCapacity = Projections::kCapacity;
+
+  int count = 0;
+  int projection[kCapacity] = {};                      // index in Projections
+  alignas(32) float z[kCapacity] = {};                 // depth of the target, m
+  alignas(32) float depth[kCapacity] = {};             // depth of the projection, m
+  alignas(32) float gap[3][kCapacity] = {};            // p' - q, m
+  alignas(32) float normal[3][kCapacity] = {};         // of the target
+  alignas(32) float source_normal[3][kCapacity] = {};  // in the source frame
+  // Results, 0 or 1: nearer than the surface by more than kFreeSpaceSigmas; within
+  // kFreeSpaceSigmas; and with similar normals.
+  std::int32_t in_front[kCapacity] = {}, is_near[kCapacity] = {}, at_surface[kCapacity] = {};
+};
+
+// Replaces `surfaces` by those of the projections on a surface with a normal.
+void FindSurfaces(const Projections& projections, const FrameLevel& source,
+                  const FrameLevel& target, Surfaces* surfaces) {
+  int count = 0;
+  for (int k = 0; k < projections.count; ++k) {
+    const int at = projections.target_pixel[k], from = projections.source_pixel[k];
+    const Eigen::Vector3f surface = At(target.vertex, at), normal = At(target.normal, at);
+    if (!(surface.z() > 0) || normal.isZero(0)) continue;
+    const Eigen::Vector3f gap = projections.Point(k) - surface;
+    const Eigen::Vector3f source_normal = At(source.normal, from);
+    surfaces->projection[count] = k;
+    surfaces->z[count] = surface.z();
+    surfaces->depth[count] = projections.z[k];
+    for (int axis = 0; axis < 3; ++axis) {
+      surfaces->gap[axis][count] = gap[axis];
+      surfaces->normal[axis][count] = normal[axis];
+      surfaces->source_normal[axis][count] = source_normal[axis];
+    }
+    ++count;
+  }
+  surfaces->count = count;
+}
+
+// Compares the heights above the surfaces with kFreeSpaceSigmas standard deviations, see
+// FreeSpaceViolationRatio(), and the normals.
+void CompareSurfaces(const FrameLevel& source, const FrameLevel& target,
+                     const ErrorModel& error_model, const Eigen::Matrix3f& rotation,
+                     Surfaces* surfaces) {
+  WithInstructions([&](auto /*instructions*/) {
+    Surfaces& s = *surfaces;
+    const auto floor_m = static_cast<float>(error_model.floor_sigma_m);
+    const auto source_sigma = static_cast<float>(source.noise.inverse_depth_sigma);
+    const auto target_sigma = static_cast<float>(target.noise.inverse_depth_sigma);
+    constexpr auto kSigmas = static_cast<float>(kFreeSpaceSigmas);
+    const Eigen::Matrix3f r = rotation;
+    for (int k = 0; k < Surfaces::kCapacity; ++k) {
+      const float nx = s.normal[0][k], ny = s.normal[1][k], nz = s.normal[2][k];
+      const float mx = s.source_normal[0][k], my = s.source_normal[1][k];
+      const float mz = s.source_normal[2][k];
+      const float height_m = nx * s.gap[0][k] + ny * s.gap[1][k] + nz * s.gap[2][k];
+      const float of_source_m = source_sigma * s.depth[k] * s.depth[k];
+      const float of_target_m = target_sigma * s.z[k] * s.z[k];
+      const float bound2 =
+          kSigmas * kSigmas *
+          (floor_m * floor_m + of_source_m * of_source_m + of_target_m * of_target_m);
+      const float turned_x = r(0, 0) * mx + r(0, 1) * my + r(0, 2) * mz;
+      const float turned_y = r(1, 0) * mx + r(1, 1) * my + r(1, 2) * mz;
+      const float turned_z = r(2, 0) * mx + r(2, 1) * my + r(2, 2) * mz;
+      const float cosine = turned_x * nx + turned_y * ny + turned_z * nz;
+      const bool is_beyond = height_m * height_m > bound2;
+      s.in_front[k] = is_beyond & (height_m > 0);
+      s.is_near[k] = !is_beyond;
+      s.at_surface[k] = !is_beyond & (cosine > kMinNormalCosine);
+    }
+  });
+}
+
+Count CountRow(const Projector& projector, const FrameLevel& source, const FrameLevel& target,
+               const ErrorModel& error_model, int v) {
+  Count count;
+  Projections projections;
+  Surfaces surfaces;
+  for (int u = 0; u < source.vertex.width();) {
+    u = projector.Project(u, v, 1, &projections);
+    FindSurfaces(projections, source, target, &surfaces);
+    CompareSurfaces(source, target, error_model, projector.rotation(), &surfaces);
+    for (int i = 0; i < surfaces.count; ++i) {
+      count.in_front += surfaces.in_front[i];
+      count.at_surface += surfaces.is_near[i];
+    }
+  }
+  return count;
+}
+
 }  // namespace
 
 double FreeSpaceViolationRatio(const FrameLevel& source, const FrameLevel& target,
                                const ErrorModel& error_model, const Rigid3d& target_from_source) {
+  const Projector projector(source, target.camera, target_from_source);
   const Count count =
       ParallelSum(0, source.vertex.height(), kRowsPerBlock, Count(), [&](int begin, int end) {
         Count sum;
         for (int v = begin; v < end; ++v) {
-          sum += CountRow(source, target, error_model, target_from_source, v);
+          sum += CountRow(projector, source, target, error_model, v);
         }
         return sum;
       });
@@ -117,33 +171,36 @@ struct OneWayFit {
   }
 };
 
+int CountDepths(const Image<float>& depth_m, int stride) {
+  int count = 0;
+  for (int v = stride / 2; v < depth_m.height(); v += stride) {
+    for (int u = stride / 2; u < depth_m.width(); u += stride) count += depth_m(u, v) > 0;
+  }
+  return count;
+}
+
 OneWayFit MeasureOneWay(const ViewLevel& source, const ViewLevel& target,
                         const ErrorModel& error_model, const Rigid3d& target_from_source,
                         int stride) {
   OneWayFit fit;
-  const auto& depth_m = source.surface.vertex.z;
-  for (int v = stride / 2; v < depth_m.height(); v += stride) {
-    for (int u = stride / 2; u < depth_m.width(); u += stride) fit.valid += depth_m(u, v) > 0;
-  }
+  fit.valid = CountDepths(source.surface.vertex.z, stride);
   const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
-  const auto measure = [&](const ProjectedPixel& landing) {
-    const Eigen::Vector3f surface = At(target.surface.vertex, landing.target_pixel);
-    const Eigen::Vector3f normal = At(target.surface.normal, landing.target_pixel);
-    if (!(surface.z() > 0) || normal.isZero(0)) return;
-    const double height_m = normal.dot(landing.point - surface);
-    const double bound_m =
-        FreeSpaceBound(source.surface, landing.point.z(), target.surface, surface.z(), error_model);
-    if (height_m > bound_m) ++fit.in_front;
-    if (std::abs(height_m) > bound_m) return;
-    const Eigen::Vector3f turned = rotation * At(source.surface.normal, landing.source_pixel);
-    if (!(turned.dot(normal) > kMinNormalCosine)) return;
-    ++fit.at_surface;
-    fit.value.Add(source.brightness.value[landing.source_pixel],
-                  SampleAt(target.brightness.value, landing.u, landing.v).value);
-    fit.detail.Add(source.brightness.detail[landing.source_pixel],
-                   SampleAt(target.brightness.detail, landing.u, landing.v).value);
-  };
-  ForEachProjection(source.surface, target.surface, target_from_source, measure, stride);
+  Surfaces surfaces;
+  ForEachProjections(
+      source.surface, target.surface, target_from_source, stride, [&](const Projections& at) {
+        FindSurfaces(at, source.surface, target.surface, &surfaces);
+        CompareSurfaces(source.surface, target.surface, error_model, rotation, &surfaces);
+        for (int i = 0; i < surfaces.count; ++i) {
+          fit.in_front += surfaces.in_front[i];
+          if (surfaces.at_surface[i] == 0) continue;
+          ++fit.at_surface;
+          const int k = surfaces.projection[i];
+          fit.value.Add(source.brightness.value[at.source_pixel[k]],
+                        SampleAt(target.brightness.value, at.u[k], at.v[k]).value);
+          fit.detail.Add(source.brightness.detail[at.source_pixel[k]],
+                         SampleAt(target.brightness.detail, at.u[k], at.v[k]).value);
+        }
+      });
   return fit;
 }
 

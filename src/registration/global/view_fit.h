@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "registration/global/projections.h"
 #include "surfit/core/image.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/geometry/rigid3.h"
@@ -36,50 +37,6 @@ struct ViewLevel {
 
 // Minimum cosine between the normals of equal surfaces.
 inline constexpr float kMinNormalCosine = 0.8f;
-
-// Projection of a source pixel into the target image.
-struct ProjectedPixel {
-  int source_pixel = 0;   // index of the source pixel
-  int target_pixel = 0;   // index of the nearest target pixel
-  float u = 0, v = 0;     // projected position, px
-  Eigen::Vector3f point;  // p' = R p + t in the target frame, m
-};
-
-// Calls visit(projected_pixel) row by row for every stride-th source row and column. Skips pixels
-// without depth, points nearer than 0.05 m and projections outside the target image.
-template <typename Visit>
-void ForEachProjection(const FrameLevel& source, const FrameLevel& target,
-                       const Rigid3d& target_from_source, const Visit& visit, int stride = 1) {
-  // Minimum depth in m, because projections diverge near the camera plane.
-  constexpr float kNearest = 0.05f;
-  const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
-  const Eigen::Vector3f translation = target_from_source.translation.cast<float>();
-  const PinholeCamera& camera = target.camera;
-  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
-  const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
-  const float right = static_cast<float>(camera.width) - 0.5f;
-  const float bottom = static_cast<float>(camera.height) - 0.5f;
-  const VectorImage& vertex = source.vertex;
-  const auto on_pixel = [&](int i) {
-    if (!(vertex.z[i] > 0)) return;
-    const Eigen::Vector3f vertex_i(vertex.x[i], vertex.y[i], vertex.z[i]);
-    ProjectedPixel landing;
-    landing.point = rotation * vertex_i + translation;
-    if (!(landing.point.z() > kNearest)) return;
-    landing.u = fx * landing.point.x() / landing.point.z() + cx;
-    landing.v = fy * landing.point.y() / landing.point.z() + cy;
-    if (!(landing.u >= -0.5f && landing.v >= -0.5f && landing.u < right && landing.v < bottom)) {
-      return;
-    }
-    landing.source_pixel = i;
-    const float from_left = landing.u + 0.5f, from_top = landing.v + 0.5f;  // at least 0
-    landing.target_pixel = static_cast<int>(from_top) * camera.width + static_cast<int>(from_left);
-    visit(landing);
-  };
-  for (int v = stride / 2; v < vertex.height(); v += stride) {
-    for (int u = stride / 2; u < vertex.width(); u += stride) on_pixel(v * vertex.width() + u);
-  }
-}
 
 inline Eigen::Vector3f At(const VectorImage& image, int pixel) {
   return {image.x[pixel], image.y[pixel], image.z[pixel]};

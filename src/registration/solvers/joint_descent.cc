@@ -77,21 +77,24 @@ JointPairs FindPairs(const ViewLevel& source, const ViewLevel& target, const Joi
   const int columns = source.surface.camera.width / options.stride + 1;
   const int rows = source.surface.camera.height / options.stride + 1;
   JointPairs pairs(columns * rows, options.use_brightness);
-  const auto on_landing = [&](const ProjectedPixel& landing) {
-    const Eigen::Vector3f surface = At(target.surface.vertex, landing.target_pixel);
+  const auto add = [&](const Projections& at, int k) {
+    const Eigen::Vector3f surface = At(target.surface.vertex, at.target_pixel[k]);
     if (!(surface.z() > 0)) return;
-    const Eigen::Vector3f gap = landing.point - surface;
+    const Eigen::Vector3f point = at.Point(k), gap = point - surface;
     if (gap.squaredNorm() > max_square) return;
-    const Eigen::Vector3f normal = At(target.surface.normal, landing.target_pixel);
-    const Eigen::Vector3f turned = rotation * At(source.surface.normal, landing.source_pixel);
+    const Eigen::Vector3f normal = At(target.surface.normal, at.target_pixel[k]);
+    const Eigen::Vector3f turned = rotation * At(source.surface.normal, at.source_pixel[k]);
     if (!(turned.dot(normal) > kMinNormalCosine)) return;
     if (options.use_brightness) {
-      pairs.SetBrightness(source.brightness.value[landing.source_pixel],
-                          SampleAt(target.brightness.value, landing.u, landing.v));
+      pairs.SetBrightness(source.brightness.value[at.source_pixel[k]],
+                          SampleAt(target.brightness.value, at.u[k], at.v[k]));
     }
-    pairs.Add(landing.point, normal, normal.dot(gap));
+    pairs.Add(point, normal, normal.dot(gap));
   };
-  ForEachProjection(source.surface, target.surface, target_from_source, on_landing, options.stride);
+  ForEachProjections(source.surface, target.surface, target_from_source, options.stride,
+                     [&](const Projections& at) {
+                       for (int k = 0; k < at.count; ++k) add(at, k);
+                     });
   return pairs;
 }
 
