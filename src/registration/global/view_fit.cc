@@ -96,6 +96,7 @@ void CompareSurfaces(const FrameLevel& source, const FrameLevel& target,
     const auto source_sigma = static_cast<float>(source.noise.inverse_depth_sigma);
     const auto target_sigma = static_cast<float>(target.noise.inverse_depth_sigma);
     constexpr auto kSigmas = static_cast<float>(kFreeSpaceSigmas);
+    // No store changes a copy. NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
     const Eigen::Matrix3f r = rotation;
     for (int k = 0; k < Surfaces::kCapacity; ++k) {
       const float nx = s.normal[0][k], ny = s.normal[1][k], nz = s.normal[2][k];
