@@ -450,7 +450,7 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
   Validate(options);
   const ThreadLimit limit(options.threads);
   SlamRunOptions run = options;
-  // In real-time operation, only lost frames are registered globally.
+  // Global registration takes longer than the time between two frames of a camera.
   if (options.OffersFrames()) {
     run.slam.confident_inlier_ratio = 0;
     run.slam.real_time = true;

@@ -38,10 +38,10 @@ void SlamOptions::Visit(OptionVisitor& v) {
         "standard deviation of the angular acceleration in the motion prior", Positive());
   v.Add(min_inlier_ratio, "min_inlier_ratio",
         "minimum inlier ratio of a tracked frame; frames below are lost", Share());
-  v.Add(confident_inlier_ratio, "confident_inlier_ratio",
-        "inlier ratio below which global registration (initialize) verifies a frame; 0: only lost "
-        "frames",
-        Share());
+  v.Add(
+      confident_inlier_ratio, "confident_inlier_ratio",
+      "inlier ratio below which a search from the last frame verifies a frame; 0: only lost frames",
+      Share());
   v.Add(max_rmse_m, "max_rmse_m", "maximum residual RMSE of a tracked frame; frames above are lost",
         Positive());
   v.Add(initialize, "initialize",

@@ -37,8 +37,8 @@ struct SlamRunOptions {
   int threads = 2;         // maximum number of computing threads
   int queue_capacity = 8;  // maximum number of queued input frames
   // Replays a recording at this rate, 1/s, like a camera (OfferFrames()). This shows if the run is
-  // fast enough. Sets `slam.real_time`, and `slam.confident_inlier_ratio` to 0: only lost frames
-  // are registered globally. 0: as fast as possible.
+  // fast enough. Sets `slam.real_time`, and `slam.confident_inlier_ratio` to 0. 0: as fast as
+  // possible.
   double offered_fps = 0;
   // Steps after the last frame, which read the sequence again. `refine`: if the calibration has
   // changed, refines it jointly with the poses, and registers all frames with colour to the final

@@ -51,8 +51,9 @@ struct TrackingOptions {
   // Bounds of an accepted registration: IcpResult::inlier_ratio and IcpResult::rmse_m.
   double min_inlier_ratio = 0.3;
   double max_rmse_m = 0.03;
-  // Frames with a lower inlier ratio are verified by global registration, as are frames after a
-  // jump or a loss. 0: only lost and uncertain frames are searched.
+  // Frames with a lower inlier ratio are verified by features or global registration, as are frames
+  // after a jump or a loss. 0: only lost and uncertain frames are searched; with place recognition,
+  // not globally.
   double confident_inlier_ratio = 0.4;
   // Global registration of lost frames to the last frame with a pose: an
   // InitializeOptions::method. "identity": none. The pose is verified by registration to the
@@ -60,7 +61,7 @@ struct TrackingOptions {
   std::string initialize = "features";
 
   bool IsFrameToFrame() const { return tracking == "frame_to_frame"; }
-  // Uncertain frames are verified by global registration.
+  // Frames are verified by a second registration from the last frame, see confident_inlier_ratio.
   bool VerifiesBySearch() const { return confident_inlier_ratio > 0 && initialize != "identity"; }
 };
 
