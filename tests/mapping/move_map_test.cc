@@ -151,15 +151,10 @@ TEST(MoveMap, AppliesNewCalibration) {
   }
 }
 
-// Merging has moved the surfel behind the camera of its first frame.
-TEST(MoveMap, TurnsSurfelsBehindTheCameraWithTheirFrame) {
-  const DepthCalibration from = {{160, 120, 131, 131, 79.5, 59.5, {}}, {}};
-  DepthCalibration to = from;
-  to.camera.fx = 140;
+// Expects that a recalibration moves the surfel rigidly. The camera is at the world origin.
+void ExpectMovesRigidly(const Surfel& surfel, const DepthCalibration& from,
+                        const DepthCalibration& to) {
   const Rigid3d correction = Turn(0.5, {0.1, 0, 0.2});
-  Surfel surfel = SurfelOfFrame(0);
-  surfel.position_in_world = {0.1f, 0.2f, -0.3f};
-  surfel.normal_in_world = Eigen::Vector3f(1, 2, -2) / 3;
   SurfelMap map;
   map.Append(surfel);
   MoveMap({0, {correction}}, {from, to, {Rigid3d()}}, &map);
@@ -172,6 +167,25 @@ TEST(MoveMap, TurnsSurfelsBehindTheCameraWithTheirFrame) {
              (correction.rotation * surfel.normal_in_world.cast<double>()).cast<float>())
                 .norm(),
             2 * kNormalRounding);
+}
+
+// Merging has moved the surfel behind the camera of its first frame.
+TEST(MoveMap, TurnsSurfelsBehindTheCameraWithTheirFrame) {
+  const DepthCalibration from = {{160, 120, 131, 131, 79.5, 59.5, {}}, {}};
+  DepthCalibration to = from;
+  to.camera.fx = 140;
+  Surfel surfel = SurfelOfFrame(0);
+  surfel.position_in_world = {0.1f, 0.2f, -0.3f};
+  surfel.normal_in_world = Eigen::Vector3f(1, 2, -2) / 3;
+  ExpectMovesRigidly(surfel, from, to);
+}
+
+// The inverse depth of 1 / m becomes -0.5 / m.
+TEST(MoveMap, TurnsSurfelsWithoutNewDepthWithTheirFrame) {
+  const DepthCalibration from = {{160, 120, 131, 131, 79.5, 59.5, {}}, {}};
+  DepthCalibration to = from;
+  to.field.coefficients[0] = -1.5;
+  ExpectMovesRigidly(SurfelOfFrame(0), from, to);
 }
 
 TEST(MoveMap, RejectsCorrectionsOfAnotherNumber) {

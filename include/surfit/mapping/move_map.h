@@ -46,9 +46,10 @@ struct MoveReport {
 MoveReport MoveMap(const FrameCorrections& corrections, SurfelMap* map);
 
 // Also applies a new calibration. In the frame that saw it first, each surfel keeps its pixel and
-// its measured depth. Surfels less than 1 cm in front of this camera move rigidly and keep their
-// normals. `moved` counts all surfels. `corrections` map the world frame of the old poses to that
-// of the new poses. Throws if recalibration.world_from_camera and `corrections` differ in size.
+// its measured depth. Surfels less than 1 cm in front of this camera, or with a corrected depth
+// beyond 1 km, move rigidly and keep their normals. `moved` counts all surfels. `corrections` map
+// the world frame of the old poses to that of the new poses. Throws if
+// recalibration.world_from_camera and `corrections` differ in size.
 MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& recalibration,
                    SurfelMap* map);
 

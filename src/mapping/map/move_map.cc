@@ -1,110 +1,196 @@
 #include "surfit/mapping/move_map.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "mapping/map/block_lanes.h"
+#include "mapping/map/eight_records.h"
 #include "surfit/core/error.h"
+#include "surfit/core/lanes.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
 
+// Rigid transformation in single precision, as a record for EightRecords: the rows of [R t].
+struct MotionRecord {
+  explicit MotionRecord(const Rigid3d& motion) {
+    const Eigen::Matrix3f rotation = motion.rotation.toRotationMatrix().cast<float>();
+    const Eigen::Vector3f translation = motion.translation.cast<float>();
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) rows[4 * row + column] = rotation(row, column);
+      rows[4 * row + 3] = translation[row];
+    }
+  }
+
+  float rows[16] = {};  // the last four are 0
+};
+
+// Transformations of eight surfels.
+template <typename Instructions>
+struct EightMotions {
+  using V = Lanes<float, Instructions>;
+
+  EightMotions(const std::vector<MotionRecord>& records, const std::size_t (&frames)[8]) {
+    for (int part = 0; part < 2; ++part) {
+      const float* eight[8];
+      for (int j = 0; j < 8; ++j) eight[j] = &records[frames[j]].rows[8 * part];
+      EightRecords<Instructions>::Load(eight, parts[part]);
+    }
+  }
+
+  const V& At(int row, int column) const { return parts[row / 2][4 * (row % 2) + column]; }
+  void Rotate(V (&direction)[3]) const {
+    const V x = direction[0], y = direction[1], z = direction[2];
+    for (int i = 0; i < 3; ++i) direction[i] = At(i, 0) * x + At(i, 1) * y + At(i, 2) * z;
+  }
+  void Move(V (&point)[3]) const {
+    Rotate(point);
+    for (int i = 0; i < 3; ++i) point[i] += At(i, 3);
+  }
+
+  V parts[2][8];
+};
+
 class RigidMoves {
  public:
   explicit RigidMoves(const FrameCorrections& corrections) {
-    for (std::size_t i = 0; i < corrections.size(); ++i) motions_.emplace_back(corrections[i]);
+    const MotionRecord none{Rigid3d()};
+    for (std::size_t i = 0; i < corrections.size(); ++i) {
+      motions_.emplace_back(corrections[i]);
+      is_identity_.push_back(std::equal(none.rows, none.rows + 16, motions_.back().rows));
+    }
   }
 
-  bool Moves(std::size_t frame) const { return !motions_[frame].is_identity; }
-  void Move(std::size_t frame, Eigen::Vector3f* position, Eigen::Vector3f* normal) const {
-    const Motion& motion = motions_[frame];
-    *position = motion.rotation * *position + motion.translation;
-    *normal = (motion.rotation * *normal).normalized();
+  bool Moves(std::size_t frame) const { return !is_identity_[frame]; }
+
+  // Moves eight surfels. `frames`: index of the correction of each.
+  template <typename Instructions>
+  void Move(const std::size_t (&frames)[8], Lanes<float, Instructions> (&position)[3],
+            Lanes<float, Instructions> (&normal)[3]) const {
+    const EightMotions<Instructions> motions(motions_, frames);
+    motions.Move(position);
+    motions.Rotate(normal);
   }
 
  private:
-  struct Motion {
-    explicit Motion(const Rigid3d& new_from_old)
-        : rotation(new_from_old.rotation.toRotationMatrix().cast<float>()),
-          translation(new_from_old.translation.cast<float>()),
-          is_identity(rotation == Eigen::Matrix3f::Identity() && translation.isZero(0)) {}
-
-    Eigen::Matrix3f rotation;
-    Eigen::Vector3f translation;
-    bool is_identity;
-  };
-  std::vector<Motion> motions_;
+  std::vector<MotionRecord> motions_;
+  std::vector<bool> is_identity_;
 };
 
+// With a = x / z, b = y / z, w = 1 / z, a calibration without distortion maps a surface w(a, b) to
+//   a' = ka a + sa,  b' = kb b + sb,  w' = w + change(a, b).
 class RecalibratedMoves {
  public:
-  RecalibratedMoves(const FrameCorrections& corrections, const Recalibration& recalibration)
-      : recalibration_(recalibration) {
+  RecalibratedMoves(const FrameCorrections& corrections, const Recalibration& recalibration) {
     ThrowIf(corrections.size() != recalibration.world_from_camera.size(), "there are ",
             corrections.size(), " corrections and ", recalibration.world_from_camera.size(),
             " poses of the recalibration, must be equal");
     for (std::size_t i = 0; i < corrections.size(); ++i) {
       const Rigid3d& world_from_old = recalibration.world_from_camera[i];
-      frames_.push_back({world_from_old.Inverse(), corrections[i] * world_from_old});
+      old_from_world_.emplace_back(world_from_old.Inverse());
+      world_from_new_.emplace_back(corrections[i] * world_from_old);
+    }
+    const PinholeCamera &from = recalibration.from.camera, &to = recalibration.to.camera;
+    const double ka = from.fx / to.fx, kb = from.fy / to.fy;
+    const double sa = (from.cx - to.cx) / to.fx, sb = (from.cy - to.cy) / to.fy;
+    scale_[0] = static_cast<float>(ka);
+    scale_[1] = static_cast<float>(kb);
+    shift_[0] = static_cast<float>(sa);
+    shift_[1] = static_cast<float>(sb);
+    const InverseDepthField field = recalibration.to.field.Substituted(ka, sa, kb, sb);
+    for (std::size_t i = 0; i < InverseDepthField::kSize; ++i) {
+      change_[i] =
+          static_cast<float>(field.coefficients[i] - recalibration.from.field.coefficients[i]);
     }
   }
 
   static bool Moves(std::size_t /*frame*/) { return true; }
-  void Move(std::size_t frame, Eigen::Vector3f* position, Eigen::Vector3f* normal) const {
-    constexpr double kMinDepthM = 0.01;
-    const Frame& f = frames_[frame];
-    const Eigen::Vector3d old_point = f.old_from_world * position->cast<double>();
-    const Eigen::Vector3d old_normal = f.old_from_world.rotation * normal->cast<double>();
-    // Merging can move a surfel out of the view of its first frame. Such a surfel moves rigidly
-    // with the frame.
-    if (old_point.z() < kMinDepthM) {
-      *position = (f.world_from_new * old_point).cast<float>();
-      *normal = (f.world_from_new.rotation * old_normal).cast<float>();
-      return;
-    }
-    *position = (f.world_from_new * Moved(old_point)).cast<float>();
-    *normal = (f.world_from_new.rotation * MovedNormal(old_point, old_normal)).cast<float>();
+
+  template <typename Instructions>
+  void Move(const std::size_t (&frames)[8], Lanes<float, Instructions> (&position)[3],
+            Lanes<float, Instructions> (&normal)[3]) const {
+    const EightMotions<Instructions> old_from_world(old_from_world_, frames);
+    old_from_world.Move(position);
+    old_from_world.Rotate(normal);
+    Recalibrate<Instructions>(position, normal);
+    const EightMotions<Instructions> world_from_new(world_from_new_, frames);
+    world_from_new.Move(position);
+    world_from_new.Rotate(normal);
   }
 
  private:
-  struct Frame {
-    Rigid3d old_from_world, world_from_new;
-  };
-
-  Eigen::Vector3d Moved(const Eigen::Vector3d& point) const {
-    return Recalibrated(point, recalibration_.from, recalibration_.to);
+  // The normal n is proportional to (dw/da, dw/db, w - a dw/da - b dw/db), with the factor n . p.
+  template <typename Instructions>
+  void Recalibrate(Lanes<float, Instructions> (&position)[3],
+                   Lanes<float, Instructions> (&normal)[3]) const {
+    using V = Lanes<float, Instructions>;
+    constexpr float kMinDepth_m = 0.01f;
+    constexpr auto kMinInverse = static_cast<float>(InverseDepthField::kMinInverse);
+    const auto& [c0, c1, c2, c3, c4, c5] = change_;
+    const auto& [x, y, z] = position;
+    const auto& [nx, ny, nz] = normal;
+    const V w = V(1.f) / Max(z, V(kMinDepth_m)), a = x * w, b = y * w;
+    const V new_w = w + V(c0) + a * (V(c1) + V(c3) * a + V(c4) * b) + b * (V(c2) + V(c5) * b);
+    const V new_a = V(scale_[0]) * a + V(shift_[0]), new_b = V(scale_[1]) * b + V(shift_[1]);
+    const V factor = nx * x + ny * y + nz * z;
+    const V by_a = (nx + factor * (V(c1) + V(2 * c3) * a + V(c4) * b)) / V(scale_[0]);
+    const V by_b = (ny + factor * (V(c2) + V(c4) * a + V(2 * c5) * b)) / V(scale_[1]);
+    const V rest = factor * new_w - new_a * by_a - new_b * by_b;
+    const V length = sqrt(by_a * by_a + by_b * by_b + rest * rest);
+    const V new_z = V(1.f) / Max(new_w, V(kMinInverse));
+    const V new_position[3] = {new_a * new_z, new_b * new_z, new_z};
+    const V new_normal[3] = {by_a / length, by_b / length, rest / length};
+    // Merging can move a surfel out of the view of its first frame.
+    const auto is_regular = (z >= V(kMinDepth_m)) & (new_w > V(kMinInverse));
+    for (int i = 0; i < 3; ++i) {
+      position[i] = Select(is_regular, new_position[i], position[i]);
+      normal[i] = Select(is_regular, new_normal[i], normal[i]);
+    }
   }
-  Eigen::Vector3d MovedNormal(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
-    const double step_m = 1e-3 * point.z();
-    const Eigen::Vector3d a = step_m * normal.unitOrthogonal(), b = normal.cross(a);
-    const Eigen::Vector3d moved_a = Moved(point + a) - Moved(point - a);
-    return moved_a.cross(Moved(point + b) - Moved(point - b)).normalized();
-  }
 
-  const Recalibration& recalibration_;
-  std::vector<Frame> frames_;
+  std::vector<MotionRecord> old_from_world_, world_from_new_;
+  float scale_[2], shift_[2];
+  std::array<float, InverseDepthField::kSize> change_;
 };
 
-template <typename Moves>
-void MoveSurfel(const Moves& moves, std::size_t frame, int k, SurfelBlock* block) {
-  Eigen::Vector3f position = block->Position(k), normal = block->Normal(k);
-  moves.Move(frame, &position, &normal);
-  block->SetPosition(k, position);
-  block->SetNormal(k, normal);
+// Moves surfels k to k + 7 of the block, up to its count. Returns how many have moved.
+template <typename Instructions, typename Moves>
+int MoveEight(const FrameCorrections& corrections, const Moves& moves, int k, SurfelBlock* block) {
+  using V = Lanes<float, Instructions>;
+  const int count = std::min(8, block->count - k);
+  std::size_t frames[8];
+  float components[3][8];
+  for (int j = 0; j < 8; ++j) {
+    const int of = k + std::min(j, count - 1);
+    frames[j] = corrections.IndexOf(block->first_seen[of]);
+    const Eigen::Vector3f normal = block->Normal(of);
+    for (int i = 0; i < 3; ++i) components[i][j] = normal[i];
+  }
+  V position[3] = {V::Load(&block->x[k]), V::Load(&block->y[k]), V::Load(&block->z[k])};
+  V normal[3] = {V::Load(components[0]), V::Load(components[1]), V::Load(components[2])};
+  moves.template Move<Instructions>(frames, position, normal);
+  int moved = 0;
+  for (int j = 0; j < count; ++j) {
+    if (!moves.Moves(frames[j])) continue;
+    block->SetPosition(k + j, {position[0][j], position[1][j], position[2][j]});
+    block->SetNormal(k + j, {normal[0][j], normal[1][j], normal[2][j]});
+    ++moved;
+  }
+  return moved;
 }
 
 template <typename Moves>
 std::size_t MoveBlock(const FrameCorrections& corrections, const Moves& moves, SurfelBlock* block) {
-  std::size_t moved = 0;
-  for (int k = 0; k < block->count; ++k) {
-    const std::size_t frame = corrections.IndexOf(block->first_seen[k]);
-    if (!moves.Moves(frame)) continue;
-    MoveSurfel(moves, frame, k, block);
-    ++moved;
-  }
+  int moved = 0;
+  WithInstructions([&](auto instructions) {
+    for (int k = 0; k < block->count; k += 8) {
+      moved += MoveEight<decltype(instructions)>(corrections, moves, k, block);
+    }
+  });
   if (moved > 0) BoundPositions(block);
-  return moved;
+  return static_cast<std::size_t>(moved);
 }
 
 template <typename Moves>

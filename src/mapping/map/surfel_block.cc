@@ -59,12 +59,26 @@ void SurfelBlock::Announce(int k, const Surfel& s) {
 }
 
 void SurfelBlock::Take(int k, const SurfelBlock& other, int j) {
-  const Surfel surfel = other[j];
-  Write(k, surfel);
-  Announce(k, surfel);
-  red[k] = other.red[j];  // copies the 16-bit values, because Surfel has 8-bit colours
+  x[k] = other.x[j];
+  y[k] = other.y[j];
+  z[k] = other.z[j];
+  nx[k] = other.nx[j];
+  ny[k] = other.ny[j];
+  nz[k] = other.nz[j];
+  radius[k] = other.radius[j];
+  confidence[k] = other.confidence[j];
+  first_seen[k] = other.first_seen[j];
+  last_seen[k] = other.last_seen[j];
+  red[k] = other.red[j];
   green[k] = other.green[j];
   blue[k] = other.blue[j];
+  Surfel announced;
+  announced.position_in_world = Position(k);
+  announced.confidence = confidence[k];
+  announced.last_seen = last_seen[k];
+  announced.at_edge = (other.at_edge & Bit(j)) != 0;
+  announced.from_stereo = (other.from_stereo & Bit(j)) != 0;
+  Announce(k, announced);
 }
 
 }  // namespace surfit

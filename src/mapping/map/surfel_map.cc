@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/map/block_lanes.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 
@@ -14,18 +15,36 @@ namespace {
 constexpr int kAxisBits = 21;
 constexpr int kFarthest = 1 << (kAxisBits - 1);
 
-// Key of the cell that contains the position. Positions beyond the index range belong to the
-// outermost cell.
-std::uint64_t CellKey(const Eigen::Vector3f& position_in_world) {
+// Index of the cube that contains the coordinate x, along one axis. Coordinates beyond the index
+// range belong to the outermost cube.
+inline float CubeIndex(float x) {
   constexpr auto kMost = static_cast<float>(kFarthest);
+  const float index = std::floor(x / SurfelMap::kCellSize + 0.5f);
+  return std::max(-kMost, std::min(index, kMost - 1));
+}
+
+// Key of the cell that contains the position.
+std::uint64_t CellKey(const Eigen::Vector3f& position_in_world) {
   std::uint64_t key = 0;
   for (const float x : position_in_world) {
-    const float index = std::floor(x / SurfelMap::kCellSize + 0.5f);
-    const float bounded = std::max(-kMost, std::min(index, kMost - 1));
     key = key << kAxisBits |
-          static_cast<std::uint64_t>(static_cast<std::int64_t>(bounded) + kFarthest);
+          static_cast<std::uint64_t>(static_cast<std::int64_t>(CubeIndex(x)) + kFarthest);
   }
   return key;
+}
+
+// Mask of the surfels whose position is outside of the cube, without surfels to remove.
+std::uint64_t MaskOfStrays(const SurfelBlock& block, const Eigen::Vector3i& cube) {
+  const Eigen::Vector3f own = cube.cast<float>();
+  PerSurfel<std::uint8_t> is_outside;
+  WithInstructions([&](auto) {
+    for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
+      is_outside[k] = static_cast<std::uint8_t>(CubeIndex(block.x[k]) != own.x()) |
+                      static_cast<std::uint8_t>(CubeIndex(block.y[k]) != own.y()) |
+                      static_cast<std::uint8_t>(CubeIndex(block.z[k]) != own.z());
+    }
+  });
+  return MaskOf(is_outside) & MaskOfAll(block) & ~block.to_remove;
 }
 
 }  // namespace
@@ -146,13 +165,10 @@ std::size_t SurfelMap::ReassignCells() {
 std::vector<std::int32_t> SurfelMap::Strays() const {
   std::vector<std::vector<std::int32_t>> of_cell(cells_.size());
   ParallelFor(0, cell_count(), 1, [&](int i, int) {
+    const Eigen::Vector3i cube = CubeOf(cells_[i]);
     for (const std::int32_t b : cells_[i].blocks) {
-      for (int k = 0; k < block(b).count; ++k) {
-        if ((block(b).to_remove >> k & 1) != 0) continue;
-        const Eigen::Vector3f position(block(b).x[k], block(b).y[k], block(b).z[k]);
-        if (CellKey(position) != cells_[i].key)
-          of_cell[i].push_back(b * SurfelBlock::kCapacity + k);
-      }
+      ForEachBit(MaskOfStrays(block(b), cube),
+                 [&](int k) { of_cell[i].push_back(b * SurfelBlock::kCapacity + k); });
     }
   });
   std::vector<std::int32_t> strays;
