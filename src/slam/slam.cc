@@ -380,6 +380,7 @@ void Slam::OnKeyframe(KeyframeCall call) {
 void Slam::SetMapPeriod(int frames) {
   if (frames < 1) throw InputError(Concat("frames is ", frames, ", must be at least 1"));
   mapper_->SetPeriod(frames);
+  tracker_->Hurry(mapper_->has_longer_period());
 }
 
 void Slam::Finish() {

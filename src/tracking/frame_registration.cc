@@ -30,10 +30,15 @@ constexpr double kSpuriousEigenvalue = 1e-3;
 // walls and corridors, the ratio is at most 1. In recordings of rooms, it is at least 1.6.
 constexpr double kMinInformationRatio = 1.25;
 
-std::vector<Vector6d> DegenerateDirections(const IcpResult& icp) {
+// Bounds of weakly constrained frames in a hurry: a factor of
+// TrackingOptions::min_turn_eigenvalue, and a ratio of information to spurious information. In
+// views of the end of a corridor, the ratio is at most 1.7.
+constexpr double kHurriedEigenvalue = 0.5, kHurriedInformationRatio = 1.75;
+
+std::vector<Vector6d> DegenerateDirections(const IcpResult& icp, double min_information_ratio) {
   if (icp.iterations.empty()) return {};
   ObservabilityOptions options;
-  options.min_information_ratio = kMinInformationRatio;
+  options.min_information_ratio = min_information_ratio;
   return Observe(icp.system, options).DegenerateDirections();
 }
 
@@ -155,16 +160,23 @@ void FrameRegistration::MinimizeWithPrior(const FramePyramid& frame, const Targe
   }
 }
 
+bool FrameRegistration::IsWeaklyConstrained(const IcpResult& icp) const {
+  if (icp.iterations.empty()) return false;
+  const double bound = options_.min_turn_eigenvalue;
+  if (!is_hurried_) return icp.eigenvalues[0] < bound;
+  return icp.eigenvalues[0] < kHurriedEigenvalue * bound ||
+         !DegenerateDirections(icp, kHurriedInformationRatio).empty();
+}
+
 FrameRegistration::Estimate FrameRegistration::FromData(
     const FramePyramid& frame, const Target& target, const Rigid3d& reference_from_initial) const {
   const FramePyramid& model = target.reference.view.pyramid;
   Estimate estimate;
   estimate.options = target.icp;
   estimate.icp = surfit::Register(frame, model, reference_from_initial, target.icp);
-  estimate.degenerate_directions = DegenerateDirections(estimate.icp);
-  estimate.is_weakly_constrained = !estimate.degenerate_directions.empty() ||
-                                   (!estimate.icp.iterations.empty() &&
-                                    estimate.icp.eigenvalues[0] < options_.min_turn_eigenvalue);
+  estimate.degenerate_directions = DegenerateDirections(estimate.icp, kMinInformationRatio);
+  estimate.is_weakly_constrained =
+      !estimate.degenerate_directions.empty() || IsWeaklyConstrained(estimate.icp);
   const bool can_help = options_.weakly_constrained_photometric_weight > 0 &&
                         !target.icp.error_model.UsesIntensities() &&
                         !frame.levels.front().intensity.empty() &&

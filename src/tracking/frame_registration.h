@@ -26,6 +26,9 @@ class FrameRegistration {
   FrameRegistration(const TrackingOptions& options, const MovingRegions& regions)
       : options_(options), regions_(regions) {}
 
+  // `is_hurried`: treats fewer frames as weakly constrained, because frames arrive too fast.
+  void Hurry(bool is_hurried) { is_hurried_ = is_hurried; }
+
   // Registers `frame` to `reference` from the camera pose `world_from_initial`. `motion`:
   // uncertainty of this pose. The result then combines prior and registration. A rejected frame is
   // registered again without the objects that move relative to the initial pose.
@@ -52,6 +55,7 @@ class FrameRegistration {
     double squared_difference = 0;                // of `registered` from the motion prior
   };
 
+  bool IsWeaklyConstrained(const IcpResult& icp) const;
   // Registers a weakly constrained frame again with photometric residuals.
   Estimate FromData(const FramePyramid& frame, const Target& target,
                     const Rigid3d& reference_from_initial) const;
@@ -65,6 +69,7 @@ class FrameRegistration {
 
   const TrackingOptions& options_;
   const MovingRegions& regions_;
+  bool is_hurried_ = false;
 };
 
 }  // namespace surfit

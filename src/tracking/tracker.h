@@ -69,6 +69,10 @@ class Tracker {
   ImuReport imu_report() const { return imu_ ? imu_->report() : ImuReport(); }
   ImuTracking* imu() const { return imu_.get(); }  // null: no inertial sensor
 
+  // `is_hurried`: registers the following frames with half of IcpOptions::min_source_rows, and
+  // treats fewer of them as weakly constrained.
+  void Hurry(bool is_hurried);
+
   // Submap of the last pose. Call before the first frame.
   void UseSubmap(int submap) { submap_ = submap; }
 
@@ -172,6 +176,7 @@ class Tracker {
   Relocalizer* relocalizer_ = nullptr;  // null: no place recognition
   FeatureWatch features_;
   MovingCorners corners_;
+  bool is_hurried_ = false;
   ColorTrust color_trust_;
   bool warned_of_color_ = false;
   std::function<void(const LostFrame&)> on_lost_;

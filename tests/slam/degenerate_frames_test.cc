@@ -40,5 +40,21 @@ TEST(DegenerateFrames, FollowTextureFromTheFirstMotion) {
   }
 }
 
+// With a longer map period, fewer frames are weakly constrained, and half of the rows are used.
+TEST(DegenerateFrames, FollowTextureInAHurry) {
+  const SimulatedSequence& corridor = Corridor();
+  SlamOptions options;
+  Slam slam({corridor.camera, {}}, options, corridor.world_from_camera[0]);
+  slam.SetMapPeriod(8 * options.map_period);
+  for (std::size_t i = 0; i < corridor.frames.size(); ++i) {
+    const FrameReport report = slam.Process(corridor.frames[i]);
+    ASSERT_TRUE(report.HasPose()) << i;
+    EXPECT_LT(
+        (corridor.world_from_camera[i].Inverse() * report.world_from_camera).translation.norm(),
+        0.02)
+        << i;
+  }
+}
+
 }  // namespace
 }  // namespace surfit::testing

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -283,6 +284,23 @@ TEST(Slam, SupportsChangesOfMapPeriod) {
   EXPECT_EQ(TurnsOf(options, 11, {{3, 3}, {9, 1}}), "fbbv-fv-fbb");
 }
 
+// The image has 120 rows.
+TEST(Slam, RegistersHalfOfTheRowsWithLongerMapPeriod) {
+  SlamOptions options;
+  options.icp.min_source_rows = 40;
+  options.min_turn_eigenvalue = 0;
+  const auto last_pairs = [&options](bool is_hurried) {
+    Slam slam({IdealRoom().camera, {}}, options, {});
+    for (int i = 0; i < 3; ++i) slam.Process(IdealRoom().frames[i]);
+    if (is_hurried) slam.SetMapPeriod(2 * options.map_period);
+    const FrameReport report = slam.Process(IdealRoom().frames[3]);
+    EXPECT_EQ(report.state, FrameState::kTracked);
+    return static_cast<double>(report.icp.system.pair_count);
+  };
+  const double all = last_pairs(false);
+  EXPECT_NEAR(last_pairs(true) / all, 0.5, 0.05);
+}
+
 TEST(Slam, FusesAndRendersAfterLargeMotion) {
   SlamOptions options;
   options.map_period = 4;
@@ -308,6 +326,25 @@ TEST(Slam, FusesWeaklyConstrainedFramesPeriodicallyWithLargeMapPeriod) {
   options.map_period = 2;
   options.min_turn_eigenvalue = 1;
   EXPECT_EQ(TurnsOf(options, 6, {{0, 4}}), "fvvvbv");
+}
+
+TEST(Slam, TreatsFewerFramesAsWeaklyConstrainedWithLargeMapPeriod) {
+  SlamOptions options;
+  options.map_period = 2;
+  options.max_view_shift = 1e9;
+  options.min_turn_eigenvalue = 0;
+  Slam slam({IdealRoom().camera, {}}, options, {});
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (int i = 0; i < 6; ++i) {
+    const FrameReport report = slam.Process(IdealRoom().frames[i]);
+    if (i == 0) continue;
+    least = std::min(least, report.icp.eigenvalues[0]);
+    most = std::max(most, report.icp.eigenvalues[0]);
+  }
+  ASSERT_LT(most, 1.5 * least);
+  options.min_turn_eigenvalue = 1.1 * most;
+  EXPECT_EQ(TurnsOf(options, 6), "fvbbbb");
+  EXPECT_EQ(TurnsOf(options, 6, {{0, 4}}), "fv--fv");
 }
 
 TEST(Slam, FusesAndRendersFrameAfterLoss) {
