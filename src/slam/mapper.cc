@@ -31,7 +31,8 @@ double MeanFirstSeen(const ModelView& seen, const SurfelMap& map) {
     for (int u = 0; u < grid.width; ++u) {
       const std::int32_t surfel = seen.surfel_index(grid.Pixel(u), grid.Pixel(v));
       if (surfel == ModelView::kNoSurfel) continue;
-      sum += map.block(surfel / SurfelBlock::kCapacity).first_seen[surfel % SurfelBlock::kCapacity];
+      const std::int32_t block = surfel / SurfelBlock::kCapacity;
+      sum += map.block(block).first_seen[surfel % SurfelBlock::kCapacity];
       ++count;
     }
   }
@@ -101,7 +102,7 @@ bool Mapper::Update(const Rigid3d& world_from_predicted, bool must, bool with_in
     return ImageShift(view_.world_from_view.Inverse() * world_from_predicted,
                       view_.view.pyramid.levels.back());
   };
-  if (!is_turn && shift() <= options_.max_view_shift) return false;
+  if (!is_turn && shift() <= MaxViewShift()) return false;
   view_ = ViewAt(world_from_predicted, with_intensities);
   has_view_ = is_view_new_ = true;
   return true;
@@ -110,7 +111,12 @@ bool Mapper::Update(const Rigid3d& world_from_predicted, bool must, bool with_in
 bool Mapper::IsTurnToFuse(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) const {
   return unfused_count_ + 1 >= period_ ||
          ImageShift(world_from_fused_.Inverse() * world_from_camera,
-                    frame.view.pyramid.levels.back()) > options_.max_view_shift;
+                    frame.view.pyramid.levels.back()) > MaxViewShift();
+}
+
+double Mapper::MaxViewShift() const {
+  constexpr double kInAHurry = 1.5;
+  return (has_longer_period() ? kInAHurry : 1) * options_.max_view_shift;
 }
 
 FusionReport Mapper::Fuse(const PreprocessedFrame& frame, const Rigid3d& world_from_camera,

@@ -55,7 +55,7 @@ class Mapper : public ModelViews {
   void SetPeriod(int frames) { period_ = frames; }
   bool has_longer_period() const { return period_ > options_.map_period; }
   // True after the period, or after a large image shift since the last fused frame.
-  // `max_view_shift` limits the shift.
+  // `max_view_shift` limits the shift, and 1.5 `max_view_shift` with a longer period.
   bool IsTurnToFuse(const PreprocessedFrame& frame, const Rigid3d& world_from_camera) const;
   // Fuses a frame without moving objects. `motion`: camera velocity during the frame. Restarts the
   // period.
@@ -72,6 +72,7 @@ class Mapper : public ModelViews {
   int MapOfSubmap(int submap);
   SurfelMap& MapAt(int map) { return map == current_ ? map_ : parked_.at(map); }
   bool JoinMaps(const std::vector<int>& piece_of_submap);
+  double MaxViewShift() const;
   ReferenceView Render(ModelRenderer* renderer, const Rigid3d& world_from_view,
                        bool with_intensities);
 

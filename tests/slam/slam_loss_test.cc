@@ -309,6 +309,23 @@ TEST(Slam, FusesAndRendersAfterLargeMotion) {
   EXPECT_EQ(TurnsOf(options, 6), "fbbbbb");
 }
 
+TEST(Slam, AllowsLargerMotionWithLongerMapPeriod) {
+  constexpr int kFrames = 20, kPeriod = 100;
+  const auto turns_of = [&](double max_view_shift, int map_period) {
+    SlamOptions options;
+    options.min_turn_eigenvalue = 0;
+    options.max_view_shift = max_view_shift;
+    options.map_period = map_period;
+    return TurnsOf(options, kFrames, {{0, kPeriod}});
+  };
+  const std::string given = turns_of(0.04, kPeriod);
+  const std::string longer = turns_of(0.04, kPeriod / 2);
+  EXPECT_EQ(longer, turns_of(1.5 * 0.04, kPeriod));
+  EXPECT_LT(std::count(longer.begin(), longer.end(), '-'), kFrames - 2);
+  EXPECT_GT(std::count(longer.begin(), longer.end(), '-'),
+            std::count(given.begin(), given.end(), '-'));
+}
+
 TEST(Slam, FusesAndRendersAfterWeaklyConstrainedFrame) {
   SlamOptions options;
   options.map_period = 4;

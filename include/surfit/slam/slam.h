@@ -175,10 +175,10 @@ class Slam {
   void OnKeyframe(KeyframeCall call);
 
   // Replaces SlamOptions::map_period for the following frames. Use a longer period if frames arrive
-  // too fast. Frames are then registered with half of IcpOptions::min_source_rows, and fewer frames
-  // are weakly constrained. Frames after lost or weakly constrained frames are not fused out of
-  // turn, and no view is drawn ahead of the next frame. Throws InputError unless `frames` is at
-  // least 1.
+  // too fast. Frames are then registered with half of IcpOptions::min_source_rows, fewer frames are
+  // weakly constrained, and TrackingOptions::max_view_shift is 1.5 times as large. Frames after
+  // lost or weakly constrained frames are not fused out of turn, and no view is drawn ahead of the
+  // next frame. Throws InputError unless `frames` is at least 1.
   void SetMapPeriod(int frames);
 
   // Completes loop closure and calibration, and applies their corrections. Call after the last
