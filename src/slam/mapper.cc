@@ -115,6 +115,7 @@ bool Mapper::IsTurnToFuse(const PreprocessedFrame& frame, const Rigid3d& world_f
 }
 
 double Mapper::MaxViewShift() const {
+  // Fast motion exceeds the given bound in every fourth frame, so a longer period saves little.
   constexpr double kInAHurry = 1.5;
   return (has_longer_period() ? kInAHurry : 1) * options_.max_view_shift;
 }

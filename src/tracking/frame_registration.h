@@ -28,6 +28,7 @@ class FrameRegistration {
 
   // `is_hurried`: treats fewer frames as weakly constrained, because frames arrive too fast.
   void Hurry(bool is_hurried) { is_hurried_ = is_hurried; }
+  bool is_hurried() const { return is_hurried_; }
 
   // Registers `frame` to `reference` from the camera pose `world_from_initial`. `motion`:
   // uncertainty of this pose. The result then combines prior and registration. A rejected frame is

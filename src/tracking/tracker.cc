@@ -45,11 +45,6 @@ void Tracker::UseImu(ImuRecording recording) {
   imu_ = std::make_unique<ImuTracking>(std::move(recording));
 }
 
-void Tracker::Hurry(bool is_hurried) {
-  is_hurried_ = is_hurried;
-  registration_.Hurry(is_hurried);
-}
-
 CameraMotion Tracker::ExpectedMotion(double stamp_s) const {
   CameraMotion motion = motion_model_.PredictMotion(state_);
   if (!imu_) return motion;
@@ -261,7 +256,7 @@ Tracked Tracker::RegisterOrSearch(const PreprocessedFrame& frame, const Predicti
 // Half of the rows take 0.6 of the time. The ATE of desk and kitchen then differs by at most 4 %.
 IcpOptions Tracker::IcpOptionsInUse() const {
   IcpOptions icp_options = options_.icp;
-  if (is_hurried_) {
+  if (registration_.is_hurried()) {
     icp_options.min_source_rows /= 2;
   } else if (state_.last.is_weakly_constrained) {
     icp_options.min_source_rows = 0;

@@ -71,7 +71,7 @@ class Tracker {
 
   // `is_hurried`: registers the following frames with half of IcpOptions::min_source_rows, and
   // treats fewer of them as weakly constrained.
-  void Hurry(bool is_hurried);
+  void Hurry(bool is_hurried) { registration_.Hurry(is_hurried); }
 
   // Submap of the last pose. Call before the first frame.
   void UseSubmap(int submap) { submap_ = submap; }
@@ -176,7 +176,6 @@ class Tracker {
   Relocalizer* relocalizer_ = nullptr;  // null: no place recognition
   FeatureWatch features_;
   MovingCorners corners_;
-  bool is_hurried_ = false;
   ColorTrust color_trust_;
   bool warned_of_color_ = false;
   std::function<void(const LostFrame&)> on_lost_;
