@@ -18,8 +18,10 @@ std::int32_t CountOf(const SurfelMap& map, const SurfelCell& cell) {
 bool WasSeenAfter(int frame, const SurfelMap& map, const SurfelCell& cell) {
   return std::any_of(cell.blocks.begin(), cell.blocks.end(), [&](std::int32_t b) {
     const SurfelBlock& block = map.block(b);
-    return std::any_of(block.last_seen, block.last_seen + block.count,
-                       [frame](std::int32_t seen) { return seen > frame; });
+    for (int k = 0; k < block.count; ++k) {
+      if (block.LastSeen(k) > frame) return true;
+    }
+    return false;
   });
 }
 

@@ -8,8 +8,9 @@
 namespace surfit {
 namespace {
 
-constexpr char kMagic[] = "surfit tile 2\n";
-constexpr std::size_t kHeadBytes = sizeof(kMagic) - 1 + sizeof(std::uint32_t);
+constexpr char kMagic[] = "surfit tile 3\n";
+constexpr char kOldMagic[] = "surfit tile 2\n";  // of version 0.1
+constexpr std::size_t kMagicBytes = sizeof(kMagic) - 1;
 constexpr int kTileCellsAcross = 4;
 constexpr int kAxisBits = 20;
 constexpr int kFarthest = 1 << (kAxisBits - 1);
@@ -18,17 +19,84 @@ int FloorDiv(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
 template <typename Block, typename Call>
 void ForEachColumn(Block& block, const Call& column) {
-  for (auto* floats : {block.x, block.y, block.z, block.confidence}) column(floats);
+  for (auto* coordinates : {block.x, block.y, block.z}) column(coordinates);
   for (auto* normals : {block.nx, block.ny, block.nz}) column(normals);
-  for (auto* frames : {block.first_seen, block.last_seen}) column(frames);
-  for (auto* shorts : {block.radius, block.red, block.green, block.blue}) column(shorts);
+  for (auto* frames : {block.first_seen_low, block.last_seen_low}) column(frames);
+  for (auto* frames : {block.first_seen_high, block.last_seen_high}) column(frames);
+  for (auto* shorts : {block.radius, block.confidence, block.red, block.green, block.blue}) {
+    column(shorts);
+  }
 }
 
-bool IsSane(const SurfelBlock& block, int k) {
-  for (const float number : {block.x[k], block.y[k], block.z[k], block.confidence[k]}) {
-    if (!std::isfinite(number)) return false;
+// Bytes of a tile. Reading beyond the end throws InputError.
+class TileBytes {
+ public:
+  TileBytes(const std::string& bytes, const std::string& from) : bytes_(bytes), from_(from) {}
+
+  [[noreturn]] void Fail(const char* why) const { throw InputError(from_, ": ", why); }
+  void Skip(std::size_t size) { at_ += size; }
+  bool AtEnd() const { return at_ == bytes_.size(); }
+  void Take(void* data, std::size_t size) {
+    if (size > bytes_.size() - at_) Fail("ends too early");
+    std::memcpy(data, bytes_.data() + at_, size);
+    at_ += size;
   }
-  return true;
+
+ private:
+  const std::string &bytes_, &from_;
+  std::size_t at_ = 0;
+};
+
+struct PlacedBlock {
+  SurfelBlock block;
+  Eigen::Vector3f positions[SurfelBlock::kCapacity];  // in the world, m
+};
+
+PlacedBlock TakeHead(TileBytes* in) {
+  PlacedBlock placed;
+  SurfelBlock& block = placed.block;
+  in->Take(&block.count, sizeof(block.count));
+  if (block.count < 0 || block.count > SurfelBlock::kCapacity) in->Fail("has an invalid block");
+  in->Take(&block.at_edge, sizeof(block.at_edge));
+  return placed;
+}
+
+PlacedBlock TakeBlock(TileBytes* in) {
+  PlacedBlock placed = TakeHead(in);
+  SurfelBlock& block = placed.block;
+  in->Take(block.origin, sizeof(block.origin));
+  for (const float origin : block.origin) {
+    if (!std::isfinite(origin)) in->Fail("has an invalid block");
+  }
+  ForEachColumn(block, [&](auto* column) { in->Take(column, block.count * sizeof(*column)); });
+  for (int k = 0; k < block.count; ++k) placed.positions[k] = block.Position(k);
+  return placed;
+}
+
+// Version 0.1 had floating-point positions in the world, floating-point confidences and 32-bit
+// frame indices.
+PlacedBlock TakeOldBlock(TileBytes* in) {
+  PlacedBlock placed = TakeHead(in);
+  SurfelBlock& block = placed.block;
+  constexpr int kCapacity = SurfelBlock::kCapacity;
+  float x[kCapacity] = {}, y[kCapacity] = {}, z[kCapacity] = {}, confidence[kCapacity] = {};
+  std::int32_t first_seen[kCapacity] = {}, last_seen[kCapacity] = {};
+  const auto take = [&](auto* column) { in->Take(column, block.count * sizeof(*column)); };
+  for (auto* floats : {x, y, z, confidence}) take(floats);
+  for (auto* normals : {block.nx, block.ny, block.nz}) take(normals);
+  for (auto* frames : {first_seen, last_seen}) take(frames);
+  for (auto* shorts : {block.radius, block.red, block.green, block.blue}) take(shorts);
+  for (int k = 0; k < block.count; ++k) {
+    placed.positions[k] = {x[k], y[k], z[k]};
+    const bool is_valid = placed.positions[k].allFinite() && std::isfinite(confidence[k]) &&
+                          first_seen[k] >= 0 && first_seen[k] <= SurfelBlock::kMaxFrame &&
+                          last_seen[k] >= 0 && last_seen[k] <= SurfelBlock::kMaxFrame;
+    if (!is_valid) in->Fail("has an invalid surfel");
+    block.SetConfidence(k, confidence[k]);
+    block.SetFirstSeen(k, first_seen[k]);
+    block.SetLastSeen(k, last_seen[k]);
+  }
+  return placed;
 }
 
 }  // namespace
@@ -48,7 +116,7 @@ std::string TileName(std::int64_t key, std::int64_t save) {
 }
 
 // Format: signature, number of blocks, blocks. A block has the surfel count, the bit mask of
-// surfels at depth edges, and the surfel columns.
+// surfels at depth edges, its origin, and the surfel columns.
 std::string PackTile(const SurfelMap& map, const std::vector<std::int32_t>& cells) {
   std::string bytes(kMagic);
   std::uint32_t blocks = 0;
@@ -62,6 +130,7 @@ std::string PackTile(const SurfelMap& map, const std::vector<std::int32_t>& cell
       const SurfelBlock& block = map.block(b);
       put(&block.count, sizeof(block.count));
       put(&block.at_edge, sizeof(block.at_edge));
+      put(block.origin, sizeof(block.origin));
       ForEachColumn(block, [&](const auto* column) { put(column, block.count * sizeof(*column)); });
     }
   }
@@ -69,32 +138,26 @@ std::string PackTile(const SurfelMap& map, const std::vector<std::int32_t>& cell
 }
 
 std::size_t UnpackTile(const std::string& bytes, const std::string& from, SurfelMap* map) {
-  const auto fail = [&](const char* why) { throw InputError(from, ": ", why); };
-  if (bytes.size() < kHeadBytes || bytes.compare(0, sizeof(kMagic) - 1, kMagic) != 0) {
-    fail("does not begin with the signature of a tile");
-  }
-  std::size_t at = sizeof(kMagic) - 1, count = 0;
-  const auto take = [&](void* data, std::size_t size) {
-    if (size > bytes.size() - at) fail("ends too early");
-    std::memcpy(data, bytes.data() + at, size);
-    at += size;
-  };
+  TileBytes in(bytes, from);
+  const std::string magic = bytes.substr(0, kMagicBytes);
+  const bool is_old = magic == kOldMagic;
+  if (magic != kMagic && !is_old) in.Fail("does not begin with the signature of a tile");
+  in.Skip(kMagicBytes);
   std::uint32_t blocks = 0;
-  take(&blocks, sizeof(blocks));
+  in.Take(&blocks, sizeof(blocks));
+  std::size_t count = 0;
   for (; blocks > 0; --blocks) {
-    SurfelBlock block;
-    take(&block.count, sizeof(block.count));
-    if (block.count < 0 || block.count > SurfelBlock::kCapacity) fail("has an invalid block");
-    take(&block.at_edge, sizeof(block.at_edge));
-    ForEachColumn(block, [&](auto* column) { take(column, block.count * sizeof(*column)); });
-    for (int k = 0; k < block.count; ++k) {
-      if (!IsSane(block, k)) fail("has an invalid surfel");
-      const std::int32_t id = map->Append(block[k]);
-      map->block(id / SurfelBlock::kCapacity).Take(id % SurfelBlock::kCapacity, block, k);
+    const PlacedBlock placed = is_old ? TakeOldBlock(&in) : TakeBlock(&in);
+    for (int k = 0; k < placed.block.count; ++k) {
+      Surfel surfel = placed.block[k];
+      surfel.position_in_world = placed.positions[k];
+      const std::int32_t id = map->Append(surfel);
+      map->block(id / SurfelBlock::kCapacity)
+          .Take(id % SurfelBlock::kCapacity, placed.block, k, placed.positions[k]);
     }
-    count += block.count;
+    count += placed.block.count;
   }
-  if (at != bytes.size()) fail("has bytes after its end");
+  if (!in.AtEnd()) in.Fail("has bytes after its end");
   return count;
 }
 

@@ -32,7 +32,7 @@ double MeanFirstSeen(const ModelView& seen, const SurfelMap& map) {
       const std::int32_t surfel = seen.surfel_index(grid.Pixel(u), grid.Pixel(v));
       if (surfel == ModelView::kNoSurfel) continue;
       const std::int32_t block = surfel / SurfelBlock::kCapacity;
-      sum += map.block(block).first_seen[surfel % SurfelBlock::kCapacity];
+      sum += map.block(block).FirstSeen(surfel % SurfelBlock::kCapacity);
       ++count;
     }
   }

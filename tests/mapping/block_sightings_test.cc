@@ -25,7 +25,7 @@ class BlockSightingsTest : public ::testing::Test {
     block.count = count;
     for (int k = 0; k < count; ++k) {
       Surfel surfel;
-      surfel.position_in_world = Vector(-3, 3);
+      surfel.position_in_world = Vector(-0.4f, 0.4f);
       surfel.normal_in_world = Vector(-1, 1).normalized();
       surfel.radius_m = Uniform(0.001f, 0.02f);
       surfel.confidence = Uniform(0.1f, kMaxConfidence);
@@ -40,7 +40,7 @@ class BlockSightingsTest : public ::testing::Test {
 
   SurfelObservation Observation() {
     SurfelObservation seen;
-    seen.position_in_world = Vector(-3, 3);
+    seen.position_in_world = Vector(-0.4f, 0.4f);
     seen.normal_in_world = 0.9f * Vector(-1, 1).normalized();
     seen.radius_m = Uniform(0.001f, 0.02f);
     seen.weight = Uniform(0.3f, 5);

@@ -284,7 +284,8 @@ class BruteForceFusion {
       if (pixels_of[i].empty()) continue;
       ++report.merged;
       map->Merge(i, Average(pixels_of[i], (*map)[i]), FusionOptions::kMaxConfidence);
-      map->block(i / SurfelBlock::kCapacity).last_seen[i % SurfelBlock::kCapacity] = f_.frame.index;
+      map->block(i / SurfelBlock::kCapacity)
+          .SetLastSeen(i % SurfelBlock::kCapacity, f_.frame.index);
     }
     for (const int i : map->Ids()) {
       if (remove[i]) map->Mark(i);

@@ -139,7 +139,7 @@ TEST_F(ColorAverages, RecoverColorsOfRenderedViews) {
   for (const std::int32_t id : map_.Ids()) {
     const Surfel surfel = map_[id];
     const Eigen::Vector3f p = surfel.position_in_world;
-    if (p.z() < 1.5f || p.x() > -0.2f || p.x() < -0.6f || std::abs(p.y()) > 0.4f) continue;
+    if (p.z() < 1.5f || p.x() > -0.199f || p.x() < -0.601f || std::abs(p.y()) > 0.401f) continue;
     ASSERT_NEAR(surfel.color.r, wave(p), 0.043 * 100 + 5) << p.transpose();
     ++count;
   }

@@ -88,9 +88,10 @@ TEST(FusionGates, LimitDistanceAcrossToSpacingOrRadius) {
   fine.options.merge_angle_rad = 1.4f;
   constexpr float kCosine = 0.3f;
   fine.surfel.normal_in_world = {0, std::sqrt(1 - kCosine * kCosine), -kCosine};
-  fine.surfel.position_in_world = {0, kCosine * 0.00141f, 1};
+  // The limit is at 27.8 steps of a stored position.
+  fine.surfel.position_in_world = {0, 27 * SmallCoordinate::kStep, 1};
   EXPECT_TRUE(fine.Merges());
-  fine.surfel.position_in_world = {0, kCosine * 0.00142f, 1};
+  fine.surfel.position_in_world = {0, 28 * SmallCoordinate::kStep, 1};
   EXPECT_FALSE(fine.Merges());
 }
 
@@ -114,12 +115,12 @@ TEST(FusionGates, CoarsePointsDoNotMoveFineSurfel) {
   pair.surfel.radius_m = 0.0142f / 1.49f;
   SurfelMap fine_enough, too_coarse;
   EXPECT_EQ(pair.Run(&fine_enough).merged, 1);
-  EXPECT_NEAR(fine_enough[0].position_in_world.z(), 1.01 - 0.01 / 5, 1e-6);
+  EXPECT_NEAR(fine_enough[0].position_in_world.z(), 1.01 - 0.01 / 5, 2 * kPositionRounding);
   EXPECT_EQ(fine_enough[0].radius_m, StoredLength(pair.surfel.radius_m));
 
   pair.surfel.radius_m = 0.0141f / 1.51f;
   EXPECT_EQ(pair.Run(&too_coarse).merged, 1);
-  EXPECT_EQ(too_coarse[0].position_in_world.z(), 1.01f);
+  EXPECT_EQ(too_coarse[0].position_in_world.z(), StoredCoordinate(1.01f));
   EXPECT_EQ(too_coarse[0].confidence, 5);
   EXPECT_EQ(too_coarse[0].last_seen, 3);
   EXPECT_EQ(too_coarse[0].first_seen, 2);
@@ -208,8 +209,8 @@ TEST(FusionGates, MergeWithSurfelOfNeighbourPixel) {
   EXPECT_EQ(report.merged, 1);
   EXPECT_EQ(report.added, 0);
   const double weight = std::exp(-1. / 8 / 0.72);  // of the second point
-  EXPECT_FLOAT_EQ(map[0].confidence, static_cast<float>(5 + weight));
-  EXPECT_NEAR(map[0].position_in_world.x(), 0.01 * weight / (5 + weight), 1e-7);
+  EXPECT_NEAR(map[0].confidence, 5 + weight, kConfidenceRounding);
+  EXPECT_NEAR(map[0].position_in_world.x(), 0.01 * weight / (5 + weight), kPositionRounding);
 
   pair.options.max_spacing_m = 0.0075f;
   Fusion tighter(pair.options);

@@ -15,7 +15,7 @@ TEST(FusionDormancy, RemovesUnstableSurfelsAfterMaxDormantFrames) {
   s.position_in_world = {0, 0, -1};
   s.normal_in_world = {0, 0, -1};
   s.radius_m = 0.01f;
-  s.confidence = 0.999f * options.min_inactive_confidence;
+  s.confidence = options.min_inactive_confidence - 2 * kConfidenceRounding;  // one step
   map.Append(s);
   s.confidence = options.min_inactive_confidence;
   map.Append(s);

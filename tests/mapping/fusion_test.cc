@@ -37,11 +37,11 @@ TEST(Fusion, FirstFrameBecomesMap) {
   EXPECT_EQ(report.merged, 0);
   EXPECT_EQ(report.removed, 0);
   const Surfel corner = map[0];  // the first surfel
-  EXPECT_EQ(corner.position_in_world, f.surface.vertex(0, 0));
+  EXPECT_LT((corner.position_in_world - f.surface.vertex(0, 0)).norm(), kPositionRounding);
   EXPECT_EQ(corner.normal_in_world, Vector3f(0, 0, -1));
   EXPECT_EQ(corner.color, (Rgb8{1, 2, 3}));
   EXPECT_FLOAT_EQ(corner.radius_m, StoredLength(std::sqrt(2.f) * 2 / 80));
-  EXPECT_FLOAT_EQ(corner.confidence, std::exp(-1 / 0.72f));
+  EXPECT_NEAR(corner.confidence, std::exp(-1 / 0.72), kConfidenceRounding);
   EXPECT_EQ(corner.first_seen, 7);
   EXPECT_EQ(corner.last_seen, 7);
 }
@@ -177,8 +177,21 @@ TEST(Fusion, NewSurfelsCoverNeighbourPoints) {
     for (const std::int32_t id : map.Ids()) {
       nearest = std::min(nearest, (map[id].position_in_world - point).norm());
     }
-    EXPECT_LE(nearest, 1.0001f * std::sqrt(2.f) * 0.002f);
+    EXPECT_LE(nearest, 1.0001 * std::sqrt(2) * 0.002 + kPositionRounding);
   }
+}
+
+TEST(Fusion, RejectsFrameIndicesThatASurfelCannotStore) {
+  Fusion fusion({});
+  SurfelMap map;
+  FrameWithSurface f = WallFrame(TestCamera(), {}, 2, 0);
+  for (const int index : {-1, SurfelBlock::kMaxFrame + 1}) {
+    f.frame.index = index;
+    ExpectInputError([&] { Fuse(f, {}, &fusion, &map); }, Names(index));
+  }
+  f.frame.index = SurfelBlock::kMaxFrame;
+  Fuse(f, {}, &fusion, &map);
+  EXPECT_EQ(map[0].last_seen, SurfelBlock::kMaxFrame);
 }
 
 TEST(Fusion, WeightsDependOnCamera) {

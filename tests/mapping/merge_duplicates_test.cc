@@ -40,14 +40,14 @@ TEST(MergeDuplicates, MergesTwoWalls) {
   ASSERT_EQ(map.size(), kWall);
   ExpectConsistent(map);
   for (const std::int32_t id : map.Ids()) {
-    EXPECT_NEAR(map[id].position_in_world.z(), (3 * 2 + 1 * 2.02) / 4, 1e-6);
+    EXPECT_NEAR(map[id].position_in_world.z(), (3 * 2 + 1 * 2.02) / 4, 2 * kPositionRounding);
     EXPECT_EQ(map[id].confidence, 4);
     EXPECT_EQ(map[id].first_seen, 0);
     EXPECT_EQ(map[id].last_seen, 510);
   }
 }
 
-// Walls far from each other, and a surfel that was merged far out of its cell: its cell is large.
+// Walls far from each other, and a surfel that was merged to the limit of its cell's margin.
 TEST(MergeDuplicates, FindsDuplicatesInCellsOfAnySize) {
   SurfelMap map;
   for (const float shift_m : {-900.f, -3.f, 0.3f, 12.f, 900.f}) {
@@ -81,7 +81,7 @@ TEST(MergeDuplicates, MergesThreeWalls) {
   AddWall(2.03f, 0, 1000, 1, &map);
   EXPECT_EQ(MergeDuplicates({}, {kApart}, &map), 2 * kWall);
   for (const std::int32_t id : map.Ids()) {
-    EXPECT_NEAR(map[id].position_in_world.z(), (2 + 2.01 + 2.03) / 3, 1e-6);
+    EXPECT_NEAR(map[id].position_in_world.z(), (2 + 2.01 + 2.03) / 3, 2 * kPositionRounding);
   }
 }
 

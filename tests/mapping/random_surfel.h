@@ -26,7 +26,10 @@ inline Rgb8 RandomColor(std::mt19937_64* rng) {
           static_cast<std::uint8_t>(bits >> 40)};
 }
 
-// Radius and normal after storage in a map.
+// Values after storage in a map. Coordinates must be below 128 m.
+inline float StoredCoordinate(float coordinate_m) {
+  return SmallCoordinate::kStep * std::round(coordinate_m / SmallCoordinate::kStep);
+}
 inline float StoredLength(float length_m) {
   return SmallLength::ToFloat(SmallLength::From(length_m));
 }
@@ -37,15 +40,18 @@ inline Eigen::Vector3f StoredNormal(const Eigen::Vector3f& normal) {
 }
 // Maximum error of a stored normal.
 inline constexpr double kNormalRounding = 0.87 / 32767;
+// Maximum error of a stored position (m) and of a stored confidence: half a step.
+inline constexpr double kPositionRounding = 0.87 / 65536;
+inline constexpr double kConfidenceRounding = 0.5 / 256;
 
 // Random surfel whose values are exact in storage.
 inline Surfel RandomSurfel(std::mt19937_64* rng) {
   Surfel s;
-  for (float& x : s.position_in_world) x = Uniform(-3, 3, rng);
+  for (float& x : s.position_in_world) x = StoredCoordinate(Uniform(-3, 3, rng));
   s.normal_in_world = StoredNormal(RandomNormal(1, rng));
   s.color = RandomColor(rng);
   s.radius_m = StoredLength(Uniform(0.001f, 0.02f, rng));
-  s.confidence = Uniform(0.1f, 20, rng);
+  s.confidence = SmallSum::ToFloat(SmallSum::From(Uniform(0.1f, 20, rng)));
   s.first_seen = static_cast<std::int32_t>((*rng)() % 50);
   s.last_seen = s.first_seen + static_cast<std::int32_t>((*rng)() % 50);
   s.at_edge = (*rng)() % 2 == 0;
@@ -89,9 +95,12 @@ inline Eigen::Vector3d ColorAsVector(Rgb8 color) {
   return {1. * color.r, 1. * color.g, 1. * color.b};
 }
 
-inline SurfelObservation RandomObservation(std::mt19937_64* rng) {
+// Observation within 0.2 m of a surfel along each axis.
+inline SurfelObservation RandomObservation(const Surfel& of, std::mt19937_64* rng) {
   SurfelObservation seen;
-  for (float& x : seen.position_in_world) x = Uniform(-3, 3, rng);
+  for (int i = 0; i < 3; ++i) {
+    seen.position_in_world[i] = of.position_in_world[i] + Uniform(-0.2f, 0.2f, rng);
+  }
   seen.normal_in_world = RandomNormal(0.5f, rng);
   seen.color = ColorAsVector(RandomColor(rng)).cast<float>();
   seen.radius_m = StoredLength(Uniform(0.001f, 0.02f, rng));

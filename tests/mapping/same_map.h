@@ -32,9 +32,9 @@ inline void ExpectConsistent(const SurfelMap& map) {
       count += block.count;
       for (const SurfelBounds& bounds : {block.bounds, cell.bounds}) {
         for (int k = 0; k < block.count; ++k) {
-          EXPECT_GE(block.confidence[k], bounds.least_confidence);
-          EXPECT_GE(block.last_seen[k], bounds.least_last_seen);
-          const float position[] = {block.x[k], block.y[k], block.z[k]};
+          EXPECT_GE(block.Confidence(k), bounds.least_confidence);
+          EXPECT_GE(block.LastSeen(k), bounds.least_last_seen);
+          const Eigen::Vector3f position = block.Position(k);
           for (int axis = 0; axis < 3; ++axis) {
             EXPECT_GE(position[axis], bounds.low[axis]);
             EXPECT_LE(position[axis], bounds.high[axis]);
@@ -56,11 +56,11 @@ inline void ExpectSameMap(const SurfelMap& a, const SurfelMap& b) {
     const SurfelBlock& q = b.block(id / SurfelBlock::kCapacity);
     const int k = id % SurfelBlock::kCapacity;
     const auto same = [k](const auto& x, const auto& y) { return x[k] == y[k]; };
-    different += !(same(p.x, q.x) && same(p.y, q.y) && same(p.z, q.z) && same(p.nx, q.nx) &&
-                   same(p.ny, q.ny) && same(p.nz, q.nz) && same(p.red, q.red) &&
-                   same(p.green, q.green) && same(p.blue, q.blue) && same(p.radius, q.radius) &&
-                   same(p.confidence, q.confidence) && same(p.first_seen, q.first_seen) &&
-                   same(p.last_seen, q.last_seen) && p[k].at_edge == q[k].at_edge);
+    different += !(p.Position(k) == q.Position(k) && same(p.nx, q.nx) && same(p.ny, q.ny) &&
+                   same(p.nz, q.nz) && same(p.red, q.red) && same(p.green, q.green) &&
+                   same(p.blue, q.blue) && same(p.radius, q.radius) &&
+                   same(p.confidence, q.confidence) && p.FirstSeen(k) == q.FirstSeen(k) &&
+                   p.LastSeen(k) == q.LastSeen(k) && p[k].at_edge == q[k].at_edge);
   }
   EXPECT_EQ(different, 0u) << "of " << ids.size() << " surfels";
 }

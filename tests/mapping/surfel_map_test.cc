@@ -45,19 +45,21 @@ TEST(SurfelMap, StoresSurfelsByCell) {
 }
 
 // A surfel of noise far outside the world needs only its cell.
-TEST(SurfelMap, SupportsPositionsFarOutside) {
+TEST(SurfelMap, LimitsPositionsFarOutside) {
   SurfelMap map;
   Surfel s;
   for (const float x : {-1e30f, 1e30f, 1e6f}) {
     s.position_in_world = {x, 0, -x};
-    EXPECT_EQ(map[map.Append(s)].position_in_world, s.position_in_world);
+    const Eigen::Vector3f stored = map[map.Append(s)].position_in_world;
+    const float farthest = std::copysign(SurfelMap::kFarthest_m, x);
+    EXPECT_LT((stored - Eigen::Vector3f(farthest, 0, -farthest)).norm(), 1);
   }
   ExpectConsistent(map);
 }
 
 // All blocks of a cell except the last block are full. So a map with only 1000 surfels per cell
-// needs little more than 47 bytes per surfel.
-TEST(SurfelMap, NeedsAtMost48BytesPerSurfel) {
+// needs little more than 30 bytes per surfel.
+TEST(SurfelMap, NeedsAtMost31BytesPerSurfel) {
   std::mt19937_64 rng(10);
   SurfelMap map;
   for (int i = 0; i < 400000; ++i) {
@@ -67,7 +69,7 @@ TEST(SurfelMap, NeedsAtMost48BytesPerSurfel) {
   }
   const double bytes = 1. * map.id_end() / SurfelBlock::kCapacity * sizeof(SurfelBlock) +
                        1. * map.cell_count() * sizeof(SurfelCell);
-  EXPECT_LE(bytes / static_cast<double>(map.size()), 48);
+  EXPECT_LE(bytes / static_cast<double>(map.size()), 31);
 }
 
 TEST(SurfelMap, KeepsEveryByteOfColor) {
@@ -85,7 +87,7 @@ void CheckRemoval(int size, float share, float spread, std::mt19937_64* rng) {
   std::vector<decltype(AsTuple(Surfel()))> expected, actual;
   for (int i = 0; i < size; ++i) {
     Surfel surfel = RandomSurfel(rng);
-    surfel.position_in_world *= spread;
+    for (float& x : surfel.position_in_world) x = StoredCoordinate(spread * x);
     const std::int32_t id = map.Append(surfel);
     const bool removed = Uniform(0, 1, rng) < share;
     if (removed) map.Mark(id);
@@ -112,7 +114,7 @@ TEST(RemoveMarked, RemovesMarkedSurfelsOnly) {
   }
 }
 
-TEST(ReassignCells, RemovesMarkedSurfelsThatChangeTheirCell) {
+TEST(Relocate, RemovesMarkedSurfels) {
   std::mt19937_64 rng(9);
   SurfelMap map;
   std::vector<std::int32_t> ids;
@@ -122,13 +124,12 @@ TEST(ReassignCells, RemovesMarkedSurfelsThatChangeTheirCell) {
     surfel.first_seen = i;
     ids.push_back(map.Append(surfel));
   }
-  for (int i = 0; i < 100; i += 2) {  // every second surfel moves to another cell
-    map.block(ids[i] / SurfelBlock::kCapacity)
-        .SetPosition(ids[i] % SurfelBlock::kCapacity, {5, 0, 0});
-  }
+  std::vector<SurfelMove> moves;
+  for (int i = 0; i < 100; i += 2) moves.push_back({ids[i], {5, 0, 0}});  // to another cell
   for (int i = 0; i < 100; i += 4) map.Mark(ids[i]);
   for (int i = 1; i < 100; i += 4) map.Mark(ids[i]);
-  EXPECT_EQ(map.ReassignCells(), 25u);
+  EXPECT_EQ(map.Relocate(moves), 25u);
+  ExpectConsistent(map);
   EXPECT_EQ(map.size(), 50u);
   for (const std::int32_t id : map.Ids()) {
     const Surfel surfel = map[id];
@@ -153,7 +154,7 @@ TEST(RemoveMarked, KeepsFractionsOfColors) {
     Surfel surfel = RandomSurfel(&rng);
     surfel.position_in_world *= 0.01f;
     map.Append(surfel);
-    map.Merge(i, RandomObservation(&rng), kNoCap);
+    map.Merge(i, RandomObservation(map[i], &rng), kNoCap);
   }
   const Eigen::Vector3d last = StoredColor(map, 2);
   map.Mark(0);

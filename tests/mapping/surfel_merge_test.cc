@@ -18,7 +18,7 @@ TEST(Merge, IsWeightedAverage) {
     SurfelMap map;
     map.Append(RandomSurfel(&rng));
     const Surfel q = map[0];
-    const SurfelObservation p = RandomObservation(&rng);
+    const SurfelObservation p = RandomObservation(map[0], &rng);
     map.Merge(0, p, kNoCap);
     const double w = q.confidence, a = p.weight;
     const Eigen::Vector3d position =
@@ -28,9 +28,10 @@ TEST(Merge, IsWeightedAverage) {
     const double wc = q.color_weight, ac = p.color_weight;
     const Eigen::Vector3d color =
         (wc * ColorAsVector(q.color) + ac * p.color.cast<double>()) / (wc + ac);
-    // A difference up to 6, its product with the weight (two roundings), and a sum: at most five
-    // roundings of 6 per axis.
-    EXPECT_THAT(map[0].position_in_world.cast<double>(), VectorNear(position, 30 * kUlp * 2));
+    // A difference, its product with the weight (two roundings), and two sums of at most 4: at most
+    // five roundings of 4 per axis.
+    EXPECT_THAT(map[0].position_in_world.cast<double>(),
+                VectorNear(position, 20 * kUlp * 2 + kPositionRounding));
     EXPECT_THAT(map[0].normal_in_world.cast<double>(),
                 VectorNear(normal, 10 * kUlp * 2 + kNormalRounding));
     EXPECT_NEAR(map[0].normal_in_world.norm(), 1, 4 * kUlp + kNormalRounding);
@@ -39,7 +40,7 @@ TEST(Merge, IsWeightedAverage) {
     EXPECT_LE(map[0].color_weight, (wc + ac) * (1 + kUlp));
     EXPECT_GE(map[0].color_weight, (wc + ac) * 8 / 9);
     EXPECT_EQ(map[0].radius_m, std::min(q.radius_m, p.radius_m));
-    EXPECT_NEAR(map[0].confidence, w + a, (w + a) * kUlp);
+    EXPECT_NEAR(map[0].confidence, w + a, (w + a) * kUlp + kConfidenceRounding);
     EXPECT_EQ(map[0].first_seen, q.first_seen);
     EXPECT_EQ(map[0].last_seen, q.last_seen);
   }
@@ -50,13 +51,13 @@ TEST(Merge, KeepsGeometryWithoutShapeWeight) {
   SurfelMap map;
   map.Append(RandomSurfel(&rng));
   const Surfel q = map[0];
-  SurfelObservation p = RandomObservation(&rng);
+  SurfelObservation p = RandomObservation(map[0], &rng);
   p.shape_weight = 0;
   map.Merge(0, p, kNoCap);
   EXPECT_EQ(map[0].position_in_world, q.position_in_world);
   EXPECT_EQ(map[0].normal_in_world, q.normal_in_world);
   EXPECT_EQ(map[0].radius_m, q.radius_m);
-  EXPECT_FLOAT_EQ(map[0].confidence, q.confidence + p.weight);
+  EXPECT_NEAR(map[0].confidence, q.confidence + p.weight, 1.01 * kConfidenceRounding);
   const double share = p.color_weight / (1. * q.color_weight + p.color_weight);
   const Eigen::Vector3d color =
       ColorAsVector(q.color) + share * (p.color.cast<double>() - ColorAsVector(q.color));
@@ -70,7 +71,7 @@ TEST(Merge, OneObservationInsideSurfaceClearsEdgeFlag) {
     Surfel surfel = RandomSurfel(&rng);
     surfel.at_edge = at_edge;
     map.Append(surfel);
-    SurfelObservation seen = RandomObservation(&rng);
+    SurfelObservation seen = RandomObservation(map[0], &rng);
     seen.at_edge = true;
     map.Merge(0, seen, kNoCap);
     EXPECT_EQ(map[0].at_edge, at_edge);
@@ -89,7 +90,7 @@ TEST(Merge, KeepsOtherSurfels) {
     map.Append(surfel);
   }
   const Surfel first = map[0], last = map[2];
-  map.Merge(1, RandomObservation(&rng), kNoCap);
+  map.Merge(1, RandomObservation(map[1], &rng), kNoCap);
   EXPECT_EQ(AsTuple(map[0]), AsTuple(first));
   EXPECT_EQ(AsTuple(map[2]), AsTuple(last));
   ExpectConsistent(map);
@@ -103,15 +104,16 @@ TEST(Merge, LimitsConfidenceAndStillMovesSurfel) {
   s.radius_m = 0.01f;
   map.Append(s);
   SurfelObservation seen;
-  seen.position_in_world = {0, 0, 1};
+  seen.position_in_world = {0, 0, 0.2f};
   seen.normal_in_world = {0, 0, -1};
   seen.radius_m = 0.01f;
   map.Merge(0, seen, 200);
   EXPECT_EQ(map[0].confidence, 200);
-  EXPECT_FLOAT_EQ(map[0].position_in_world.z(), 1 / 200.5f);
+  EXPECT_NEAR(map[0].position_in_world.z(), 0.2 / 200.5, kPositionRounding);
   map.Merge(0, seen, 200);
   EXPECT_EQ(map[0].confidence, 200);
-  EXPECT_FLOAT_EQ(map[0].position_in_world.z(), 1 / 200.5f + (1 - 1 / 200.5f) / 201);
+  EXPECT_NEAR(map[0].position_in_world.z(), 0.2 / 200.5 + (0.2 - 0.2 / 200.5) / 201,
+              2 * kPositionRounding);
 }
 
 // With w = 1 for the first and a = 1 for each further observation, the weighted average is the
@@ -126,7 +128,7 @@ TEST(Merge, EqualWeightsGiveMean) {
   Eigen::Vector3d position_sum = first.position_in_world.cast<double>();
   float smallest = first.radius_m;
   for (int n = 2; n <= kCount; ++n) {
-    SurfelObservation seen = RandomObservation(&rng);
+    SurfelObservation seen = RandomObservation(first, &rng);
     seen.weight = seen.shape_weight = seen.color_weight = 1;
     position_sum += seen.position_in_world.cast<double>();
     smallest = std::min(smallest, seen.radius_m);
@@ -136,10 +138,11 @@ TEST(Merge, EqualWeightsGiveMean) {
   EXPECT_EQ(map[0].radius_m, smallest);
   // Merge n has the rounding error e and scales older errors by (n - 1) / n: n E_n = (n - 1)
   // E_(n-1) + n e, so E_N <= e (N + 1) / 2. For positions up to 3 m, e is about 3 roundings of 3 m
-  // per axis.
+  // per axis, and the rounding of the stored position.
   constexpr double kGrowth = (kCount + 1) / 2.;
-  EXPECT_THAT(map[0].position_in_world.cast<double>(),
-              VectorNear(position_sum / kCount, std::sqrt(3) * 9 * kUlp * kGrowth));
+  EXPECT_THAT(
+      map[0].position_in_world.cast<double>(),
+      VectorNear(position_sum / kCount, (std::sqrt(3) * 9 * kUlp + kPositionRounding) * kGrowth));
 }
 
 // Sums of weights up to 8 are exact in a byte, so the first eight colours are averaged.
@@ -151,7 +154,7 @@ TEST(Merge, FirstColorsOfEqualWeightGiveMean) {
   map.Append(first);
   Eigen::Vector3d sum = ColorAsVector(first.color);
   for (int n = 2; n <= 8; ++n) {
-    SurfelObservation seen = RandomObservation(&rng);
+    SurfelObservation seen = RandomObservation(map[0], &rng);
     seen.color_weight = 1;
     sum += seen.color.cast<double>();
     map.Merge(0, seen, kNoCap);
@@ -221,6 +224,46 @@ TEST(SmallLength, HasRelativeErrorBelow1In2048) {
   for (int small = 0; small < 65536; ++small) {
     const auto bits = static_cast<std::uint16_t>(small);
     ASSERT_EQ(SmallLength::From(SmallLength::ToFloat(bits)), bits);
+  }
+}
+
+TEST(SmallNumber, RoundsToNearestAndClamps) {
+  for (int i = 0; i < 20000; ++i) {
+    const float number = 0.0127f * static_cast<float>(i), fraction = number / 256;
+    ASSERT_NEAR(SmallSum::ToFloat(SmallSum::From(number)), number, kConfidenceRounding);
+    ASSERT_NEAR(SmallCoordinate::ToFloat(SmallCoordinate::From(fraction)), fraction,
+                0.5 * SmallCoordinate::kStep);
+  }
+  for (int small = 0; small < 65536; ++small) {
+    const auto bits = static_cast<std::uint16_t>(small);
+    ASSERT_EQ(SmallSum::From(SmallSum::ToFloat(bits)), bits);
+    ASSERT_EQ(SmallCoordinate::From(SmallCoordinate::ToFloat(bits)), bits);
+  }
+  EXPECT_EQ(SmallSum::From(-1), 0);
+  EXPECT_EQ(SmallSum::From(1e30f), 65535);
+}
+
+// A cell has half its size as a margin for merged surfels.
+TEST(Merge, KeepsSurfelsWithinTheMarginOfTheirCell) {
+  SurfelMap map;
+  map.Append(Disc({0.2f, 0, 1}, {0, 0, -1}, 0.01f, 1));
+  SurfelObservation seen;
+  seen.normal_in_world = {0, 0, -1};
+  for (const float x : {0.7f, 3.f}) {
+    seen.position_in_world = {x, 0, 1};
+    map.Merge(0, seen, kNoCap);
+    EXPECT_NEAR(map[0].position_in_world.x(), x == 3 ? 0.5 : 0.45, 2 * kPositionRounding);
+    ExpectConsistent(map);
+  }
+}
+
+TEST(SurfelBlock, StoresEveryFrameIndex) {
+  SurfelBlock block;
+  for (const std::int32_t frame : {0, 1, 65535, 65536, SurfelBlock::kMaxFrame}) {
+    block.SetFirstSeen(3, frame);
+    block.SetLastSeen(5, frame);
+    EXPECT_EQ(block.FirstSeen(3), frame);
+    EXPECT_EQ(block.LastSeen(5), frame);
   }
 }
 

@@ -94,12 +94,11 @@ TEST(SurfelColoring, ConfidenceSpansTheRangeOfTheMapLogarithmically) {
 
 TEST(SurfelColoring, ConfidenceOfZeroHasAScale) {
   SurfelMap map = TwoSurfels();
-  float* const confidence = map.block(0).confidence;
-  confidence[0] = 0;
-  confidence[1] = 1e6f;
+  map.block(0).SetConfidence(0, 0);
+  map.block(0).SetConfidence(1, 200);
   const SurfelColoring coloring = ColorByConfidence(map);
-  EXPECT_FLOAT_EQ(coloring.scale->low(), 100);  // four decades
-  confidence[1] = 0;
+  EXPECT_FLOAT_EQ(coloring.scale->low(), 0.02);  // four decades
+  map.block(0).SetConfidence(1, 0);
   EXPECT_FLOAT_EQ(ColorByConfidence(map).scale->low(), 0.01);
   EXPECT_FLOAT_EQ(ColorByConfidence(map).scale->high(), 1);
 }

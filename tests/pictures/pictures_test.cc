@@ -155,7 +155,7 @@ TEST(WriteMapPictures, HidesOccludedSurfaces) {
 
 void SetConfidence(float confidence, SurfelMap* map) {
   for (const std::int32_t id : map->Ids()) {
-    map->block(id / SurfelBlock::kCapacity).confidence[id % SurfelBlock::kCapacity] = confidence;
+    map->block(id / SurfelBlock::kCapacity).SetConfidence(id % SurfelBlock::kCapacity, confidence);
   }
 }
 

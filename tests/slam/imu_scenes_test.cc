@@ -95,7 +95,7 @@ Trajectory LookAwayPath() {
 // The position along the wall is dead reckoning for three seconds. Registration slides by half a
 // metre there.
 TEST(SlamWithImu, SlidesAlongBareWallDoNotCorrectPrediction) {
-  constexpr std::uint64_t kSensors = 4;
+  constexpr std::uint64_t kSensors = 8;
   double squares = 0;
   for (std::uint64_t seed = 0; seed < kSensors; ++seed) {
     const std::vector<double> errors = PositionErrors(BareWall(), LookAwayPath(), seed);

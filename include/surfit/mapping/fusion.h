@@ -74,7 +74,8 @@ class Fusion {
   // neighbour on the same plane, and do not move surfels. Colours are sampled at the surfel
   // centres, with the camera motion between depth and colour. New surfels without a colour are
   // black (no brightness) with color_weight 0, or grey without a colour image. Ids become invalid.
-  // The result is the same for any number of threads. Throws if depth and `surface` differ in size.
+  // The result is the same for any number of threads. Throws if depth and `surface` differ in size,
+  // or if the frame index is negative or above SurfelBlock::kMaxFrame.
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                     const Rigid3d& world_from_camera, const FrameMotion& motion, SurfelMap* map);
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,

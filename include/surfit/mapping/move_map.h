@@ -38,7 +38,7 @@ struct Recalibration {
 // Statistics of a map correction.
 struct MoveReport {
   std::size_t moved = 0;         // surfels whose correction is not the identity
-  std::size_t changed_cell = 0;  // surfels that SurfelMap::ReassignCells() moved
+  std::size_t changed_cell = 0;  // surfels that moved to another cell
 };
 
 // Moves each surfel rigidly with the frame that saw it first. Ids become invalid. The result is
@@ -53,7 +53,8 @@ MoveReport MoveMap(const FrameCorrections& corrections, SurfelMap* map);
 MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& recalibration,
                    SurfelMap* map);
 
-// Appends the surfels of a map to another map. `frame_shift` is added to their frame indices.
+// Appends the surfels of a map to another map. `frame_shift` is added to their frame indices, which
+// must not be negative. Throws InputError if one is then above SurfelBlock::kMaxFrame.
 void AppendSurfels(const SurfelMap& from, int frame_shift, SurfelMap* to);
 
 // Makes surfels active again, for example after a loop closure: sets last_seen to `now` if it is in

@@ -76,6 +76,23 @@ class SmallUnit {
   static constexpr float kSteps = 32767.f;
 };
 
+// Number from 0 to 65535 / kSteps in steps of 1 / kSteps, a power of two. Rounds to nearest, and
+// clamps other numbers.
+template <int kSteps>
+class SmallNumber {
+ public:
+  static constexpr float kStep = 1.f / kSteps;
+
+  static std::uint16_t From(float number) {
+    const float steps = std::min(std::max(0.f, kSteps * number), 65535.f);
+    return static_cast<std::uint16_t>(static_cast<std::int32_t>(steps + 0.5f));
+  }
+  static float ToFloat(std::uint16_t small) { return kStep * static_cast<float>(small); }
+};
+
+using SmallSum = SmallNumber<256>;           // below 256, for confidences
+using SmallCoordinate = SmallNumber<65536>;  // below 1 m, in steps of 15 um
+
 // Observation of a surfel by one frame: the average of its points.
 struct SurfelObservation {
   // Average of the points that are accurate enough for the shape.
@@ -105,10 +122,14 @@ struct SurfelBounds {
   static constexpr float kMost = std::numeric_limits<float>::infinity();
 };
 
-// Up to kCapacity neighbouring surfels as structure of arrays, 39 bytes per surfel. The first
+// Up to kCapacity neighbouring surfels as structure of arrays, 29 bytes per surfel. The first
 // `count` are in use. All numbers are finite, because loops process the whole block.
+//
+// Positions are relative to the corner `origin` of a cube of 1 m: the cell of the map, plus half a
+// cell on each side. Positions outside of the cube are clamped.
 struct SurfelBlock {
-  static constexpr int kCapacity = 64;  // one bit per surfel in a mask
+  static constexpr int kCapacity = 64;                      // one bit per surfel in a mask
+  static constexpr std::int32_t kMaxFrame = (1 << 24) - 1;  // 6.5 days at 30 Hz
 
   std::uint64_t at_edge = 0;      // mask: observed at depth edges only
   std::uint64_t to_remove = 0;    // mask: see SurfelMap::RemoveMarked()
@@ -116,24 +137,38 @@ struct SurfelBlock {
   std::int32_t count = 0;
   std::int32_t cell = 0;  // index of its cell in the map
   SurfelBounds bounds;
+  float origin[3] = {-0.5f, -0.5f, -0.5f};  // in the world, m
 
-  float x[kCapacity] = {}, y[kCapacity] = {}, z[kCapacity] = {};  // position in the world, m
+  std::uint16_t x[kCapacity] = {}, y[kCapacity] = {}, z[kCapacity] = {};    // SmallCoordinate
   std::int16_t nx[kCapacity] = {}, ny[kCapacity] = {}, nz[kCapacity] = {};  // SmallUnit: Normal()
-  std::uint16_t radius[kCapacity] = {};  // SmallLength: Radius_m()
-  float confidence[kCapacity] = {};
-  std::int32_t first_seen[kCapacity] = {}, last_seen[kCapacity] = {};  // frame index
+  std::uint16_t radius[kCapacity] = {};      // SmallLength: Radius_m()
+  std::uint16_t confidence[kCapacity] = {};  // SmallSum: Confidence()
+  // Frame indices: the lower 16 bits and the upper 8 bits.
+  std::uint16_t last_seen_low[kCapacity] = {};
+  std::uint8_t last_seen_high[kCapacity] = {};
+  std::uint16_t first_seen_low[kCapacity] = {};
+  std::uint8_t first_seen_high[kCapacity] = {};
   // sRGB in units of 1/256 of an 8-bit step. The lowest bits store the WeightByte of the colour:
   // bits 0 to 2 in blue, 3 to 5 in green, 6 and 7 in red.
   std::uint16_t red[kCapacity] = {}, green[kCapacity] = {}, blue[kCapacity] = {};
 
   Surfel operator[](int k) const;
-  Eigen::Vector3f Position(int k) const { return {x[k], y[k], z[k]}; }
+  float X(int k) const { return origin[0] + SmallCoordinate::ToFloat(x[k]); }  // in the world, m
+  float Y(int k) const { return origin[1] + SmallCoordinate::ToFloat(y[k]); }
+  float Z(int k) const { return origin[2] + SmallCoordinate::ToFloat(z[k]); }
+  Eigen::Vector3f Position(int k) const { return {X(k), Y(k), Z(k)}; }
   void SetPosition(int k, const Eigen::Vector3f& position);
   // Unit length, up to the rounding of SmallUnit.
   Eigen::Vector3f Normal(int k) const;
   void SetNormal(int k, const Eigen::Vector3f& normal);
   float Radius_m(int k) const { return SmallLength::ToFloat(radius[k]); }
   void SetRadius_m(int k, float radius_m) { radius[k] = SmallLength::From(radius_m); }
+  float Confidence(int k) const { return SmallSum::ToFloat(confidence[k]); }
+  void SetConfidence(int k, float number) { confidence[k] = SmallSum::From(number); }
+  std::int32_t FirstSeen(int k) const { return first_seen_high[k] << 16 | first_seen_low[k]; }
+  void SetFirstSeen(int k, std::int32_t frame);  // 0 to kMaxFrame
+  std::int32_t LastSeen(int k) const { return last_seen_high[k] << 16 | last_seen_low[k]; }
+  void SetLastSeen(int k, std::int32_t frame);  // 0 to kMaxFrame
   Rgb8 Color(int k) const;
   // sRGB from 0 to 255, in steps of 1/32.
   Eigen::Vector3f FineColor(int k) const;
@@ -144,9 +179,11 @@ struct SurfelBlock {
   void Write(int k, const Surfel& surfel);
   // Updates at_edge, from_stereo and bounds for surfel k. Not thread-safe.
   void Announce(int k, const Surfel& surfel);
-  // Replaces surfel k by surfel j of another block, with its at_edge and from_stereo bits. Extends
-  // the bounds.
-  void Take(int k, const SurfelBlock& other, int j);
+  // Replaces surfel k by surfel j of another block, with its at_edge and from_stereo bits, at this
+  // position. Extends the bounds.
+  void Take(int k, const SurfelBlock& other, int j, const Eigen::Vector3f& position);
+  // The position as it would be stored.
+  Eigen::Vector3f Rounded(const Eigen::Vector3f& position) const;
 
   // Averages surfel k (confidence w) with an observation of weight a. The confidence becomes w + a,
   // at most max_confidence. Position and normal move by the ratio shape_weight / (w + a). The
@@ -158,9 +195,19 @@ struct SurfelBlock {
 
 // Inline for speed: fusion makes several hundred thousand calls per frame.
 inline void SurfelBlock::SetPosition(int k, const Eigen::Vector3f& position) {
-  x[k] = position.x();
-  y[k] = position.y();
-  z[k] = position.z();
+  x[k] = SmallCoordinate::From(position.x() - origin[0]);
+  y[k] = SmallCoordinate::From(position.y() - origin[1]);
+  z[k] = SmallCoordinate::From(position.z() - origin[2]);
+}
+
+inline void SurfelBlock::SetFirstSeen(int k, std::int32_t frame) {
+  first_seen_low[k] = static_cast<std::uint16_t>(frame);
+  first_seen_high[k] = static_cast<std::uint8_t>(frame >> 16);
+}
+
+inline void SurfelBlock::SetLastSeen(int k, std::int32_t frame) {
+  last_seen_low[k] = static_cast<std::uint16_t>(frame);
+  last_seen_high[k] = static_cast<std::uint8_t>(frame >> 16);
 }
 
 inline Eigen::Vector3f SurfelBlock::Normal(int k) const {
@@ -197,7 +244,8 @@ inline void SurfelBlock::SetColor(int k, const Eigen::Vector3f& color, float wei
 
 inline void SurfelBlock::Merge(int k, const SurfelObservation& seen, float max_confidence) {
   // (w q + a p) / (w + a) = q + a / (w + a) (p - q)
-  const float inverse_sum = 1.f / (confidence[k] + seen.weight);
+  const float weight = Confidence(k);
+  const float inverse_sum = 1.f / (weight + seen.weight);
   if (seen.shape_weight > 0.f) {
     const float share = seen.shape_weight * inverse_sum;
     const Eigen::Vector3f p = Position(k), n = Normal(k);
@@ -211,7 +259,7 @@ inline void SurfelBlock::Merge(int k, const SurfelObservation& seen, float max_c
     SetColor(k, before + seen.color_weight / sum * (seen.color - before), sum);
   }
   if (!seen.at_edge) at_edge &= ~(std::uint64_t{1} << k);
-  confidence[k] = std::min(confidence[k] + seen.weight, max_confidence);
+  SetConfidence(k, std::min(weight + seen.weight, max_confidence));
 }
 
 }  // namespace surfit

@@ -19,16 +19,23 @@ struct SurfelCell {
   std::uint64_t key = 0;   // identifies the cube
 };
 
+// New position of a surfel.
+struct SurfelMove {
+  std::int32_t id;
+  Eigen::Vector3f position_in_world;  // m
+};
+
 // Map of surfels in the world frame, m. Surfels are stored in blocks, and blocks in the cells of a
 // grid, so operations on a view access nearby cells only. Blocks keep their address when the map
 // grows. Not thread-safe for changes; concurrent reads are safe.
 //
 // An id is block * SurfelBlock::kCapacity + place. It is valid until a surfel of the same cell is
 // removed or changes its cell. Ids are below id_end(), with gaps (see Has()). Ids are not checked.
-// Positions must be finite.
+// Positions must be finite. They are stored in steps of 2^-16 m, and clamped beyond kFarthest_m.
 class SurfelMap {
  public:
-  static constexpr float kCellSize = 0.5f;  // m
+  static constexpr float kCellSize = 0.5f;        // m
+  static constexpr float kFarthest_m = 524288.f;  // from the origin, along each axis
 
   std::size_t size() const { return size_; }
   std::int32_t id_end() const {
@@ -56,13 +63,13 @@ class SurfelMap {
   // Removes all marked surfels, and returns their number. Ids in the affected cells change.
   std::size_t RemoveMarked();
 
-  // Moves surfels to the cells of their positions. Call after changing positions. Also removes all
-  // marked surfels. Returns the number of remaining surfels that changed their cell. Ids in the
-  // affected cells change.
-  std::size_t ReassignCells();
+  // Moves surfels to new positions, and to the cells of these positions. Removes all marked
+  // surfels. Returns the number of moved surfels, without the marked ones. Ids in the affected
+  // cells change.
+  std::size_t Relocate(const std::vector<SurfelMove>& moves);
 
   // Direct access to cells and blocks. References to cells are valid until the next Append() or
-  // ReassignCells(). The caller must keep masks and bounds consistent.
+  // Relocate(). The caller must keep masks and bounds consistent.
   std::int32_t cell_count() const { return static_cast<std::int32_t>(cells_.size()); }
   SurfelCell& cell(std::int32_t i) { return cells_[i]; }
   const SurfelCell& cell(std::int32_t i) const { return cells_[i]; }
@@ -77,7 +84,6 @@ class SurfelMap {
   std::int32_t CellAt(const Eigen::Vector3f& position_in_world);
   std::int32_t Place(const Surfel& surfel);
   void AddBlock(std::int32_t cell);
-  std::vector<std::int32_t> Strays() const;
   void RemoveMarked(SurfelCell* cell);
   void RemoveLast(SurfelCell* cell);
 

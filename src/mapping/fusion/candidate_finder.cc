@@ -104,7 +104,7 @@ void CandidateFinder::Judge(std::uint64_t inside, std::int32_t first_id, SurfelB
   ForEachBit(same, [&](int k) {
     const Patch patch = {p->centre.x[k], p->centre.y[k], p->centre.z[k],
                          p->normal.x[k], p->normal.y[k], p->normal.z[k]};
-    candidates->push_back({patch, block->Radius_m(k), block->confidence[k], first_id + k,
+    candidates->push_back({patch, block->Radius_m(k), block->Confidence(k), first_id + k,
                            p->pixel[k], p->distance2[k]});
   });
 }

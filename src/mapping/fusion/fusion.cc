@@ -108,6 +108,8 @@ void Fusion::ContinueAfter(const std::vector<int>& fused_frames) {
 FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                           const Rigid3d& world_from_camera, const FrameMotion& motion,
                           SurfelMap* map) {
+  ThrowIf(frame.index < 0 || frame.index > SurfelBlock::kMaxFrame, "the frame index ", frame.index,
+          " must be from 0 to ", SurfelBlock::kMaxFrame);
   ThrowIf(frame.depth_m.width() != surface.camera.width ||
               frame.depth_m.height() != surface.camera.height,
           "frame ", frame.index, ": the depth image has ", frame.depth_m.width(), " x ",
@@ -173,8 +175,8 @@ void Fusion::Workspace::MarkInactive(SurfelBlock* block) const {
     PerSurfel<float> confidence;
     std::int32_t least_last_seen = std::numeric_limits<std::int32_t>::max();
     for (int k = 0; k < kCapacity; ++k) {
-      confidence[k] = k < count ? block->confidence[k] : lasting;
-      const std::int32_t last_seen = k < count ? block->last_seen[k] : since;
+      confidence[k] = k < count ? block->Confidence(k) : lasting;
+      const std::int32_t last_seen = k < count ? block->LastSeen(k) : since;
       dormant[k] = (last_seen < since) & (confidence[k] < lasting);
       least_last_seen = last_seen < least_last_seen ? last_seen : least_last_seen;
     }
@@ -290,7 +292,7 @@ void Fusion::Workspace::MergePoints(const std::vector<Candidate>& of_cell, Surfe
     block.to_remove |= static_cast<std::uint64_t>(candidate.is_duplicate) << place;
     if (candidate.seen) {
       of_block.Add(place, *candidate.seen);
-      block.last_seen[place] = frame->index;
+      block.SetLastSeen(place, frame->index);
     }
     if (k + 1 < count && block_of(k + 1) == block_of(k)) continue;
     if (!of_block.empty()) {

@@ -34,7 +34,7 @@ inline std::uint64_t MaskOfAll(const SurfelBlock& block) {
 inline std::uint64_t MaskOfActive(const SurfelBlock& block, int frame) {
   if (block.bounds.least_last_seen >= frame) return ~std::uint64_t{0};
   PerSurfel<std::uint8_t> seen;
-  for (int k = 0; k < SurfelBlock::kCapacity; ++k) seen[k] = block.last_seen[k] >= frame;
+  for (int k = 0; k < SurfelBlock::kCapacity; ++k) seen[k] = block.LastSeen(k) >= frame;
   return MaskOf(seen);
 }
 
@@ -57,16 +57,17 @@ inline float LeastOf(const PerSurfel<float>& numbers) {
 // The block must not be empty.
 inline void BoundPositions(SurfelBlock* block) {
   WithInstructions([&](auto) {
-    const PerSurfel<float>* const positions[] = {&block->x, &block->y, &block->z};
+    const PerSurfel<std::uint16_t>* const positions[] = {&block->x, &block->y, &block->z};
     for (int axis = 0; axis < 3; ++axis) {
-      const PerSurfel<float>& all = *positions[axis];
-      PerSurfel<float> used, negative;
+      const PerSurfel<std::uint16_t>& all = *positions[axis];
+      std::uint16_t low = all[0], high = all[0];
       for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
-        used[k] = k < block->count ? all[k] : all[0];
-        negative[k] = -used[k];
+        const std::uint16_t used = k < block->count ? all[k] : all[0];
+        low = used < low ? used : low;
+        high = used > high ? used : high;
       }
-      block->bounds.low[axis] = LeastOf(used);
-      block->bounds.high[axis] = -LeastOf(negative);
+      block->bounds.low[axis] = block->origin[axis] + SmallCoordinate::ToFloat(low);
+      block->bounds.high[axis] = block->origin[axis] + SmallCoordinate::ToFloat(high);
     }
   });
 }
@@ -80,12 +81,11 @@ inline void Fetch(const void* begin, const void* end) {
 }
 
 // Prefetch parts of a block.
-inline void FetchShapes(const SurfelBlock& block) { Fetch(&block, block.first_seen); }
+inline void FetchShapes(const SurfelBlock& block) { Fetch(&block, block.first_seen_low); }
 inline void FetchAll(const SurfelBlock& block) { Fetch(&block, &block + 1); }
 inline void FetchAges(const SurfelBlock& block) {
   Fetch(&block, &block.bounds + 1);
-  Fetch(block.confidence, block.first_seen);
-  Fetch(block.last_seen, block.red);
+  Fetch(block.confidence, block.first_seen_low);
 }
 
 }  // namespace surfit

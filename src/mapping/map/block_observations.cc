@@ -38,9 +38,10 @@ void BlockObservations::MergeInto(SurfelBlock* block, float max_confidence) cons
     MergeShapes(block);
     MergeColors(block);
     for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
-      const float before = block->confidence[k], sum = before + weight_[k];
+      const float sum = block->Confidence(k) + weight_[k];
       const float bounded = max_confidence < sum ? max_confidence : sum;
-      block->confidence[k] = weight_[k] > 0.f ? bounded : before;
+      const std::uint16_t small = SmallSum::From(bounded);
+      block->confidence[k] = weight_[k] > 0.f ? small : block->confidence[k];
     }
   });
   block->at_edge &= ~within_mask_;
@@ -49,12 +50,15 @@ void BlockObservations::MergeInto(SurfelBlock* block, float max_confidence) cons
 void BlockObservations::MergeShapes(SurfelBlock* block) const {
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
     const bool moves = shape_weight_[k] > 0.f;
-    const float inverse_sum = 1.f / (moves ? block->confidence[k] + weight_[k] : 1.f);
+    const float inverse_sum = 1.f / (moves ? block->Confidence(k) + weight_[k] : 1.f);
     const float share = shape_weight_[k] * inverse_sum;
-    const float x = block->x[k], y = block->y[k], z = block->z[k];
-    block->x[k] = moves ? x + share * (x_[k] - x) : x;
-    block->y[k] = moves ? y + share * (y_[k] - y) : y;
-    block->z[k] = moves ? z + share * (z_[k] - z) : z;
+    const float x = block->X(k), y = block->Y(k), z = block->Z(k);
+    const std::uint16_t new_x = SmallCoordinate::From(x + share * (x_[k] - x) - block->origin[0]);
+    const std::uint16_t new_y = SmallCoordinate::From(y + share * (y_[k] - y) - block->origin[1]);
+    const std::uint16_t new_z = SmallCoordinate::From(z + share * (z_[k] - z) - block->origin[2]);
+    block->x[k] = moves ? new_x : block->x[k];
+    block->y[k] = moves ? new_y : block->y[k];
+    block->z[k] = moves ? new_z : block->z[k];
     const float before_x = SmallUnit::ToFloat(block->nx[k]);
     const float before_y = SmallUnit::ToFloat(block->ny[k]);
     const float before_z = SmallUnit::ToFloat(block->nz[k]);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <unordered_map>
 #include <vector>
 
@@ -114,7 +113,7 @@ constexpr float kSpacingsPerCube = 3;
 
 Patch PatchAt(const SurfelBlock& block, int k) {
   const Eigen::Vector3f n = block.Normal(k);
-  return {block.x[k], block.y[k], block.z[k], n.x(), n.y(), n.z()};
+  return {block.X(k), block.Y(k), block.Z(k), n.x(), n.y(), n.z()};
 }
 
 Eigen::Vector3f PositionOf(const Patch& patch) { return {patch.x, patch.y, patch.z}; }
@@ -122,30 +121,20 @@ Eigen::Vector3f PositionOf(const Patch& patch) { return {patch.x, patch.y, patch
 // Finds the cells of a map near a box, without a loop over all cells.
 class CellIndex {
  public:
-  explicit CellIndex(const SurfelMap& map) : cell_count_(map.cell_count()) {
+  explicit CellIndex(const SurfelMap& map) {
     for (std::int32_t i = 0; i < map.cell_count(); ++i) {
       const SurfelBounds& bounds = map.cell(i).bounds;
       if (bounds.empty()) continue;
       const Cubes cubes(bounds.low, bounds.high);
-      if (cubes.count() > kMostCubes) {
-        large_.push_back(i);
-      } else {
-        cubes.ForEach([&](std::uint64_t key) { cells_[key].push_back(i); });
-      }
+      cubes.ForEach([&](std::uint64_t key) { cells_[key].push_back(i); });
     }
   }
 
   // Ascending indices of cells that contain all cells whose bounds intersect the box.
   std::vector<std::int32_t> CellsNear(const Eigen::Vector3f& low,
                                       const Eigen::Vector3f& high) const {
-    const Cubes cubes(low.data(), high.data());
-    std::vector<std::int32_t> near = large_;
-    if (cubes.count() > cell_count_) {
-      near.resize(cell_count_);
-      std::iota(near.begin(), near.end(), 0);
-      return near;
-    }
-    cubes.ForEach([&](std::uint64_t key) {
+    std::vector<std::int32_t> near;
+    Cubes(low.data(), high.data()).ForEach([&](std::uint64_t key) {
       const auto at = cells_.find(key);
       if (at != cells_.end()) near.insert(near.end(), at->second.begin(), at->second.end());
     });
@@ -155,8 +144,6 @@ class CellIndex {
   }
 
  private:
-  static constexpr std::int64_t kMostCubes = 64;  // of a cell; a cell usually overlaps 8
-
   // Cubes of the size of cells that overlap a box.
   class Cubes {
    public:
@@ -165,11 +152,6 @@ class CellIndex {
         first_[axis] = IndexOf(low[axis]);
         last_[axis] = IndexOf(high[axis]);
       }
-    }
-    std::int64_t count() const {
-      std::int64_t count = 1;
-      for (int axis = 0; axis < 3; ++axis) count *= last_[axis] - first_[axis] + 1;
-      return count;
     }
     template <typename F>
     void ForEach(const F& f) const {
@@ -192,9 +174,7 @@ class CellIndex {
     std::array<std::int64_t, 3> first_, last_;
   };
 
-  std::int32_t cell_count_;
   std::unordered_map<std::uint64_t, std::vector<std::int32_t>> cells_;
-  std::vector<std::int32_t> large_;
 };
 
 struct NewerSurfel {
@@ -252,11 +232,11 @@ class DuplicateFinder {
     for (const std::int32_t b : cell.blocks) {
       const SurfelBlock& block = map_.block(b);
       for (int k = 0; k < block.count; ++k) {
-        if (block.first_seen[k] < duplicates_.newer_since) continue;
+        if (block.FirstSeen(k) < duplicates_.newer_since) continue;
         const Patch patch = PatchAt(block, k);
         newer.surfels.push_back(
-            {b * SurfelBlock::kCapacity + k, block.first_seen[k], patch, block.Radius_m(k)});
-        newer.most_first_seen = std::max(newer.most_first_seen, block.first_seen[k]);
+            {b * SurfelBlock::kCapacity + k, block.FirstSeen(k), patch, block.Radius_m(k)});
+        newer.most_first_seen = std::max(newer.most_first_seen, block.FirstSeen(k));
         bounds.Add(PositionOf(patch));
       }
     }
@@ -288,7 +268,7 @@ class DuplicateFinder {
   void AddOlder(std::int32_t b, const NewerOfCell& newer, std::vector<GridSurfel>* older) const {
     const SurfelBlock& block = map_.block(b);
     ForEachBit(MaskOfOlder(block, newer) & MaskOfAll(block), [&](int k) {
-      older->push_back({PatchAt(block, k), b * SurfelBlock::kCapacity + k, block.last_seen[k]});
+      older->push_back({PatchAt(block, k), b * SurfelBlock::kCapacity + k, block.LastSeen(k)});
     });
   }
 
@@ -296,11 +276,11 @@ class DuplicateFinder {
     return WithInstructions([&](auto) {
       const int seen_before = newer.most_first_seen - duplicates_.frames_apart;
       const float *low = newer.low.data(), *high = newer.high.data();
-      const PerSurfel<float>&x = block.x, &y = block.y, &z = block.z;
       PerSurfel<std::uint8_t> older;
       for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
-        older[k] = (block.last_seen[k] < seen_before) & (x[k] >= low[0]) & (x[k] <= high[0]) &
-                   (y[k] >= low[1]) & (y[k] <= high[1]) & (z[k] >= low[2]) & (z[k] <= high[2]);
+        const float x = block.X(k), y = block.Y(k), z = block.Z(k);
+        older[k] = (block.LastSeen(k) < seen_before) & (x >= low[0]) & (x <= high[0]) &
+                   (y >= low[1]) & (y <= high[1]) & (z >= low[2]) & (z <= high[2]);
       }
       return MaskOf(older);
     });
@@ -368,7 +348,7 @@ void MergeInto(std::int32_t older, std::int32_t newer, SurfelMap* map) {
   const Surfel seen = (*map)[newer];
   map->Merge(older, AsObservation(seen, FusionOptions::kMaxRadiusRatio * block.Radius_m(k)),
              FusionOptions::kMaxConfidence);
-  block.last_seen[k] = std::max(block.last_seen[k], seen.last_seen);
+  block.SetLastSeen(k, std::max(block.LastSeen(k), seen.last_seen));
   map->Mark(newer);
 }
 

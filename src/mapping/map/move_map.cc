@@ -155,50 +155,94 @@ class RecalibratedMoves {
   std::array<float, InverseDepthField::kSize> change_;
 };
 
-// Moves surfels k to k + 7 of the block, up to its count. Returns how many have moved.
-template <typename Instructions, typename Moves>
-int MoveEight(const FrameCorrections& corrections, const Moves& moves, int k, SurfelBlock* block) {
-  using V = Lanes<float, Instructions>;
-  const int count = std::min(8, block->count - k);
-  std::size_t frames[8];
-  float components[3][8];
-  for (int j = 0; j < 8; ++j) {
-    const int of = k + std::min(j, count - 1);
-    frames[j] = corrections.IndexOf(block->first_seen[of]);
-    const Eigen::Vector3f normal = block->Normal(of);
-    for (int i = 0; i < 3; ++i) components[i][j] = normal[i];
-  }
-  V position[3] = {V::Load(&block->x[k]), V::Load(&block->y[k]), V::Load(&block->z[k])};
-  V normal[3] = {V::Load(components[0]), V::Load(components[1]), V::Load(components[2])};
-  moves.template Move<Instructions>(frames, position, normal);
-  int moved = 0;
-  for (int j = 0; j < count; ++j) {
-    if (!moves.Moves(frames[j])) continue;
-    block->SetPosition(k + j, {position[0][j], position[1][j], position[2][j]});
-    block->SetNormal(k + j, {normal[0][j], normal[1][j], normal[2][j]});
-    ++moved;
-  }
-  return moved;
-}
-
+// Moves the surfels of a block, and collects the surfels that leave the cell.
 template <typename Moves>
-std::size_t MoveBlock(const FrameCorrections& corrections, const Moves& moves, SurfelBlock* block) {
-  int moved = 0;
-  WithInstructions([&](auto instructions) {
-    for (int k = 0; k < block->count; k += 8) {
-      moved += MoveEight<decltype(instructions)>(corrections, moves, k, block);
+class BlockMover {
+ public:
+  BlockMover(const FrameCorrections& corrections, const Moves& moves)
+      : corrections_(corrections), moves_(moves) {}
+
+  // Returns how many surfels have moved. Appends the surfels outside of the cell to `strays`: their
+  // positions in the block can be clamped.
+  int Move(std::int32_t first_id, SurfelBlock* block, std::vector<SurfelMove>* strays) {
+    int moved = 0;
+    const std::uint64_t outside = WithInstructions([&](auto instructions) {
+      for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
+        x_[k] = block->X(k);
+        y_[k] = block->Y(k);
+        z_[k] = block->Z(k);
+      }
+      for (int k = 0; k < block->count; k += 8) {
+        moved += MoveEight<decltype(instructions)>(k, block);
+      }
+      return Store(block);
+    });
+    ForEachBit(outside & MaskOfAll(*block) & ~block->to_remove, [&](int k) {
+      strays->push_back({first_id + k, {x_[k], y_[k], z_[k]}});
+    });
+    if (moved > 0) BoundPositions(block);
+    return moved;
+  }
+
+ private:
+  // Moves surfels k to k + 7 of the block, up to its count. Sets the normals.
+  template <typename Instructions>
+  int MoveEight(int k, SurfelBlock* block) {
+    using V = Lanes<float, Instructions>;
+    const int count = std::min(8, block->count - k);
+    std::size_t frames[8];
+    float components[3][8];
+    for (int j = 0; j < 8; ++j) {
+      const int of = k + std::min(j, count - 1);
+      frames[j] = corrections_.IndexOf(block->FirstSeen(of));
+      const Eigen::Vector3f normal = block->Normal(of);
+      for (int i = 0; i < 3; ++i) components[i][j] = normal[i];
     }
-  });
-  if (moved > 0) BoundPositions(block);
-  return static_cast<std::size_t>(moved);
-}
+    V position[3] = {V::Load(&x_[k]), V::Load(&y_[k]), V::Load(&z_[k])};
+    V normal[3] = {V::Load(components[0]), V::Load(components[1]), V::Load(components[2])};
+    moves_.template Move<Instructions>(frames, position, normal);
+    int moved = 0;
+    for (int j = 0; j < count; ++j) {
+      if (!moves_.Moves(frames[j])) continue;
+      x_[k + j] = position[0][j];
+      y_[k + j] = position[1][j];
+      z_[k + j] = position[2][j];
+      block->SetNormal(k + j, {normal[0][j], normal[1][j], normal[2][j]});
+      ++moved;
+    }
+    return moved;
+  }
+
+  // Sets the positions of the block. Returns the mask of positions outside of its cell.
+  std::uint64_t Store(SurfelBlock* block) const {
+    constexpr float kLow = 0.5f * SurfelMap::kCellSize, kHigh = 1.5f * SurfelMap::kCellSize;
+    PerSurfel<std::uint8_t> is_outside;
+    for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
+      const float x = x_[k] - block->origin[0], y = y_[k] - block->origin[1],
+                  z = z_[k] - block->origin[2];
+      block->x[k] = SmallCoordinate::From(x);
+      block->y[k] = SmallCoordinate::From(y);
+      block->z[k] = SmallCoordinate::From(z);
+      is_outside[k] =
+          (x < kLow) | (x >= kHigh) | (y < kLow) | (y >= kHigh) | (z < kLow) | (z >= kHigh);
+    }
+    return MaskOf(is_outside);
+  }
+
+  const FrameCorrections& corrections_;
+  const Moves& moves_;
+  alignas(32) PerSurfel<float> x_, y_, z_;  // positions in the world, m
+};
 
 template <typename Moves>
 std::size_t MoveCell(const FrameCorrections& corrections, const Moves& moves, std::int32_t index,
-                     SurfelMap* map) {
+                     SurfelMap* map, std::vector<SurfelMove>* strays) {
+  BlockMover<Moves> mover(corrections, moves);
   SurfelCell& cell = map->cell(index);
   std::size_t moved = 0;
-  for (const std::int32_t b : cell.blocks) moved += MoveBlock(corrections, moves, &map->block(b));
+  for (const std::int32_t b : cell.blocks) {
+    moved += mover.Move(b * SurfelBlock::kCapacity, &map->block(b), strays);
+  }
   if (moved == 0) return 0;
   cell.bounds = {};
   for (const std::int32_t b : cell.blocks) cell.bounds.Add(map->block(b).bounds);
@@ -207,11 +251,15 @@ std::size_t MoveCell(const FrameCorrections& corrections, const Moves& moves, st
 
 template <typename Moves>
 MoveReport MoveAll(const FrameCorrections& corrections, const Moves& moves, SurfelMap* map) {
+  std::vector<std::vector<SurfelMove>> of_cell(map->cell_count());
   MoveReport report;
   report.moved = ParallelSum(0, map->cell_count(), 1, std::size_t{0}, [&](int cell, int) {
-    return MoveCell(corrections, moves, cell, map);
+    return MoveCell(corrections, moves, cell, map, &of_cell[cell]);
   });
-  if (report.moved > 0) report.changed_cell = map->ReassignCells();
+  if (report.moved == 0) return report;
+  std::vector<SurfelMove> strays;
+  for (const auto& some : of_cell) strays.insert(strays.end(), some.begin(), some.end());
+  report.changed_cell = map->Relocate(strays);
   return report;
 }
 
@@ -241,10 +289,14 @@ void AppendSurfels(const SurfelMap& from, int frame_shift, SurfelMap* to) {
     for (const std::int32_t b : from.cell(c).blocks) {
       SurfelBlock block = from.block(b);
       for (int k = 0; k < block.count; ++k) {
-        block.first_seen[k] += frame_shift;
-        block.last_seen[k] += frame_shift;
+        const std::int64_t last = std::int64_t{block.LastSeen(k)} + frame_shift;
+        ThrowIf(last > SurfelBlock::kMaxFrame, "the frame index ", last, " must be at most ",
+                SurfelBlock::kMaxFrame);
+        block.SetFirstSeen(k, block.FirstSeen(k) + frame_shift);
+        block.SetLastSeen(k, block.LastSeen(k) + frame_shift);
         const std::int32_t added = to->Append(block[k]);
-        to->block(added / SurfelBlock::kCapacity).Take(added % SurfelBlock::kCapacity, block, k);
+        to->block(added / SurfelBlock::kCapacity)
+            .Take(added % SurfelBlock::kCapacity, block, k, block.Position(k));
       }
     }
   }
@@ -256,8 +308,9 @@ std::size_t ReactivateSurfels(int first, int last, int now, SurfelMap* map) {
     for (const std::int32_t b : map->cell(cell).blocks) {
       SurfelBlock& block = map->block(b);
       for (int k = 0; k < block.count; ++k) {
-        const bool wakes = block.last_seen[k] >= first && block.last_seen[k] <= last;
-        if (wakes) block.last_seen[k] = now;
+        const std::int32_t seen = block.LastSeen(k);
+        const bool wakes = seen >= first && seen <= last;
+        if (wakes) block.SetLastSeen(k, now);
         woken += wakes;
       }
     }

@@ -168,7 +168,7 @@ class Smoothing {
         const Moved& to = moved_[b * SurfelBlock::kCapacity + k];
         block.SetPosition(k, to.position);
         block.SetNormal(k, to.normal);
-        block.bounds.Add(to.position);
+        block.bounds.Add(block.Position(k));
       }
       cell->bounds.Add(block.bounds);
     }

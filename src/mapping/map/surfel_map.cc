@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/map/block_lanes.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 
@@ -14,6 +13,7 @@ namespace {
 // in the negative direction.
 constexpr int kAxisBits = 21;
 constexpr int kFarthest = 1 << (kAxisBits - 1);
+static_assert(kFarthest * SurfelMap::kCellSize == SurfelMap::kFarthest_m);
 
 // Index of the cube that contains the coordinate x, along one axis. Coordinates beyond the index
 // range belong to the outermost cube.
@@ -31,20 +31,6 @@ std::uint64_t CellKey(const Eigen::Vector3f& position_in_world) {
           static_cast<std::uint64_t>(static_cast<std::int64_t>(CubeIndex(x)) + kFarthest);
   }
   return key;
-}
-
-// Mask of the surfels whose position is outside of the cube, without surfels to remove.
-std::uint64_t MaskOfStrays(const SurfelBlock& block, const Eigen::Vector3i& cube) {
-  const Eigen::Vector3f own = cube.cast<float>();
-  PerSurfel<std::uint8_t> is_outside;
-  WithInstructions([&](auto) {
-    for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
-      is_outside[k] = static_cast<std::uint8_t>(CubeIndex(block.x[k]) != own.x()) |
-                      static_cast<std::uint8_t>(CubeIndex(block.y[k]) != own.y()) |
-                      static_cast<std::uint8_t>(CubeIndex(block.z[k]) != own.z());
-    }
-  });
-  return MaskOf(is_outside) & MaskOfAll(block) & ~block.to_remove;
 }
 
 }  // namespace
@@ -85,6 +71,10 @@ void SurfelMap::AddBlock(std::int32_t cell) {
   free_blocks_.pop_back();
   block(added) = SurfelBlock();
   block(added).cell = cell;
+  const Eigen::Vector3i cube = CubeOf(cells_[cell]);
+  for (int axis = 0; axis < 3; ++axis) {
+    block(added).origin[axis] = kCellSize * (static_cast<float>(cube[axis]) - 1.f);
+  }
   cells_[cell].blocks.push_back(added);
 }
 
@@ -151,29 +141,19 @@ std::size_t SurfelMap::RemoveMarked() {
   return before - size_;
 }
 
-std::size_t SurfelMap::ReassignCells() {
-  const std::vector<std::int32_t> strays = Strays();
-  for (const std::int32_t id : strays) {
-    const std::int32_t place = Place((*this)[id]);
-    block(BlockOf(place)).Take(PlaceOf(place), block(BlockOf(id)), PlaceOf(id));
+std::size_t SurfelMap::Relocate(const std::vector<SurfelMove>& moves) {
+  std::size_t moved = 0;
+  for (const auto& [id, position] : moves) {
+    if ((block(BlockOf(id)).to_remove >> PlaceOf(id) & 1) != 0) continue;
+    Surfel surfel = (*this)[id];
+    surfel.position_in_world = position;
+    const std::int32_t place = Place(surfel);
+    block(BlockOf(place)).Take(PlaceOf(place), block(BlockOf(id)), PlaceOf(id), position);
     Mark(id);
+    ++moved;
   }
   RemoveMarked();
-  return strays.size();
-}
-
-std::vector<std::int32_t> SurfelMap::Strays() const {
-  std::vector<std::vector<std::int32_t>> of_cell(cells_.size());
-  ParallelFor(0, cell_count(), 1, [&](int i, int) {
-    const Eigen::Vector3i cube = CubeOf(cells_[i]);
-    for (const std::int32_t b : cells_[i].blocks) {
-      ForEachBit(MaskOfStrays(block(b), cube),
-                 [&](int k) { of_cell[i].push_back(b * SurfelBlock::kCapacity + k); });
-    }
-  });
-  std::vector<std::int32_t> strays;
-  for (const auto& ids : of_cell) strays.insert(strays.end(), ids.begin(), ids.end());
-  return strays;
+  return moved;
 }
 
 // The last unmarked surfel of the cell fills each gap.
@@ -183,7 +163,8 @@ void SurfelMap::RemoveMarked(SurfelCell* cell) {
     while (hole.to_remove != 0) {
       const SurfelBlock& last = block(cell->blocks.back());
       if ((last.to_remove >> (last.count - 1) & 1) == 0) {
-        hole.Take(__builtin_ctzll(hole.to_remove), last, last.count - 1);
+        const int from = last.count - 1;
+        hole.Take(__builtin_ctzll(hole.to_remove), last, from, last.Position(from));
         hole.to_remove &= hole.to_remove - 1;
       }
       RemoveLast(cell);

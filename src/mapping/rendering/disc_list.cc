@@ -130,7 +130,7 @@ void DiscList::Assign(const SurfelMap& map, const SurfelCell& cell, const PosedC
     const std::uint64_t seen =
         FindDiscs(block, camera, options, &discs) & MaskOfActive(block, active_since);
     ForEachBit(seen, [&](int k) {
-      const Layer layer = block.confidence[k] >= options.stable_confidence ? kStable : kUnstable;
+      const Layer layer = block.Confidence(k) >= options.stable_confidence ? kStable : kUnstable;
       layers_[layer].Add(discs.Get(k, b * SurfelBlock::kCapacity + k));
     });
   }

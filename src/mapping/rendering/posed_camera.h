@@ -46,14 +46,17 @@ struct BlockCentres {
 };
 
 inline void FindCentres(const SurfelBlock& block, const PosedCamera& camera, BlockCentres* c) {
-  const Eigen::Matrix3f r = camera.rotation;
-  const Eigen::Vector3f t = camera.translation;
+  // Positions in the block are multiples of a step from its origin.
+  const Eigen::Matrix3f r = SmallCoordinate::kStep * camera.rotation;
+  const Eigen::Vector3f t =
+      camera.rotation * Eigen::Map<const Eigen::Vector3f>(block.origin) + camera.translation;
   const float fx = camera.fx, fy = camera.fy, cx = camera.cx, cy = camera.cy;
   const float r00 = r(0, 0), r01 = r(0, 1), r02 = r(0, 2), tx = t.x();
   const float r10 = r(1, 0), r11 = r(1, 1), r12 = r(1, 2), ty = t.y();
   const float r20 = r(2, 0), r21 = r(2, 1), r22 = r(2, 2), tz = t.z();
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
-    const float x = block.x[k], y = block.y[k], z = block.z[k];
+    const auto x = static_cast<float>(block.x[k]), y = static_cast<float>(block.y[k]),
+               z = static_cast<float>(block.z[k]);
     const float in_x = r00 * x + r01 * y + r02 * z + tx;
     const float in_y = r10 * x + r11 * y + r12 * z + ty;
     const float in_z = r20 * x + r21 * y + r22 * z + tz;

@@ -89,11 +89,12 @@ inline std::string Digest(const Trajectory& trajectory, const SurfelMap& map) {
   for (const std::int32_t id : map.Ids()) {
     const SurfelBlock& block = map.block(id / SurfelBlock::kCapacity);
     const int k = id % SurfelBlock::kCapacity;
-    const float numbers[] = {block.x[k], block.y[k], block.z[k], block.confidence[k]};
+    const Eigen::Vector3f position = block.Position(k);
     const std::int16_t normal[] = {block.nx[k], block.ny[k], block.nz[k]};
-    const std::uint16_t shorts[] = {block.radius[k], block.red[k], block.green[k], block.blue[k]};
-    const std::int32_t frames[] = {block.first_seen[k], block.last_seen[k]};
-    hash.Add(numbers, sizeof(numbers));
+    const std::uint16_t shorts[] = {block.radius[k], block.confidence[k], block.red[k],
+                                    block.green[k], block.blue[k]};
+    const std::int32_t frames[] = {block.FirstSeen(k), block.LastSeen(k)};
+    hash.Add(position.data(), 3 * sizeof(float));
     hash.Add(normal, sizeof(normal));
     hash.Add(shorts, sizeof(shorts));
     hash.Add(frames, sizeof(frames));
