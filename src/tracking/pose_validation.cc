@@ -22,7 +22,7 @@ constexpr double kMaxBehindNewest = 0.02;
 // view can compare are then the reason for the few inliers: they are on moving objects, on new
 // surfaces, or too distant. The bounds are inliers per correspondence, cells at the model surface
 // per cell with depth, and the inlier ratio relative to TrackingOptions::min_inlier_ratio.
-constexpr double kMinInliersPerPair = 0.8, kMinAtSurface = 0.25, kMinRelativeInliers = 0.3;
+constexpr double kMinInliersPerPair = 0.8, kMinAtSurface = 0.25, kMinRelativeInliers = 0.36;
 
 bool HasInliers(const IcpResult& icp, const TrackingOptions& options) {
   return icp.inlier_ratio >= options.min_inlier_ratio;

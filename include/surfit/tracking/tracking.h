@@ -48,8 +48,9 @@ struct TrackingOptions {
   // only. It is not used with an inertial sensor, or if icp.error_model has a photometric weight.
   double acceleration_m_per_s2 = 0;
   double angular_acceleration_rad_per_s2 = 4;
-  // Bounds of an accepted registration: IcpResult::inlier_ratio and IcpResult::rmse_m.
-  double min_inlier_ratio = 0.3;
+  // Bounds of an accepted registration: IcpResult::inlier_ratio and IcpResult::rmse_m. In fast
+  // turns, half of a frame shows new surfaces, which have no inliers.
+  double min_inlier_ratio = 0.25;
   double max_rmse_m = 0.03;
   // Frames with a lower inlier ratio are verified by features or global registration, as are frames
   // after a jump or a loss. 0: only lost and uncertain frames are searched; with place recognition,
