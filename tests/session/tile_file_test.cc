@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <numeric>
+#include <random>
+
 #include "mapping/random_surfel.h"
 #include "mapping/same_map.h"
 #include "testing/matchers.h"
